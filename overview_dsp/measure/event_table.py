@@ -43,7 +43,7 @@ from overview_dsp.measure.felt import (
     strokes,
 )
 from overview_dsp.measure.observer.noticed import TOUCH_WINDOW_S, levels, touch_pulses
-from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS
+from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS, TRAILING_S
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
@@ -52,9 +52,6 @@ from overview_dsp.units import HALF_TURN
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-TRAILING_S = 0.15
-"""Output that is analysed after the disk turns back: pulses end and are felt by then."""
 
 FLOOR_DB = -90.0
 """Lowest level of a row."""
@@ -312,7 +309,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     if outward:
         target, lag_ms, lag = _lags(done.job.gesture, stroke, rate, start, frames[0] / per_ms)
         lag_ms[~reached], lag[~reached] = np.nan, np.nan
-    moving = np.abs(slope[1 : max(2, arrived)])
+    moving = np.abs(slope[1:arrived]) if arrived > 1 else np.zeros(1)
     tenths = np.arange(0, max(1, len(moving) - 1), max(1, round(0.1 * rate)))
     events = [timeline.events[i] for i in surface.event.tolist()]
     kinds = np.array([event.kind for event in events], dtype=str)
