@@ -170,10 +170,7 @@ def arms(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     gestures = {f"arm {s} s": ov.arm(s) for s in ARMS} | {"flick 0.15 s": ov.flick(0.15)}
     gestures |= {f"sweep {s} s": ov.sweep(s) for s in STEADY}
     tables = {
-        name: {
-            key: arm.outward(preset, matches, {name: gesture})[name]
-            for key, matches in sets.items()
-        }
+        name: {key: way_out(preset, matches, gesture) for key, matches in sets.items()}
         for name, gesture in gestures.items()
     }
     for name, by_set in tables.items():
@@ -269,10 +266,7 @@ def levels(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     }
     gestures |= {"tap": ov.tap(1.0, 3.0)}
     out = {
-        name: {
-            key: arm.outward(preset, matches, {name: gesture})[name]
-            for key, matches in sets.items()
-        }
+        name: {key: way_out(preset, matches, gesture) for key, matches in sets.items()}
         for name, gesture in gestures.items()
     }
     for name, by_set in out.items():
@@ -308,10 +302,8 @@ def levels(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     )
     cells = (judged([arm.spread_db(one, "goal") for one in tables], EARLY_DB) for tables in two)
     yield row("a goal at 6 % against one at 50 %, dB", "recoil", f"{EARLY_DB:g}", *cells)
-    sweep = {
-        key: arm.outward(preset, matches, {"": ov.sweep(4.0)})[""] for key, matches in sets.items()
-    }
-    ranges = [[arm.felt_range_db(one) for one in sweep[key]] for key, matches in sets.items()]
+    sweep = {key: way_out(preset, matches, ov.sweep(4.0)) for key, matches in sets.items()}
+    ranges = [[arm.felt_range_db(one) for one in tables] for tables in sweep.values()]
     medians = (
         marked(
             bool(np.nanmedian(values) >= CURVE_DB),

@@ -48,7 +48,8 @@ FAULT_STEPS = 2.0
 """What a masked or merged event costs: as a pair of kinds that lack so many steps."""
 
 GOOD = 0.02
-"""The search ends at this cost: what is aimed at is all but reached."""
+"""The search ends at this cost: what is aimed at is all but reached. A target is met once all that
+is wanted of it is reached at the last speeds."""
 
 MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
 """Heights move by up to this ratio, widths by less: a width is a kind's character."""
@@ -350,16 +351,15 @@ class _Search:
         feels = self.measured(moves, speeds, self.names)
         costs, everything = self._costs(feels), np.arange(len(self.names))
         for count in range(self._tries):
-            if costs.sum() < GOOD:
+            enough = not self._apart and speeds is self.speeds[-1] and self.reached(feels)
+            if enough or costs.sum() < GOOD:
                 break
             progress(count / self._tries)
             if self._target and count < GUESSES:
                 which, tried = everything, self.raised(moves, feels)
             else:
-                which, tried = (
-                    np.array([rng.choice(len(costs), p=costs / costs.sum())]),
-                    moves.copy(),
-                )
+                which = np.array([rng.choice(len(costs), p=costs / costs.sum())])
+                tried = moves.copy()
                 if rng.random() < TOGETHER:
                     which = everything  # the others give way
                 height, width = rng.choice([1.0, 0.3]) * rng.normal(0.0, SPREAD)
