@@ -186,7 +186,24 @@ class FeltEvents:
         return np.asarray(self.contrast_db < STEP_DB)
 
     def of(self, *kinds: str) -> Flags:
-        """Return which rows are passed and of these kinds (none: all)."""
+        """Find the events that are passed, of some kinds or of all.
+
+        Parameters
+        ----------
+        *kinds : str
+            Their names; none: all kinds.
+
+        Returns
+        -------
+        bool (events,)
+            Which rows.
+
+        Examples
+        --------
+        >>> out, _ = ov.measure.felt_events(football, [match], {"fast": ov.sweep(1.0)})
+        >>> int(out.of("goal").sum())
+        5
+        """
         return self.passed & (np.isin(self.kind, kinds) if kinds else True)
 
     def __repr__(self) -> str:
