@@ -35,7 +35,7 @@ def objects(match, football, tmp_path_factory):
     job = ov.RenderJob(match, football, ov.tap(0.5, 0.1))
     (rendered,) = ov.render_many([job], sample_rate=8000, tail="none", threads=1)
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
-    crowd = ov.measure.crowd_report(football, [match], {"fast": ov.sweep(1.0)}, sample_rate=8000)
+    felt = ov.measure.felt_events(football, [match], {"fast": ov.sweep(1.0)}, sample_rate=8000)
     arm = ov.measure.arm_report(football, [match], {"arm 1 s": ov.arm(1.0)})
     shown = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
     asked = ov.measure.observe(football, modalities=["touch"], hands="mixed", learned=2, held_out=1)
@@ -53,7 +53,7 @@ def objects(match, football, tmp_path_factory):
         *(result.trace, result.strikes, engine, engine.meters, engine.surface, job, rendered),
         *(asked, scores, scores.strokes["mixed"]["touch"], scores.strokes["mixed"]["touch"].kinds),
         *(report, report.strokes[0], report.strokes[0].kinds[0], c2, builder, to_file),
-        *(arm, arm.strokes[0], crowd, crowd.strokes[0], crowd.strokes[0].kinds[0], *shown.values()),
+        *(arm, arm.strokes[0], *felt, *shown.values()),
         *(exported, exported.error, clip, ov.live.OutputSettings(actuator=c2), stream),
         *(stream.meters, ov.live.SignalSettings(3, gain_db=-6.0), ov.EvenTimes(1000, 0.001)),
         ov.LiveTimeline("A name as long as titles are, and longer still"),
@@ -70,7 +70,7 @@ def objects(match, football, tmp_path_factory):
         ov.live.OutputDevice(3, "A name as long as drivers give", "ALSA", 2, 48e3, 1 / 97, True),
         ov.measure.onsets(result.samples[:, 0], 8000),
         ov.measure.strokes(result.trace.touching, result.trace.cursor)[0],
-        ov.measure.Tuned(football, 2.1234567890123, True),
+        ov.measure.TuningResult(football, 2.1234567890123, True),
     ]
     return made
 

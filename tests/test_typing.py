@@ -81,7 +81,7 @@ latency: int = engine.latency_samples
 
 loud = preset.with_changes({"surface.friction": 6e-4})
 lines: list[str] = ov.measure.feel_report(loud, timeline).warnings()
-tuned: ov.Preset = ov.measure.tuned(loud, ["goal", "foul"]).preset
+tuned: ov.Preset = ov.measure.tune(loud, ["goal", "foul"]).preset
 between: list[ov.Preset] = ov.presets.morph(preset, loud, steps=5)
 ov.presets.save(loud, "loud.toml")
 files: tuple[Path, ...] = ov.export.export(result, "ahap", "match.ahap").files

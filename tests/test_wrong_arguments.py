@@ -146,13 +146,13 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
             m.feel_report,
             {
                 "preset": football,
-                "timeline": match,
+                "timelines": match,
                 "gestures": {"fast": ov.tap(0.2, 0.05)},
                 "sample_rate": 8000,
             },
         ),
-        "crowd_report": (
-            m.crowd_report,
+        "felt_events": (
+            m.felt_events,
             {
                 "preset": football,
                 "timelines": [match],

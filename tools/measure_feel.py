@@ -31,7 +31,7 @@ sys.path.insert(0, str(ROOT))
 import overview_dsp as ov  # noqa: E402
 from overview_dsp.design.gestures.scripts import CONTROL_RATE  # noqa: E402
 from overview_dsp.measure import arm  # noqa: E402
-from overview_dsp.measure.felt_events import FeltEvents, felt_events  # noqa: E402
+from overview_dsp.measure.event_table import FeltEvents, stroke_events  # noqa: E402
 from overview_dsp.offline.rendering.stems import ClickMeter, loudness_of  # noqa: E402
 from tests.feel import curves  # noqa: E402
 from tests.feel.whole_matches import CARDS, GOALS, real_files  # noqa: E402
@@ -80,6 +80,12 @@ TREMOR, TREMOR_HZ, TREMOR_S, TREMOR_CLICKS = 0.001, (6.0, 12.0), 5.5, 1
 LUFS, PEAK_DB, TEXTURE_DB, TEXTURE_HZ = -28.0, -1.0, -45.0, 500.0
 
 Sets = Mapping[str, Sequence[ov.Timeline]]
+
+
+def way_out(
+    preset: ov.Preset, matches: Sequence[ov.Timeline], gesture: ov.Gesture
+) -> list[FeltEvents]:
+    return arm.outward(preset, matches, {"": gesture})[""]
 
 
 def row(*cells: str) -> str:
@@ -164,7 +170,7 @@ def arms(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     gestures = {f"arm {s} s": ov.arm(s) for s in ARMS} | {"flick 0.15 s": ov.flick(0.15)}
     gestures |= {f"sweep {s} s": ov.sweep(s) for s in STEADY}
     tables = {
-        name: {key: arm.outward(preset, matches, gesture) for key, matches in sets.items()}
+        name: {key: way_out(preset, matches, gesture) for key, matches in sets.items()}
         for name, gesture in gestures.items()
     }
     for name, by_set in tables.items():
@@ -246,7 +252,7 @@ def scrubs(preset: ov.Preset, matches: Sequence[ov.Timeline], hz: float) -> str:
 def turned(
     preset: ov.Preset, matches: Sequence[ov.Timeline], gesture: ov.Gesture, target: float
 ) -> str:
-    off = [abs(one.turn - target) for one in arm.outward(preset, matches, gesture)]
+    off = [abs(one.turn - target) for one in way_out(preset, matches, gesture)]
     return judged(off, TURN_WITHIN, 3)
 
 
@@ -260,7 +266,7 @@ def levels(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     }
     gestures |= {"tap": ov.tap(1.0, 3.0)}
     out = {
-        name: {key: arm.outward(preset, matches, gesture) for key, matches in sets.items()}
+        name: {key: way_out(preset, matches, gesture) for key, matches in sets.items()}
         for name, gesture in gestures.items()
     }
     for name, by_set in out.items():
@@ -296,11 +302,8 @@ def levels(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     )
     cells = (judged([arm.spread_db(one, "goal") for one in tables], EARLY_DB) for tables in two)
     yield row("a goal at 6 % against one at 50 %, dB", "recoil", f"{EARLY_DB:g}", *cells)
-    sweep = {key: arm.outward(preset, matches, ov.sweep(4.0)) for key, matches in sets.items()}
-    ranges = [
-        [arm.felt_range_db(*each) for each in zip(matches, sweep[key], strict=True)]
-        for key, matches in sets.items()
-    ]
+    sweep = {key: way_out(preset, matches, ov.sweep(4.0)) for key, matches in sets.items()}
+    ranges = [[arm.felt_range_db(one) for one in tables] for tables in sweep.values()]
     medians = (
         marked(
             bool(np.nanmedian(values) >= CURVE_DB),
@@ -316,7 +319,7 @@ def levels(preset: ov.Preset, sets: Sets) -> Iterator[str]:
 def recoils(preset: ov.Preset, matches: Sequence[ov.Timeline]) -> list[FeltEvents]:
     """Return the recoil of a sweep of 2 s over each match."""
     jobs = [ov.RenderJob(match, preset, ov.sweep(2.0)) for match in matches]
-    return [felt_events(done)[1] for done in ov.render_many(jobs, FEEL_RATE, trace=True)]
+    return [list(stroke_events(done))[1] for done in ov.render_many(jobs, FEEL_RATE, trace=True)]
 
 
 def spreads(tables: Sequence[FeltEvents], last: float) -> list[float]:
@@ -405,7 +408,7 @@ def there_and_back(
     preset: ov.Preset, matches: Sequence[ov.Timeline], gesture: ov.Gesture
 ) -> list[list[FeltEvents]]:
     jobs = [ov.RenderJob(match, preset, gesture) for match in matches]
-    return [felt_events(done) for done in ov.render_many(jobs, FEEL_RATE, trace=True)]
+    return [list(stroke_events(done)) for done in ov.render_many(jobs, FEEL_RATE, trace=True)]
 
 
 def click_lag(

@@ -41,7 +41,7 @@ def observed(preset: ov.Preset) -> dict[str, Any]:
 
 def lines_of(report: dict[str, Any]) -> str:
     """JSON with a line for each stroke, so that a change of one is seen as one."""
-    parts = [f'"{key}": {json.dumps(report[key])}' for key in ("preset", "timeline")]
+    parts = [f'"{key}": {json.dumps(report[key])}' for key in ("preset", "timelines")]
     parts.append(f'"strokes": {_rows(report["strokes"])}')
     parts.append(f'"arm": {json.dumps(report["arm"])}')
     if "observer" in report:

@@ -22,16 +22,7 @@ from overview_dsp.public import lazy_names
 if TYPE_CHECKING:
     from overview_dsp.measure.arm import ArmReport, ArmStroke, arm_report
     from overview_dsp.measure.character import Character, characters, level_matched_steps
-    from overview_dsp.measure.comparing import character_steps, steps_apart
-    from overview_dsp.measure.crowd import crowd_report
-    from overview_dsp.measure.feel import (
-        CrowdKind,
-        CrowdReport,
-        CrowdStroke,
-        FeelReport,
-        KindFeel,
-        StrokeReport,
-    )
+    from overview_dsp.measure.event_table import FeltEvents, felt_events
     from overview_dsp.measure.felt import (
         Stroke,
         event_levels,
@@ -43,27 +34,32 @@ if TYPE_CHECKING:
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
     from overview_dsp.measure.observer.scoring import ObserverScores
     from overview_dsp.measure.onset_detector import Onsets, onsets
-    from overview_dsp.measure.random_data.choosing import random_timelines
-    from overview_dsp.measure.random_data.crowd import random_crowd
-    from overview_dsp.measure.random_data.heart import random_heart
-    from overview_dsp.measure.random_data.kinds import random_events
-    from overview_dsp.measure.random_data.match import random_match
-    from overview_dsp.measure.random_data.series import random_share, random_weather
+    from overview_dsp.measure.random_data import (
+        random_crowd,
+        random_events,
+        random_heart,
+        random_match,
+        random_share,
+        random_timelines,
+        random_weather,
+    )
     from overview_dsp.measure.random_hands import random_hand
-    from overview_dsp.measure.report import feel_report
-    from overview_dsp.measure.tuning.in_crowd import tuned_on
-    from overview_dsp.measure.tuning.moves import Tuned
-    from overview_dsp.measure.tuning.ordering import tuned
-    from overview_dsp.measure.tuning.separating import separated
+    from overview_dsp.measure.report import (
+        FeelReport,
+        KindFeel,
+        StrokeReport,
+        character_steps,
+        feel_report,
+        steps_apart,
+    )
+    from overview_dsp.measure.tuning import TuningResult, tune
 
 __all__ = [
     "ArmReport",
     "ArmStroke",
     "Character",
-    "CrowdKind",
-    "CrowdReport",
-    "CrowdStroke",
     "FeelReport",
+    "FeltEvents",
     "KindFeel",
     "ObserverReport",
     "ObserverScores",
@@ -72,14 +68,14 @@ __all__ = [
     "Stroke",
     "StrokeReport",
     "StrokeScores",
-    "Tuned",
+    "TuningResult",
     "arm_report",
     "character_steps",
     "characters",
-    "crowd_report",
     "event_levels",
     "events_felt_apart",
     "feel_report",
+    "felt_events",
     "level_matched_steps",
     "observe",
     "onsets",
@@ -91,57 +87,32 @@ __all__ = [
     "random_share",
     "random_timelines",
     "random_weather",
-    "separated",
     "steps_apart",
     "strokes",
-    "tuned",
-    "tuned_on",
+    "tune",
     "window_db",
 ]
 
+_NAMES = {
+    "arm": "ArmReport ArmStroke arm_report",
+    "character": "Character characters level_matched_steps",
+    "report": "FeelReport KindFeel StrokeReport character_steps feel_report steps_apart",
+    "felt": "Stroke event_levels events_felt_apart strokes window_db",
+    "event_table": "FeltEvents felt_events",
+    "observer.observing": "observe",
+    "observer.report": "ObserverReport SetScores StrokeScores",
+    "observer.scoring": "ObserverScores",
+    "onset_detector": "Onsets onsets",
+    "random_data": (
+        "random_crowd random_events random_heart random_match random_share random_timelines "
+        "random_weather"
+    ),
+    "random_hands": "random_hand",
+    "tuning": "TuningResult tune",
+}
+"""Of each module."""
+
 if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
-        __name__,
-        {
-            "ArmReport": "arm",
-            "ArmStroke": "arm",
-            "Character": "character",
-            "CrowdKind": "feel",
-            "CrowdReport": "feel",
-            "CrowdStroke": "feel",
-            "FeelReport": "feel",
-            "KindFeel": "feel",
-            "ObserverReport": "observer.report",
-            "ObserverScores": "observer.scoring",
-            "Onsets": "onset_detector",
-            "SetScores": "observer.report",
-            "Stroke": "felt",
-            "StrokeReport": "feel",
-            "StrokeScores": "observer.report",
-            "Tuned": "tuning.moves",
-            "arm_report": "arm",
-            "character_steps": "comparing",
-            "characters": "character",
-            "crowd_report": "crowd",
-            "event_levels": "felt",
-            "events_felt_apart": "felt",
-            "feel_report": "report",
-            "level_matched_steps": "character",
-            "observe": "observer.observing",
-            "onsets": "onset_detector",
-            "random_crowd": "random_data.crowd",
-            "random_events": "random_data.kinds",
-            "random_hand": "random_hands",
-            "random_heart": "random_data.heart",
-            "random_match": "random_data.match",
-            "random_share": "random_data.series",
-            "random_timelines": "random_data.choosing",
-            "random_weather": "random_data.series",
-            "separated": "tuning.separating",
-            "steps_apart": "comparing",
-            "strokes": "felt",
-            "tuned": "tuning.ordering",
-            "tuned_on": "tuning.in_crowd",
-            "window_db": "felt",
-        },
+        __name__, {name: module for module, names in _NAMES.items() for name in names.split()}
     )

@@ -14,13 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp import validation
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, flick, scrub, sweep, tap
 from overview_dsp.design.gestures.scripts import APPROACH_REST_S, APPROACH_S
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError
-from overview_dsp.measure.felt_events import FLOOR_DB, FeltEvents, felt_events
+from overview_dsp.measure.event_table import FLOOR_DB, FeltEvents, felt_events
 from overview_dsp.measure.observer.noticed import APART_MS, TOUCH_WINDOW_S, levels, touch_pulses
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
 from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS
@@ -46,6 +44,7 @@ SCRUB_WIDTH, SCRUB_HZ = 0.02, (1.0, 2.0)
 SCRUB_DB = -35.0
 """Lowest level of a pulse in scrubbing, dBFS: a typical foul in a sweep of 4 s."""
 
+CURVE = "the curve"
 CARD_MARGIN_DB, CARD_AFTER_S = 2.5, 600.0
 _EDGE = 0.02
 """Share of the timeline at each end that the felt range leaves out."""
@@ -224,40 +223,28 @@ def arm_report(
     >>> report.strokes[0].missed
     0
     """
-    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    timelines = validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")
-    if not timelines:
-        raise InputError("no timelines; give one or more")
+    taps = {f"tap {target:g}": tap(target, TAP_S) for target in TAPS}
+    wanted = {**gestures, **taps, CURVE: sweep(4.0)}
+    parts = len(wanted) + len(SCRUB_HZ)
+    tables = outward(preset, timelines, wanted, lambda part: progress(part * len(wanted) / parts))
     main, weakest = main_kinds(preset, timelines)
-    parts = len(gestures) + len(TAPS) + len(SCRUB_HZ) + 1
-    steps = iter(range(1, parts + 1))
-    strokes = []
-    for name, gesture in gestures.items():
-        tables = outward(preset, timelines, gesture)
-        strokes.append(_stroke(name, tables, main, weakest))
-        progress(next(steps) / parts)
-    taps = []
-    for target in TAPS:
-        turns = [one.turn for one in outward(preset, timelines, tap(target, TAP_S))]
-        taps.append((target, max(turns, key=lambda turn: abs(turn - target))))
-        progress(next(steps) / parts)
     scrubs = []
-    for hz in SCRUB_HZ:
+    for done, hz in enumerate(SCRUB_HZ, 1):
         found = [both for one in scrubbed(preset, timelines, main, hz) for both in one]
         followed, felt = (sum(one[i] for one in found) for i in (0, 1))
         scrubs.append((hz, len(found), followed, felt))
-        progress(next(steps) / parts)
-    curved = [one for one in timelines if one.intensity is not None]
-    tables = outward(preset, curved, sweep(4.0))
-    ranges = [felt_range_db(*each) for each in zip(curved, tables, strict=True)]
+        progress((len(wanted) + done) / parts)
+    ranges = [felt_range_db(one) for one in tables[CURVE] if one.timeline.intensity is not None]
     known = [value for value in ranges if np.isfinite(value)] or [np.nan]
-    progress(1.0)
     return ArmReport(
         preset.name,
         len(timelines),
         main,
-        tuple(strokes),
-        tuple(taps),
+        tuple(_stroke(name, tables[name], main, weakest) for name in gestures),
+        tuple(
+            (target, max((one.turn for one in tables[name]), key=lambda turn: abs(turn - target)))
+            for name, target in zip(taps, TAPS, strict=True)
+        ),
         tuple(scrubs),
         (float(min(known)), float(np.median(known))),
     )
@@ -277,19 +264,18 @@ def main_kinds(preset: Preset, timelines: Iterable[Timeline]) -> tuple[tuple[str
     return (strongest, *also), weakest
 
 
-def rendered(
-    preset: Preset, timelines: Iterable[Timeline], gesture: Gesture, rate: float = RATE
-) -> Iterator[RenderedJob[Trace]]:
-    """Render a gesture over each timeline, long enough for the disk to arrive."""
-    jobs = [RenderJob(timeline, preset, gesture) for timeline in timelines]
-    return render_many(jobs, rate, tail=TAIL_S, trace=True)
-
-
 def outward(
-    preset: Preset, timelines: Iterable[Timeline], gesture: Gesture, rate: float = RATE
-) -> list[FeltEvents]:
-    """Return the events of the first outward stroke over each timeline."""
-    return [felt_events(done)[0] for done in rendered(preset, timelines, gesture, rate)]
+    preset: Preset,
+    timelines: Sequence[Timeline],
+    gestures: Mapping[str, Gesture],
+    progress: Callable[[float], None] = lambda part: None,
+) -> dict[str, list[FeltEvents]]:
+    """Return the events of each gesture's outward stroke over each timeline."""
+    found: dict[str, list[FeltEvents]] = {name: [] for name in gestures}
+    for one in felt_events(preset, timelines, gestures, RATE, TAIL_S, progress):
+        if one.stroke.name == "out":
+            found[one.name].append(one)
+    return found
 
 
 def percentiles(values: NDArray[np.float64]) -> Triple:
@@ -358,7 +344,7 @@ def cards_over_goals(one: FeltEvents) -> list[float]:
     ]
 
 
-def felt_range_db(timeline: Timeline, one: FeltEvents) -> float:
+def felt_range_db(one: FeltEvents) -> float:
     """Return the level in the upper fifth of the curve minus that in the lower fifth, dB.
 
     Levels are medians between the events; a position is mapped to its time linearly between the
@@ -366,18 +352,17 @@ def felt_range_db(timeline: Timeline, one: FeltEvents) -> float:
     """
     order = np.argsort(one.time_s, kind="stable")
     places = np.concatenate([[0.0], one.position[order], [1.0]])
-    times = np.concatenate([[0.0], one.time_s[order], [timeline.duration_s]])
+    times = np.concatenate([[0.0], one.time_s[order], [one.timeline.duration_s]])
 
     def curve_at(position: NDArray[np.float64]) -> NDArray[np.float64]:
-        return timeline.normalised_intensity_at(np.interp(position, places, times))
+        return one.timeline.normalised_intensity_at(np.interp(position, places, times))
 
     course = np.maximum.accumulate(one.course)
     free = (course > _EDGE) & (course < 1.0 - _EDGE)
-    at_ms = np.arange(len(course))
+    at_ms = np.arange(len(course)) + 1e3 * one.stroke.start / one.sample_rate
     for first, last in zip(1e3 * one.first_s, 1e3 * one.last_s, strict=True):
         if np.isfinite(first):
-            start = 1e3 * one.stroke.start / RATE
-            free &= (at_ms < first - start - 10) | (at_ms > last - start + AFTER_MS)
+            free &= (at_ms < first - 10) | (at_ms > last + AFTER_MS)
     low, high = np.nanpercentile(curve_at(np.linspace(_EDGE, 1.0 - _EDGE, 1000)), [20.0, 80.0])
     curve, level = curve_at(course)[free], one.level[: len(course)][free]
     if not (curve >= high).any() or not (curve <= low).any():

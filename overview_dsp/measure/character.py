@@ -18,7 +18,7 @@ above what an ear needs.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
@@ -35,9 +35,11 @@ from overview_dsp.measure.felt import (
     STEP_DURATION,
     STEP_SHARPNESS,
     knocks,
+    near_peak,
     strokes,
     window_db,
 )
+from overview_dsp.measure.report import steps_over_strokes
 from overview_dsp.offline.rendering.offline import Result, render
 
 LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
@@ -155,19 +157,7 @@ def level_matched_steps(first: Mapping[str, Character], second: Mapping[str, Cha
     >>> ov.measure.level_matched_steps(same, same)
     0.0
     """
-    rows = {name: _differences(first[name], second[name]) for name in first}
-    out = [row for name, row in rows.items() if not name.endswith("recoil")]
-    back = [row for name, row in rows.items() if name.endswith("recoil")]
-    each = [*out, *([_median(back)] if back else [])]
-    return float(np.nanmax(np.append(_median(each), 0.0)))
-
-
-def _median(rows: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    table = np.array(rows)
-    known = np.isfinite(table).sum(axis=0) > len(rows) / 2
-    median = np.full(table.shape[1], np.nan)
-    median[known] = np.nanmedian(table[:, known], axis=0)
-    return median
+    return steps_over_strokes({name: _differences(first[name], second[name]) for name in first})
 
 
 def _differences(one: Character, other: Character) -> NDArray[np.float64]:
@@ -184,18 +174,10 @@ def _character(result: Result, start: int, stop: int) -> Character:
     level = window_db(result.samples[start:stop, TACTOR], rate, KNOCK_HOP_S)[1]
     peaks = knocks(level)
     pauses = np.diff(peaks)
-    rises, lasts = [], []
     reach = round(RISE_S / KNOCK_HOP_S)
-    for peak in peaks:
-        before = level[max(0, peak - reach) : peak + 1]
-        if len(before) > 1:
-            rises.append(np.diff(before).max() / KNOCK_HOP_S)
-        low = high = int(peak)
-        while low > 0 and level[low - 1] >= level[peak] - FALL_DB:
-            low -= 1
-        while high + 1 < len(level) and level[high + 1] >= level[peak] - FALL_DB:
-            high += 1
-        lasts.append((high - low + 1) * KNOCK_HOP_S * 1000.0)
+    befores = [level[max(0, peak - reach) : peak + 1] for peak in peaks]
+    rises = [np.diff(before).max() / KNOCK_HOP_S for before in befores if len(before) > 1]
+    lasts = [near_peak(level, int(peak), FALL_DB) * KNOCK_HOP_S * 1000.0 for peak in peaks]
     seconds = (stop - start) / rate
     brightness, ring = _timbre(result, start, stop)
     return Character(

@@ -11,8 +11,8 @@ What is just noticeable, and the gestures that it is measured by.
 
 Events that are felt apart: how many knocks of its events a stroke gives a finger.
 
-A knock is a peak of the felt level that stands at least `KNOCK_DB` above its surroundings (its
-prominence), at least `APART_S` from any higher one. It counts where the disk is on an event then.
+A knock is a peak of the felt level that stands at least `STEP_DB` above its surroundings (its
+prominence), at least `MERGED_S` from any higher one. It counts where the disk is on an event then.
 """
 
 from __future__ import annotations
@@ -325,9 +325,13 @@ def stroke_feel(
 
 
 STEP_DB = 2.3
+"""A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+
 STEP_DURATION = 1.25
 STEP_SHARPNESS = 2.0
 MERGED_S = 0.030
+"""Two knocks closer than this are felt as one."""
+
 FALL_DB = 6.0
 
 GESTURES: Mapping[str, Gesture] = {
@@ -346,12 +350,6 @@ def ratio_steps(first: float, second: float, step: float) -> float:
     return abs(math.log(first / second)) / math.log(step)
 
 
-KNOCK_DB = 2.3
-"""A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
-
-APART_S = 0.030
-"""Two knocks closer than this are felt as one."""
-
 KNOCK_HOP_S = 0.002
 
 
@@ -359,8 +357,16 @@ def knocks(level: NDArray[np.float64]) -> NDArray[np.int64]:
     """The indices of the knocks in a level (dB, `KNOCK_HOP_S` apart)."""
     from scipy.signal import find_peaks
 
-    found, _ = find_peaks(level, prominence=KNOCK_DB, distance=round(APART_S / KNOCK_HOP_S))
+    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / KNOCK_HOP_S))
     return np.asarray(found, dtype=np.int64)
+
+
+def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
+    """Return how many levels around a peak stay within `fall_db` of it, the peak included."""
+    below = np.flatnonzero(level < level[peak] - fall_db)
+    after = int(np.searchsorted(below, peak))
+    first = below[after - 1] + 1 if after else 0
+    return int((below[after] if after < len(below) else len(level)) - first)
 
 
 def events_felt_apart(

@@ -1,292 +1,557 @@
-"""What a person gets of each kind of event, gesture by gesture, and what can't be distinguished.
+"""What a person gets of each kind of event, stroke by stroke, and what can't be distinguished.
 
-Measured on the tactor and click channels of renders, as a finger and an ear take them:
-
-- *level*: highest RMS over 10 ms while the disk is on the event, dB of full scale, weighted by the
-  skin's sensitivity at the carrier's frequency (`pacinian_db`);
-- *contrast*: level above the median of all that is no event;
-- *sharpness*: steepest rise of the torque, N m/s;
-- *duration*: how long the level stays within 6 dB of its highest, ms (of what stands out by less
-  than 12 dB: in the upper half of its contrast);
-- *click*: highest RMS over 10 ms of the click, dB of full scale.
+A report groups the rows of `felt_events` by stroke and kind, over all timelines. Levels are
+weighted by the skin's sensitivity at the carrier's frequency (`pacinian_db`).
 
 Steps: 2.3 dB of level (Israr and Tan 2006: 2.2 to 2.5 dB); a quarter of duration (0.2 to 0.25 is
 what touch needs for frequency, the same authors); a factor of two in sharpness (our own rule: no
 study gives one for such pulses). Pulses within 30 ms are felt as one. An event less than a step
 above the rest is masked.
+
+Kinds may have an order of importance; it is kept where each kind's median is a step above the next
+one's.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.comparing import alike_pairs
-from overview_dsp.measure.feel import FeelReport, KindFeel, StrokeReport
+from overview_dsp.measure.event_table import NEAR_MS, FeltEvents, felt_events
 from overview_dsp.measure.felt import (
-    FALL_DB,
     GESTURES,
     KNOCK_HOP_S,
     MERGED_S,
     STEP_DB,
-    Stroke,
+    STEP_DURATION,
+    STEP_SHARPNESS,
     knocks,
-    stroke_feel,
-    strokes,
-    window_db,
+    ratio_steps,
 )
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.offline.rendering.schedule import Tail
+from overview_dsp.public import counted, short
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
-from overview_dsp.units import FELT_WINDOW_S
 
-__all__ = ["GESTURES", "STEP_DB", "FeelReport", "KindFeel", "StrokeReport", "feel_report"]
+LOW, HIGH = 10.0, 90.0
+"""The spread of a kind's levels, percentiles."""
 
-ARRIVED = 0.005
-"""So near to its end, as a part of the timeline, a stroke is over."""
 
-_CLICK_BEFORE_S, _CLICK_AFTER_S = 0.005, 0.060
+@dataclass(frozen=True)
+class KindFeel:
+    """One kind of event in one stroke: medians over its events; NaN where none was met.
+
+    Attributes
+    ----------
+    kind : str
+        Its name.
+    events, missed : int
+        How many there are, and how many of these the disk never met.
+    level_db, low_db, high_db : float
+        Highest RMS over 10 ms on the event, dB of full scale, weighted by the skin's sensitivity:
+        median, tenth and ninetieth percentile.
+    contrast_db : float
+        Above the median of all that is no event, dB.
+    sharpness : float
+        Steepest rise of the torque, N m/s.
+    duration_ms : float
+        How long the level stays near its highest, ms.
+    click_db : float
+        Highest RMS over 10 ms of the click, dB of full scale.
+    lag_ms : float
+        Distance of click and knock, ms.
+    masked, merged, lost : int
+        Events less than a step above the rest; struck within 30 ms of another one; and hidden by it
+        since it has more friction.
+
+    Examples
+    --------
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+    >>> goal = report.strokes[0].kind("goal")
+    >>> goal.events, goal.missed, goal.low_db <= goal.level_db
+    (5, 0, True)
+    """
+
+    kind: str
+    events: int
+    missed: int
+    level_db: float
+    low_db: float
+    high_db: float
+    contrast_db: float
+    sharpness: float
+    duration_ms: float
+    click_db: float
+    lag_ms: float
+    masked: int
+    merged: int
+    lost: int
+
+    @property
+    def met(self) -> int:
+        """How many events the disk met."""
+        return self.events - self.missed
+
+    def __repr__(self) -> str:
+        return (
+            f"<KindFeel {short(self.kind)}: {counted(self.events, 'event')}, "
+            f"{self.level_db:.1f} dB, {self.contrast_db:.1f} dB above the rest, "
+            f"{self.duration_ms:.0f} ms>"
+        )
+
+
+@dataclass(frozen=True)
+class StrokeReport:
+    """One stroke of one gesture, over all timelines.
+
+    Attributes
+    ----------
+    name : str
+        `slow`, `slow recoil`, ..., `tap`, `tap recoil`.
+    event_free_db : float
+        Weighted median level outside all events, dB of full scale.
+    level_db : float
+        Weighted median level of all of it, dB of full scale.
+    sharpness : float
+        Steepest rise of the torque in the median tenth of a second, N m/s.
+    density_hz : float
+        Pulses that are felt apart, a second: peaks a step above their surroundings, 30 ms apart.
+    kinds : tuple of KindFeel
+        In the order of importance; without one, in that of the surface.
+    alike : tuple of (str, str, float)
+        Pairs of kinds less than a step apart in level, sharpness and duration, and how far they
+        are.
+    gaps : tuple of (str, str, float)
+        Each kind, the next one in the order of importance, and the just noticeable steps from one's
+        median level to the other's.
+    lost : tuple of (str, str, int)
+        A kind, the kind that is felt in its place, and how often.
+
+    Examples
+    --------
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+    >>> report.strokes[0].name
+    'fast'
+    """
+
+    name: str
+    event_free_db: float
+    level_db: float
+    sharpness: float
+    density_hz: float
+    kinds: tuple[KindFeel, ...]
+    alike: tuple[tuple[str, str, float], ...] = field(metadata={"digits": 2})
+    gaps: tuple[tuple[str, str, float], ...]
+    lost: tuple[tuple[str, str, int], ...]
+
+    def kind(self, name: str) -> KindFeel:
+        """Find a kind by its name.
+
+        Parameters
+        ----------
+        name : str
+            Of a kind that the timelines have.
+
+        Returns
+        -------
+        KindFeel
+            That one.
+
+        Raises
+        ------
+        InputError
+            There is none.
+
+        Examples
+        --------
+        >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+        >>> report.strokes[0].kind("foul").kind
+        'foul'
+        """
+        return called(name, {one.kind: one for one in self.kinds}, "kind")
+
+    def __repr__(self) -> str:
+        return (
+            f"<StrokeReport {short(self.name)}: {self.level_db:.1f} dB, "
+            f"{counted(len(self.kinds), 'kind')}, {counted(len(self.alike), 'pair')} alike>"
+        )
+
+
+_COLUMNS: tuple[tuple[str, str, int, Callable[[KindFeel, int], str]], ...] = (
+    ("events", "", 7, lambda kind, width: f"{kind.events:>{width}}"),
+    ("missed", "", 8, lambda kind, width: f"{kind.missed:>{width}}"),
+    ("masked", "", 8, lambda kind, width: f"{kind.masked:>{width}}"),
+    ("merged", "", 8, lambda kind, width: f"{kind.merged:>{width}}"),
+    ("lost", "", 6, lambda kind, width: f"{kind.lost:>{width}}"),
+    ("level", "dB", 8, lambda kind, width: cell(kind.level_db, width)),
+    (
+        *("10 to 90 %", "dB", 12),
+        lambda kind, width: (
+            f"{f'{cell(kind.low_db, 0, 0)} .. {cell(kind.high_db, 0, 0)}':>{width}}"
+        ),
+    ),
+    ("contrast", "dB", 10, lambda kind, width: cell(kind.contrast_db, width)),
+    ("sharpness", "N m/s", 11, lambda kind, width: cell(kind.sharpness, width, 3)),
+    ("lasts", "ms", 7, lambda kind, width: cell(kind.duration_ms, width, 0)),
+    ("click", "dB", 8, lambda kind, width: cell(kind.click_db, width)),
+    ("lag", "ms", 5, lambda kind, width: cell(kind.lag_ms, width, 0)),
+)
+"""Of the table: heading, unit, width and text."""
+
+
+@dataclass(frozen=True)
+class FeelReport(Report):
+    """How a preset feels on timelines.
+
+    Attributes
+    ----------
+    preset : str
+        The preset's name.
+    timelines : tuple of str
+        The timelines' titles.
+    strokes : tuple of StrokeReport
+        Each gesture's way out, and its recoil.
+
+    See Also
+    --------
+    feel_report : Makes one.
+
+    Examples
+    --------
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+    >>> report.preset, len(report.timelines)
+    ('football', 1)
+    """
+
+    preset: str
+    timelines: tuple[str, ...]
+    strokes: tuple[StrokeReport, ...]
+
+    def stroke(self, name: str) -> StrokeReport:
+        """Find a stroke by its name.
+
+        Parameters
+        ----------
+        name : str
+            `fast`, `fast recoil`, say.
+
+        Returns
+        -------
+        StrokeReport
+            That one.
+
+        Raises
+        ------
+        InputError
+            There is none.
+
+        Examples
+        --------
+        >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+        >>> report.stroke("fast recoil").name
+        'fast recoil'
+        """
+        return called(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
+
+    def _lines(self) -> Iterator[str]:
+        titles = [title or "a timeline" for title in dict.fromkeys(self.timelines)]
+        where = titles[0] if len(titles) == 1 else counted(len(titles), "timeline")
+        yield f"{self.preset} on {where}"
+        yield " " * 22 + "".join(f"{heading:>{width}}" for heading, _, width, _ in _COLUMNS)
+        yield " " * 22 + "".join(f"{unit:>{width}}" for _, unit, width, _ in _COLUMNS)
+        for stroke in self.strokes:
+            yield f"{stroke.name}: {stroke.event_free_db:.1f} dB between the events"
+            for kind in stroke.kinds:
+                cells = (text(kind, width) for _, _, width, text in _COLUMNS)
+                yield f"  {kind.kind[:20]:<20}{''.join(cells)}"
+            if stroke.gaps:
+                gaps = (f"{a} > {b} by {gap:.1f}" for a, b, gap in stroke.gaps)
+                yield f"  steps: {'; '.join(gaps)}"
+            if stroke.lost:
+                lost = (f"{a} beside {b}: {n}" for a, b, n in stroke.lost)
+                yield f"  lost: {', '.join(lost)}"
+
+    def _faults(self) -> Iterator[str]:
+        masked: dict[str, list[str]] = {}
+        alike: dict[tuple[str, str], list[str]] = {}
+        gaps: dict[tuple[str, str], list[str]] = {}
+        for stroke in self.strokes:
+            for kind in stroke.kinds:
+                if 2 * kind.masked > kind.met:
+                    masked.setdefault(kind.kind, []).append(stroke.name)
+            for first, second, _ in stroke.alike:
+                alike.setdefault((first, second), []).append(stroke.name)
+            for first, second, steps in stroke.gaps:
+                if not steps >= 1.0:  # NaN too
+                    gaps.setdefault((first, second), []).append(f"{stroke.name} ({steps:.1f})")
+        for name, where in masked.items():
+            yield (
+                f"{name} is hardly felt in {_listed(where)}: raise kinds.{name}.height, or "
+                "lower surface.ambience"
+            )
+        for (first, second), where in alike.items():
+            yield (
+                f"{first} and {second} feel alike in {_listed(where)}: move their heights or "
+                "widths apart by a third"
+            )
+        for (first, second), where in gaps.items():
+            yield (
+                f"{first} is less than a step above {second} in {', '.join(where)}: move their "
+                "heights apart, or overview presets tune"
+            )
+        for stroke in self.strokes:
+            if count := sum(kind.merged for kind in stroke.kinds):
+                yield (
+                    f"{count} events come within {1000.0 * MERGED_S:.0f} ms of another in "
+                    f"{stroke.name} and are felt as one with it: zoom in, or move more slowly"
+                )
+            missed = [f"{one.missed} {one.kind}" for one in stroke.kinds if one.missed]
+            if missed:
+                yield f"never met in {stroke.name}: {', '.join(missed)}"
+
+    def __repr__(self) -> str:
+        return (
+            f"<FeelReport: {short(self.preset)} on {counted(len(self.timelines), 'timeline')}, "
+            f"{counted(len(self.strokes), 'stroke')}>"
+        )
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) < 8 else "every stroke"
 
 
 def feel_report(
     preset: Preset,
-    timeline: Timeline | Sequence[Timeline],
+    timelines: Timeline | Sequence[Timeline],
     gestures: Mapping[str, Gesture] = GESTURES,
     sample_rate: float = 48_000,
     recoils: bool = True,
+    order: Sequence[str] | None = None,
+    progress: Callable[[float], None] = lambda part: None,
 ) -> FeelReport:
-    """Measure how a preset feels on a timeline.
+    """Measure how a preset feels on timelines, each event where it lies.
 
     Parameters
     ----------
     preset : Preset
         What is to be felt.
-    timeline : Timeline or sequence of Timeline
+    timelines : Timeline or sequence of Timeline
         With events. Of several, what is felt on all of them.
     gestures : mapping of str to Gesture
         By name, each of one touch; slow, medium and fast sweeps and a tap if left out.
     sample_rate : float
         Hz.
     recoils : bool
-        Without them, the hand never lets go: only the way out is measured.
+        Without them, only the way out is measured.
+    order : sequence of str or None
+        Kinds, the most important first; the others follow by their friction. Each is expected to be
+        a step above the next. None: no order is expected.
+    progress : callable
+        Called with the part done, 0 to 1.
 
     Returns
     -------
     FeelReport
-        Level, contrast, sharpness, duration and click of each kind in each stroke.
+        Level, contrast, sharpness, duration and click of each kind in each stroke, with what is
+        missed, masked, merged and lost.
 
     Raises
     ------
     InputError
-        As `render`.
+        No timelines; as `render`.
 
     Examples
     --------
-    >>> sweeps = {"fast": ov.sweep(1.0)}
-    >>> report = ov.measure.feel_report(football, match, sweeps, sample_rate=8000)
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
     >>> [stroke.name for stroke in report.strokes]
     ['fast', 'fast recoil']
     """
-    require_gestures(gestures)
-    if not recoils:
-        gestures = {name: _held(gesture) for name, gesture in gestures.items()}
+    several = [timelines] if isinstance(timelines, Timeline) else timelines
     tail: Tail = "rest" if recoils else ARRIVAL_S
-    one = [timeline] if isinstance(timeline, Timeline) else timeline
-    timelines = validation.instances(one, Timeline, "timelines", "ov.load_timeline gives one")
-    if not timelines:
-        raise InputError("no timelines; give one or more")
-    validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    reports = [
-        _combined(parts)
-        for name, gesture in gestures.items()
-        for parts in zip(
-            *(
-                _stroke_reports(name, gesture, each, preset, sample_rate, tail)
-                for each in timelines
-            ),
-            strict=True,
-        )
-    ]
-    return FeelReport(preset.name, timelines[0].title, tuple(reports))
-
-
-def require_gestures(gestures: object) -> None:
-    """InputError unless these are gestures by name."""
-    if not isinstance(gestures, Mapping):
-        raise InputError(
-            f"gestures is {shown(gestures)}; give them by name: {{'fast': ov.sweep(1.0)}}"
-        )
-    validation.instances(gestures.values(), Gesture, "gestures", "ov.sweep makes one")
-
-
-def _stroke_reports(
-    name: str,
-    gesture: Gesture,
-    timeline: Timeline,
-    preset: Preset,
-    sample_rate: float,
-    tail: Tail,
-) -> list[StrokeReport]:
-    """The strokes of a gesture: out, and its recoil."""
-    result = render(timeline, preset, gesture, sample_rate, tail=tail)
-    trace = result.trace
-    return [
-        _stroke_report(
-            name if stroke.name == "out" else f"{name} {stroke.name}",
-            _until_arrived(stroke, trace.cursor),
-            result,
-        )
-        for stroke in strokes(trace.engaged, trace.cursor)
-    ]
-
-
-def _held(gesture: Gesture) -> Gesture:
-    """A gesture of one touch, up to where it lets go."""
-    held = gesture.touching
-    lift = float(gesture.time_s[~held][0])
-    return Gesture(gesture.time_s[held], gesture.theta2[held], gesture.touching[held], lift)
-
-
-def _combined(parts: Sequence[StrokeReport]) -> StrokeReport:
-    """One stroke over several timelines with different kinds."""
-    if len(parts) == 1:
-        return parts[0]
-    kinds = tuple(kind for part in parts for kind in part.kinds)
-    level, sharpness, density, free = (
-        float(np.median([getattr(part, name) for part in parts]))
-        for name in ("level_db", "sharpness", "density_hz", "event_free_db")
+    tables = felt_events(preset, several, gestures, sample_rate, tail, progress)
+    weight = pacinian_db(preset.number("tactor.frequency_hz"))
+    strokes: dict[str, list[FeltEvents]] = {}
+    for one in tables:
+        if recoils or one.stroke.name == "out":
+            strokes.setdefault(one.name, []).append(one)
+    kinds = list(dict.fromkeys(kind for one in tables for kind in one.kind.tolist()))
+    if order is not None:
+        all_kinds, release = _column(tables, "kind"), _column(tables, "release")
+        kinds.sort(key=lambda kind: -float(np.median(release[all_kinds == kind])))
+        kinds = [*order, *(kind for kind in kinds if kind not in order)]
+    return FeelReport(
+        preset.name,
+        tuple(one.timeline.title for one in next(iter(strokes.values()), [])),
+        tuple(
+            _stroke(name, parts, kinds, order is not None, weight)
+            for name, parts in strokes.items()
+        ),
     )
-    return StrokeReport(parts[0].name, free, level, sharpness, density, kinds, alike_pairs(kinds))
 
 
-def _until_arrived(stroke: Stroke, cursor: NDArray[np.float64]) -> Stroke:
-    """The stroke up to where the disk is at its end: held there, nothing is felt."""
-    way = cursor[stroke.start : stroke.stop]
-    away = np.flatnonzero(np.abs(way - way[-1]) > ARRIVED)
-    stop = stroke.start + int(away[-1]) + 2 if len(away) else stroke.stop
-    return Stroke(stroke.name, stroke.start, min(stop, stroke.stop))
+def _column(tables: Iterable[FeltEvents], name: str) -> Any:
+    return np.concatenate([getattr(one, name) for one in tables])
 
 
-def _stroke_report(name: str, stroke: Stroke, result: Result) -> StrokeReport:
-    trace, surface = result.trace, result.engine.surface
-    felt = stroke_feel(stroke, surface, trace, result.samples[:, 1], result.sample_rate)
-    weight = pacinian_db(result.engine.preset.number("tactor.frequency_hz"))
-    struck = _strikes_in(stroke, result)
-    names = np.array(surface.kind_names)[surface.kind]
-    durations = _durations(stroke, result, felt.event_free_db)
-    clicks = _clicks(struck, result)
-    near = _merged(struck)
-    found = []
-    for kind in dict.fromkeys(names.tolist()):
-        rows = np.flatnonzero(names == kind)
-        rows = rows[np.isfinite(felt.event_db[rows])]
-        level = felt.event_db[rows]
-        events = surface.event[rows]
-        click = np.array([clicks.get(int(event), math.nan) for event in events])
-        found.append(
-            KindFeel(
-                kind,
-                len(rows),
-                _median(level) + weight,
-                _median(level) - felt.event_free_db,
-                _median(felt.rise[rows]),
-                _median(durations[rows]),
-                _median(click),
-                int(np.count_nonzero(level - felt.event_free_db < STEP_DB)),
-                sum(int(event) in near for event in events),
+def _stroke(
+    name: str, tables: Sequence[FeltEvents], names: Sequence[str], ordered: bool, weight: float
+) -> StrokeReport:
+    column = functools.partial(_column, tables)
+    kind, lost_to, level = column("kind"), column("lost_to"), column("level_db")
+    kinds = []
+    for one in names:
+        rows = kind == one
+        met = level[rows & np.isfinite(level)] + weight
+        low, high = np.percentile(met, [LOW, HIGH]).tolist() if len(met) else [math.nan] * 2
+        if rows.any():
+            kinds.append(
+                KindFeel(
+                    kind=one,
+                    events=int(rows.sum()),
+                    missed=int(rows.sum()) - len(met),
+                    level_db=_median(met),
+                    low_db=low,
+                    high_db=high,
+                    contrast_db=_median(column("contrast_db")[rows]),
+                    sharpness=_median(column("sharpness")[rows]),
+                    duration_ms=_median(column("duration_ms")[rows]),
+                    click_db=_median(column("click_db")[rows]),
+                    lag_ms=_median(column("click_lag_ms")[rows]),
+                    masked=int(column("masked")[rows].sum()),
+                    merged=int(column("merged")[rows].sum()),
+                    lost=int((lost_to[rows] != "").sum()),
+                )
             )
-        )
+    pairs = Counter((a, b) for a, b in zip(kind.tolist(), lost_to.tolist(), strict=True) if b)
+    level_db, sharpness, density = np.median([_character(one) for one in tables], axis=0).tolist()
     return StrokeReport(
         name,
-        felt.event_free_db + weight,
-        *_character(stroke, result, weight),
-        tuple(found),
-        alike_pairs(found),
+        _median([one.free_db for one in tables]) + weight,
+        level_db + weight,
+        sharpness,
+        density,
+        tuple(kinds),
+        tuple(
+            (first.kind, second.kind, apart)
+            for first, second in itertools.combinations(kinds, 2)
+            if first.met and second.met and (apart := steps_apart(first, second)) < 1.0
+        ),
+        tuple(
+            (first.kind, second.kind, (first.level_db - second.level_db) / STEP_DB)
+            for first, second in itertools.pairwise(kinds)
+            if ordered
+        ),
+        tuple((a, b, n) for (a, b), n in pairs.most_common()),
     )
 
 
-def _character(stroke: Stroke, result: Result, weight: float) -> tuple[float, float, float]:
-    """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
-    trace, rate = result.trace, result.sample_rate
-    level = window_db(result.samples[stroke.start : stroke.stop, 1], rate, KNOCK_HOP_S)[1]
-    if not len(level):
-        return math.nan, math.nan, 0.0
-    peaks = knocks(level)
-    slope = np.abs(np.diff(np.abs(trace.torque[stroke.start : stroke.stop]))) * rate
-    edges = np.arange(0, max(1, len(slope) - 1), max(1, round(0.1 * rate)))
-    steepest = np.maximum.reduceat(slope, edges) if len(slope) else np.zeros(1)
-    seconds = (stroke.stop - stroke.start) / rate
-    return float(np.median(level)) + weight, float(np.median(steepest)), len(peaks) / seconds
-
-
-def _median(values: NDArray[np.float64]) -> float:
-    known = values[np.isfinite(values)]
+def _median(values: Any) -> float:
+    known = np.asarray(values)[np.isfinite(values)]
     return float(np.median(known)) if len(known) else math.nan
 
 
-def _strikes_in(stroke: Stroke, result: Result) -> list[tuple[float, int]]:
-    rate = result.sample_rate
-    strikes = result.strikes.of_events()
-    return [
-        (float(at), int(event))
-        for at, event in zip(strikes.time_s, strikes.event, strict=True)
-        if stroke.start <= at * rate < stroke.stop
+def _character(one: FeltEvents) -> tuple[float, float, float]:
+    """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
+    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(KNOCK_HOP_S * 1e3)]
+    if not len(level):
+        return math.nan, one.slope, 0.0
+    return float(np.median(level)), one.slope, len(knocks(level)) / one.arrived_s
+
+
+def steps_apart(first: KindFeel, second: KindFeel) -> float:
+    """Count the just noticeable steps between two kinds, in what they differ most in.
+
+    Parameters
+    ----------
+    first, second : KindFeel
+        Of one stroke.
+
+    Returns
+    -------
+    float
+        Steps of level, of sharpness or of duration.
+
+    Examples
+    --------
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+    >>> kind = report.strokes[0].kinds[0]
+    >>> ov.measure.steps_apart(kind, kind)
+    0.0
+    """
+    for kind in (first, second):
+        validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
+    steps = [
+        abs(first.level_db - second.level_db) / STEP_DB,
+        ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),
+        ratio_steps(first.duration_ms, second.duration_ms, STEP_DURATION),
     ]
+    return max((step for step in steps if math.isfinite(step)), default=0.0)
 
 
-def _merged(struck: list[tuple[float, int]]) -> set[int]:
-    """Events that strike so soon before or after another one that both are felt as one."""
-    found: set[int] = set()
-    for (at, event), (then, other) in itertools.pairwise(struck):
-        if then - at < MERGED_S and event != other:
-            found |= {event, other}
-    return found
+def character_steps(first: FeelReport, second: FeelReport) -> float:
+    """Count the just noticeable steps between two presets on one timeline.
 
+    In what they differ most in: the medians of the steps in level, in sharpness and in density
+    over all strokes; the recoils, which are much the same after any gesture, count as one.
 
-def _clicks(struck: list[tuple[float, int]], result: Result) -> dict[int, float]:
-    rate = result.sample_rate
-    found: dict[int, float] = {}
-    for at, event in struck:
-        first = max(0, round((at - _CLICK_BEFORE_S) * rate))
-        samples = result.samples[first : round((at + _CLICK_AFTER_S) * rate), 0]
-        level = window_db(samples, rate, 0.001)[1]
-        if len(level):
-            found[event] = float(level.max())
-    return found
+    Parameters
+    ----------
+    first, second : FeelReport
+        Of the same gestures.
 
+    Returns
+    -------
+    float
+        How many.
 
-def _durations(stroke: Stroke, result: Result, free_db: float) -> NDArray[np.float64]:
-    """How long each event's level stays near its highest, ms; a row a surface's event."""
-    trace, surface = result.trace, result.engine.surface
-    cursor = trace.cursor[stroke.start : stroke.stop]
-    hop = FELT_WINDOW_S / 10.0
-    starts, level = window_db(
-        result.samples[stroke.start : stroke.stop, 1], result.sample_rate, hop
+    Examples
+    --------
+    >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
+    >>> ov.measure.character_steps(report, report)
+    0.0
+    """
+    for report in (first, second):
+        validation.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
+    validation.equally_long("the reports' strokes", first.strokes, second.strokes)
+    return steps_over_strokes(
+        {
+            one.name: (
+                abs(one.level_db - other.level_db) / STEP_DB,
+                ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
+                # a pulse a second is the least that is called a rhythm
+                ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
+            )
+            for one, other in zip(first.strokes, second.strokes, strict=True)
+        }
     )
-    middle = np.minimum((starts + 0.5 * FELT_WINDOW_S * result.sample_rate), len(cursor) - 1)
-    place = cursor[middle.astype(np.int64)]
-    found = np.full(len(surface.position), np.nan)
-    for i, (first, last) in enumerate(surface.span):
-        inside = np.flatnonzero((place >= first) & (place <= last))
-        if not len(inside):
-            continue
-        peak = inside[np.argmax(level[inside])]
-        low = high = int(peak)
-        contrast = level[peak] - free_db
-        least = level[peak] - (min(FALL_DB, 0.5 * contrast) if contrast > 0.0 else FALL_DB)
-        while low > 0 and level[low - 1] >= least:
-            low -= 1
-        while high + 1 < len(level) and level[high + 1] >= least:
-            high += 1
-        found[i] = (high - low + 1) * hop * 1000.0
-    return found
+
+
+def steps_over_strokes(differences: Mapping[str, Any]) -> float:
+    """Return the largest median of steps over strokes; the recoils count as one stroke."""
+    table = {name: np.array(steps) for name, steps in differences.items()}
+    each = [steps for name, steps in table.items() if not name.endswith("recoil")]
+    recoils = [steps for name, steps in table.items() if name.endswith("recoil")]
+    if recoils:
+        each.append(_known_median(recoils))
+    return float(np.nanmax(np.append(_known_median(each), 0.0)))
+
+
+def _known_median(rows: Sequence[Any]) -> Any:
+    """Return the median of each column that most rows know; NaN for the others."""
+    table = np.array(rows)
+    known = np.isfinite(table).sum(axis=0) > len(rows) / 2
+    median = np.full(table.shape[1], np.nan)
+    median[known] = np.nanmedian(table[:, known], axis=0)
+    return median

@@ -29,7 +29,7 @@ class Report(ABC):
 
         Examples
         --------
-        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> report = ov.measure.feel_report(plain, match, {"fast": ov.sweep(1.0)}, 8000)
         >>> sorted(report.to_json())
         ['preset', 'strokes', 'timelines']
         """
@@ -45,9 +45,9 @@ class Report(ABC):
 
         Examples
         --------
-        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> report = ov.measure.feel_report(plain, match, {"fast": ov.sweep(1.0)}, 8000)
         >>> report.table().splitlines()[0]
-        'plain, each event where it lies: 1 timeline'
+        'plain on France 4-2 Croatia, World Cup final, Moscow, 15 July 2018'
         """
         return "\n".join(self._lines())
 
@@ -61,7 +61,7 @@ class Report(ABC):
 
         Examples
         --------
-        >>> report = ov.measure.crowd_report(plain, [match], {"fast": ov.sweep(1.0)})
+        >>> report = ov.measure.feel_report(plain, match, {"fast": ov.sweep(1.0)}, 8000)
         >>> all(isinstance(line, str) for line in report.warnings())
         True
         """

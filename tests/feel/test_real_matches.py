@@ -8,15 +8,15 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.crowd import crowd_report
-from overview_dsp.measure.tuning.in_crowd import REST, VERIFIED, gaps_on
+from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.tuning import REST, VERIFIED, gaps_of
 from tests.cli.running import overview
-from tests.feel.whole_matches import real_files, real_matches
+from tests.feel.whole_matches import RATE, real_files, real_matches
 
 ORDER = ("goal", "red_card", "yellow_card", "foul")
 CHARACTERS = ("football", "football-stadium", "football-discreet", "football-training")
 CHILD = """# kept as it is
-schema = 2
+schema = 3
 extends = "football"
 
 [variables]
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.soak
 @pytest.mark.parametrize("name", CHARACTERS)
 def test_each_kind_is_a_step_above_the_next_at_every_speed_and_cards_in_recoils(name, data_folder):
     preset, matches = ov.load_preset(name), real_matches(data_folder)
-    for stroke in crowd_report(preset, matches, VERIFIED, ORDER).strokes:
+    for stroke in feel_report(preset, matches, VERIFIED, RATE, order=ORDER).strokes:
         gaps = {(one, other): steps for one, other, steps in stroke.gaps}
         if not stroke.name.endswith("recoil"):
             for pair in itertools.pairwise(ORDER):
@@ -41,7 +41,7 @@ def test_each_kind_is_a_step_above_the_next_at_every_speed_and_cards_in_recoils(
     with_red = [match for match in matches if "red_card" in match.kinds()]
     assert with_red
     for match in with_red:
-        for stroke in crowd_report(preset, [match], VERIFIED, ORDER).strokes:
+        for stroke in feel_report(preset, [match], VERIFIED, RATE, order=ORDER).strokes:
             gaps = {(one, other): steps for one, other, steps in stroke.gaps}
             assert gaps["red_card", "yellow_card"] >= 1.0, (match.title, stroke.name)
 
@@ -66,11 +66,10 @@ def test_a_preset_tuned_on_a_match_reaches_its_target_or_says_by_how_much_not(
         assert line in text or line.startswith("height")
     made = ov.load_preset("made.toml")
     # measured again, of the file: its numbers have four digits
-    gaps = gaps_on(made, target, [timeline], VERIFIED)
     short = [
-        (one, other, way)
-        for way, _, one, other, steps in gaps
-        if steps < (0.95 if other == REST else 1.95)
+        (gap.first, gap.second, gap.stroke)
+        for gap in gaps_of(made, target, [timeline])
+        if gap.steps < (0.95 if gap.second == REST else 1.95)
     ]
     assert report["reached"] == (report["unreached"] == [])
     for one, other, way in short:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import overview_dsp as ov
-from overview_dsp.measure.felt_events import FeltEvents, felt_events
+from overview_dsp.measure.event_table import FeltEvents, felt_events
 
 RATE = 16_000
 """The disk and its vibration are the same at any rate."""
@@ -63,8 +63,8 @@ def felt_strokes(
     matches: Sequence[ov.Timeline], preset: ov.Preset, hand: ov.Gesture
 ) -> list[list[FeltEvents]]:
     """The strokes of a gesture over each match: out and back."""
-    jobs = ov.render_jobs(matches, [preset], [hand])
-    return [felt_events(done) for done in ov.render_many(jobs, RATE, trace=True)]
+    tables = felt_events(preset, matches, {"hand": hand}, RATE)
+    return [[one for one in tables if one.timeline is match] for match in matches]
 
 
 def lags_s(part: FeltEvents) -> NDArray[np.float64]:

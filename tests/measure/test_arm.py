@@ -15,12 +15,11 @@ from overview_dsp.measure.arm import (
     felt_above,
     felt_range_db,
     outward,
-    rendered,
     scrubbed,
     spread_db,
 )
+from overview_dsp.measure.event_table import FeltEvents, stroke_events
 from overview_dsp.measure.felt import Stroke, strokes
-from overview_dsp.measure.felt_events import FeltEvents, felt_events
 from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 16_000.0
@@ -42,9 +41,19 @@ RIGID, SOFT = overdamped(0.01), overdamped(3.0, stiffness=1e-2)
 EVENTS = timeline_of(10.0, 30.0, 50.0, 70.0, 90.0)
 
 
+def way_out(preset, timeline, gesture):
+    (table,) = outward(preset, [timeline], {"": gesture})[""]
+    return table
+
+
+def rendered(preset, timeline, gesture):
+    (done,) = ov.render_many([ov.RenderJob(timeline, preset, gesture)], RATE, tail=3.0, trace=True)
+    return done
+
+
 def test_the_lag_of_an_overdamped_disk_is_its_time_constant():
     slow, quick = (
-        outward(overdamped(s, 0.05, height=1e-3), [EVENTS], ov.sweep(5.0))[0] for s in (0.2, 0.05)
+        way_out(overdamped(s, 0.05, height=1e-3), EVENTS, ov.sweep(5.0)) for s in (0.2, 0.05)
     )
     late = slow.position > 0.4
     # what smooths the finger's movement delays both
@@ -104,7 +113,7 @@ def test_an_outward_stroke_ends_where_the_disk_turns_back():
 
 
 def test_a_disk_that_arrives_after_the_release_reaches_what_it_passes_then():
-    (done,) = rendered(RIGID, [EVENTS], ov.sweep(2.0))
+    done = rendered(RIGID, EVENTS, ov.sweep(2.0))
     count = len(done.trace.time)
     released = done.trace.time > 1.0
     # the same course of the disk, by a finger that releases halfway at full pace
@@ -120,7 +129,7 @@ def test_a_disk_that_arrives_after_the_release_reaches_what_it_passes_then():
         1.0,
     )
     moved = replace(done, trace=ov.Trace(table, names), job=replace(done.job, gesture=early))
-    out = felt_events(moved)[0]
+    out = next(stroke_events(moved))
     assert out.turn == pytest.approx(1.0, abs=0.01)
     assert out.reached.all()
     # the finger passes half of the timeline
@@ -130,13 +139,13 @@ def test_a_disk_that_arrives_after_the_release_reaches_what_it_passes_then():
 
 
 def test_an_event_at_an_end_of_the_timeline_is_not_passed():
-    (table,) = outward(RIGID, [timeline_of(0.0, 50.0, 100.0)], ov.arm(1.0))
+    table = way_out(RIGID, timeline_of(0.0, 50.0, 100.0), ov.arm(1.0))
     assert table.passed.tolist() == [False, True, False]
 
 
 def test_an_event_that_the_disk_enters_and_does_not_cross_is_not_reached():
     wide = preset_with(height=0.5, width=10.0, disk__k1=0.1, disk__k2=0.4, disk__inertia=2e-6)
-    (table,) = outward(wide, [timeline_of(50.0)], ov.sweep(2.0, 0.0, 0.48))
+    table = way_out(wide, timeline_of(50.0), ov.sweep(2.0, 0.0, 0.48))
     assert table.start[0] < table.turn < 0.49
     assert not table.reached[0]
     assert np.isfinite(table.level_db[0])
@@ -145,8 +154,8 @@ def test_an_event_that_the_disk_enters_and_does_not_cross_is_not_reached():
 
 def test_a_recoil_has_rows_for_what_the_disk_goes_back_over():
     timeline = timeline_of(20.0, 40.0, 80.0)
-    (done,) = rendered(RIGID, [timeline], ov.sweep(2.0, 0.0, 0.6))
-    out, back = felt_events(done)
+    done = rendered(RIGID, timeline, ov.sweep(2.0, 0.0, 0.6))
+    out, back = stroke_events(done)
     assert out.reached.tolist() == back.reached.tolist() == [True, True, False]
     assert back.passed.tolist() == [True, True, False]
     assert back.first_s[1] < back.first_s[0]
@@ -160,7 +169,10 @@ def table_of(kinds, levels, times=None, apart_s=0.2, detected=True, reached=True
     at = 1.0 + apart_s * np.arange(count)
     place = np.linspace(0.1, 0.9, count)
     return FeltEvents(
+        name="fast",
+        timeline=EVENTS,
         stroke=Stroke("out", 0, 1),
+        sample_rate=RATE,
         target=1.0,
         turn=1.0,
         event=np.arange(count),
@@ -176,14 +188,21 @@ def table_of(kinds, levels, times=None, apart_s=0.2, detected=True, reached=True
         lag_ms=np.zeros(count),
         lag_percent=np.zeros(count),
         level_db=np.array(levels, float),
+        sharpness=np.ones(count),
+        duration_ms=np.ones(count),
         detected=np.broadcast_to(detected, count).copy(),
         release=np.ones(count),
         click_s=at,
+        click_db=np.zeros(count),
         click_lag_ms=np.zeros(count),
+        merged=np.zeros(count, bool),
+        lost_to=np.full(count, ""),
         pulse_s=at,
         free_db=-50.0,
         course=np.zeros(1),
         level=np.zeros(1),
+        arrived_s=1e-3,
+        slope=0.0,
     )
 
 
@@ -216,8 +235,7 @@ def test_the_felt_range_follows_the_curve(gain):
     rise = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = replace(timeline_of(), intensity=rise)
     preset = plain_preset(disk__inertia=2e-6, surface__ambience=gain, disk__k1=2e-2, disk__k2=8e-2)
-    (table,) = outward(preset, [timeline], ov.sweep(4.0))
-    felt = felt_range_db(timeline, table)
+    felt = felt_range_db(way_out(preset, timeline, ov.sweep(4.0)))
     # medians: 10th and 90th percentile of the curve, at equal speed
     known = (
         preset.number("tactor.compression") * 20.0 * np.log10((1 + 0.9 * gain) / (1 + 0.1 * gain))

@@ -7,12 +7,12 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.gestures import sweep
-from overview_dsp.measure.report import GESTURES, feel_report
-from overview_dsp.measure.tuning import ordering, separated, separating, tuned
-from overview_dsp.measure.tuning.ordering import SPEEDS, WANTED_STEPS
-from overview_dsp.offline.rendering.audition import pages
+from overview_dsp.measure.felt import GESTURES
+from overview_dsp.measure.report import feel_report
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from tests.cli.running import MATCH, overview
+
+SWEEPS = ("slow", "medium", "fast")
 
 
 def preset_of(**heights):
@@ -44,7 +44,7 @@ def test_a_higher_kind_is_stronger_sharper_and_louder_at_every_speed():
     report = feel_report(
         preset_of(low=6.0, high=60.0), timeline_of("low", "high", "low", "high", "low")
     )
-    for name in SPEEDS:
+    for name in SWEEPS:
         low, high = report.stroke(name).kinds
         assert high.contrast_db > low.contrast_db + 2.3 > 4.6
         assert high.sharpness > low.sharpness
@@ -54,7 +54,7 @@ def test_a_higher_kind_is_stronger_sharper_and_louder_at_every_speed():
 
 def test_kinds_with_one_profile_feel_alike_and_a_warning_names_both():
     report = feel_report(preset_of(a=20.0, b=20.0), timeline_of(*"abbaabba"))
-    for name in SPEEDS:
+    for name in SWEEPS:
         assert [(a, b) for a, b, _ in report.stroke(name).alike] == [("a", "b")]
     (line,) = (line for line in report.warnings() if "alike" in line)
     assert line.startswith("a and b feel alike in")
@@ -62,7 +62,7 @@ def test_kinds_with_one_profile_feel_alike_and_a_warning_names_both():
 
 def test_what_does_not_stand_out_is_masked():
     report = feel_report(preset_of(a=0.05), timeline_of("a", "a", "a"))
-    for name in SPEEDS:
+    for name in SWEEPS:
         assert report.stroke(name).kinds[0].masked == 3
     assert any(line.startswith("a is hardly felt in") for line in report.warnings())
 
@@ -105,61 +105,77 @@ def test_the_report_is_json_and_a_table():
     assert "slow recoil" in report.table()
 
 
-@pytest.fixture(scope="module")
-def two_apart():
-    """Two kinds that are nearly one, tuned."""
-    return tuned(preset_of(strong=20.0, weak=18.0), ("strong", "weak"), seed=1)
+FAST = {"fast": ov.sweep(1.5)}
 
 
-def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
-    found = two_apart
-    assert found.reached
-    assert found.least_steps >= WANTED_STEPS
-    assert found.preset.kinds["strong"].height > found.preset.kinds["weak"].height
-    report = feel_report(found.preset, timeline_of("strong", "weak", "weak", "strong"), SPEEDS)
-    for name in SPEEDS:
-        strong, weak = report.stroke(name).kinds
-        assert strong.level_db > weak.level_db + 2.3
-
-
-def test_no_two_kinds_feel_alike_once_they_are_set_apart():
-    preset = preset_of(a=20.0, b=20.0, d=8.0)
-    found = separated(preset, ("a", "d"), seed=1)
-    assert found.reached
-    report = feel_report(
-        found.preset, pages(found.preset), {"slow": sweep(5.0), "fast": sweep(1.0)}
+def test_each_kind_is_counted_over_all_timelines_with_its_spread():
+    preset = preset_of(low=6.0, high=60.0)
+    timelines = [timeline_of("low", "high", "low"), timeline_of("low", "high", "high", "low")]
+    report = feel_report(preset, timelines, FAST, order=())
+    assert [stroke.name for stroke in report.strokes] == ["fast", "fast recoil"]
+    for stroke in report.strokes:
+        # by their friction
+        assert [(kind.kind, kind.events) for kind in stroke.kinds] == [("high", 3), ("low", 4)]
+        for kind in stroke.kinds:
+            assert kind.missed == kind.lost == 0
+            assert kind.low_db <= kind.level_db <= kind.high_db
+            assert 0.0 <= kind.lag_ms <= 24.0
+    ((high, low, steps),) = report.strokes[0].gaps
+    assert (high, low) == ("high", "low")
+    assert steps == pytest.approx(
+        (report.strokes[0].kind("high").level_db - report.strokes[0].kind("low").level_db) / 2.3
     )
-    for name in ("slow", "fast"):
-        assert report.stroke(name).alike == ()
-        levels = {kind.kind: kind.level_db for kind in report.stroke(name).kinds}
-        assert levels["a"] > levels["d"] + 2.3
-    assert separated(found.preset, ("a", "d"), seed=2).preset.kinds == found.preset.kinds
+    assert report.warnings() == []
 
 
-@pytest.mark.parametrize(
-    ("search", "module", "length"),
-    [(tuned, ordering, "GENERATIONS"), (separated, separating, "TRIES")],
-)
-def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, search, module, length):
-    monkeypatch.setattr(module, length, 4)  # however far it comes
-    preset = preset_of(a=20.0, d=20.0)
-    one, again = (search(preset, ("a", "d"), seed=1).preset for _ in range(2))
-    assert one.kinds == again.kinds != preset.kinds
+def test_an_order_that_is_not_kept_is_named_with_its_strokes():
+    preset = preset_of(a=30.0, b=30.0)
+    report = feel_report(preset, [timeline_of(*"abba")], FAST, order=["b", "a"])
+    (line,) = (line for line in report.warnings() if "alike" not in line)
+    assert line.startswith("b is less than a step above a in fast (")
+    assert "fast recoil" in line
 
 
-def test_a_target_that_is_none_is_one_line():
-    preset = preset_of(strong=20.0, weak=10.0)
-    for target, words in (
-        (("strong",), "two kinds or more"),
-        (("strong", "wek"), "did you mean 'weak'"),
-        (("strong", "strong"), "twice"),
-    ):
-        with pytest.raises(ov.InputError, match=words):
-            tuned(preset, target)
+def test_what_lies_beside_a_higher_event_is_lost_to_it_by_name():
+    beside = ov.Timeline(
+        "",
+        duration_s=10.0,
+        events=(
+            ov.Event(2.0, "low"),
+            ov.Event(5.0, "high"),
+            ov.Event(5.05, "low"),
+            ov.Event(8.0, "low"),
+        ),
+    )
+    report = feel_report(preset_of(low=6.0, high=60.0), [beside], FAST)
+    stroke = report.strokes[0]
+    assert stroke.lost == (("low", "high", 1),)
+    assert (stroke.kind("low").lost, stroke.kind("high").lost) == (1, 0)
+    assert "lost: low beside high: 1" in report.table()
 
 
-def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
-    apart = two_apart.preset
-    found = tuned(apart, ("strong", "weak"), seed=2)
-    assert found.preset.kinds == apart.kinds
-    assert found.reached
+def test_an_event_that_the_disk_never_meets_is_missed():
+    report = feel_report(
+        preset_of(a=20.0), [timeline_of("a", "a", "a")], {"part": ov.sweep(1.0, 0.0, 0.6)}
+    )
+    kind = report.strokes[0].kind("a")
+    assert (kind.events, kind.missed) == (3, 1)
+    assert "never met in part: 1 a" in report.warnings()
+
+
+def test_what_is_below_a_step_of_the_rest_is_masked():
+    # 1.02 times the bare friction
+    report = feel_report(preset_of(faint=0.02, high=60.0), [timeline_of("faint", "high")], FAST)
+    assert report.strokes[0].kind("faint").masked == 1
+    assert report.strokes[0].kind("high").masked == 0
+
+
+def test_the_command_measures_several_timelines(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = overview("presets", "feel", "football", MATCH, MATCH, "--json")
+    assert done.code == 0, done.err
+    report = json.loads(done.out)
+    assert len(report["timelines"]) == 2
+    goal = next(kind for kind in report["strokes"][0]["kinds"] if kind["kind"] == "goal")
+    assert goal["events"] == 10
+    assert len(report["strokes"]) == 8

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import EventKind, Preset
     from overview_dsp.measure.arm import ArmReport
-    from overview_dsp.measure.feel import CrowdReport, FeelReport
     from overview_dsp.measure.observer.report import ObserverReport
+    from overview_dsp.measure.report import FeelReport
 
 
 MODALITIES = ("touch", "sound", "both")
@@ -174,50 +174,48 @@ def feel(
 
 def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[Felt, Callable[[], Figure]]:
     from overview_dsp.measure.arm import arm_report
-    from overview_dsp.measure.crowd import crowd_report
     from overview_dsp.measure.pictures import plot_feel
     from overview_dsp.measure.report import feel_report
     from overview_dsp.offline.rendering.audition import pages
 
     announce_compile()
-    made_up = pages(preset)
-    first = feel_report(preset, timelines[0] if timelines else made_up)
+    measured = timelines or pages(preset)
     with progress_bar(f"measuring {preset.name}") as progress:
-        arm = arm_report(preset, timelines or made_up, progress=lambda part: progress(part / 2))
-        crowd = None
-        if timelines:
-            crowd = crowd_report(preset, timelines, progress=lambda part: progress(0.5 + part / 2))
-        progress(1.0)
-    return Felt(first, crowd, arm), lambda: plot_feel(first)
+        first = feel_report(
+            preset,
+            measured,
+            order=() if timelines else None,
+            progress=lambda part: progress(part / 2),
+        )
+        arm = arm_report(preset, measured, progress=lambda part: progress(0.5 + part / 2))
+    return Felt(first, arm), lambda: plot_feel(first)
 
 
 class Felt:
-    """How a preset feels: its kinds one by one, all events in place, and an arm beside a sweep."""
+    """How a preset feels: its kinds of events, and an arm beside a sweep."""
 
-    def __init__(self, first: FeelReport, crowd: CrowdReport | None, arm: ArmReport) -> None:
-        """The kinds are those of the first timeline; `crowd` is None without timelines."""
-        self._first, self._crowd, self._arm = first, crowd, arm
+    def __init__(self, kinds: FeelReport, arm: ArmReport) -> None:
+        """Both reports are of the same timelines."""
+        self._kinds, self._arm = kinds, arm
 
     def to_json(self) -> dict[str, Any]:
-        """Return the kinds, with the crowd and the arm under keys of their own."""
-        crowd = {} if self._crowd is None else {"crowd": self._crowd.to_json()}
-        return {**self._first.to_json(), **crowd, "arm": self._arm.to_json()}
+        """Return the kinds, with the arm under a key of its own."""
+        return {**self._kinds.to_json(), "arm": self._arm.to_json()}
 
     def table(self) -> str:
-        """Return the events where they lie, or the kinds, then the arm beside the sweep."""
-        return f"{(self._crowd or self._first).table()}\n\n{self._arm.table()}"
+        """Return the kinds, then the arm beside the sweep."""
+        return f"{self._kinds.table()}\n\n{self._arm.table()}"
 
     def warnings(self) -> list[str]:
         """Return which kinds are alike, where the order isn't kept, and what an arm misses."""
-        reports = (self._first, self._crowd, self._arm)
-        return [line for report in reports if report is not None for line in report.warnings()]
+        return [*self._kinds.warnings(), *self._arm.warnings()]
 
 
 def _observed(
     preset: Preset, timelines: list[Timeline], **asked: Any
 ) -> tuple[ObserverReport, Callable[[], Figure]]:
     from overview_dsp.measure.observer.observing import observe
-    from overview_dsp.measure.observer.picture import plot_observer
+    from overview_dsp.measure.pictures import plot_observer
 
     announce_compile("process_lanes")
     with progress_bar(f"observing {preset.name}") as progress:
@@ -232,7 +230,7 @@ def _observed(
 @click.argument("timelines", metavar="[TIMELINE]...", nargs=-1)
 @click.option("--target", help="Kinds from the strongest down, joined by >.")
 @click.option("--apart", is_flag=True, help="Set all kinds apart, a step in any way they are felt.")
-@click.option("--seed", default=0, show_default=True, help="Of the search, without TIMELINEs.")
+@click.option("--seed", default=0, show_default=True, help="Of the search.")
 @click.option("-o", "--out", help="The file.  [default: PRESET-tuned.toml here]")
 @window_options
 @timeline_options
@@ -260,7 +258,7 @@ def tune(
     from overview_dsp.design.presets.library import load_preset
     from overview_dsp.design.presets.retuning import save_retuned
     from overview_dsp.files.toml import SUFFIX
-    from overview_dsp.measure.tuning import separated, tuned, tuned_on
+    from overview_dsp.measure.tuning import tune as tune_kinds
 
     if target is None and not apart:
         raise InputError("give --target KIND>KIND, --apart, or both")
@@ -271,10 +269,7 @@ def tune(
     given = [open_part(path, load, window, zoom_to) for path in timelines]
     announce_compile()
     with progress_bar(f"tuning {loaded.name}") as progress:
-        if given:
-            found = tuned_on(loaded, order, given, progress)
-        else:
-            found = (separated if apart else tuned)(loaded, order, seed, progress)
+        found = tune_kinds(loaded, order, given or None, apart, seed, progress)
     names = list(loaded.kinds) if apart else order
     path = Path(out) if out is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
     moved = {name: _moved(loaded.kinds[name], found.preset.kinds[name]) for name in names}

@@ -182,20 +182,12 @@ def _felt(
     duration = later.argmax(axis=1) + earlier.argmax(axis=1)
 
     first = np.searchsorted(pulses, top + APART_MS)
-    count = np.searchsorted(pulses, top + RHYTHM_MS, side="right") - first
     last = np.searchsorted(pulses, top - APART_MS, side="right") - 1
-    follows = count > 0
-    leads = (
-        (last >= 0) & (pulses[np.maximum(last, 0)] >= top - RHYTHM_MS)
-        if len(pulses)
-        else (np.zeros(len(at), bool))
-    )
-    none = np.zeros(len(at))
-    silent = np.full(len(at), -30.0)
-    next_ms, next_db, last_ms, last_db = none.copy(), silent.copy(), none.copy(), silent.copy()
-    following, leading = pulses[first[follows]], pulses[last[leads]]
-    next_ms[follows], next_db[follows] = following - top[follows], level[following] - high[follows]
-    last_ms[leads], last_db[leads] = top[leads] - leading, level[leading] - high[leads]
+    count = np.searchsorted(pulses, top + RHYTHM_MS, side="right") - first
+    far = 10 * RHYTHM_MS + len(level)
+    marks = np.concatenate([[-far], pulses, [far]])
+    heights = level[np.clip(marks, 0, len(level) - 1)]
+    follows, leads = count > 0, marks[last + 1] >= top - RHYTHM_MS
     columns = (
         high,
         high - surroundings,
@@ -204,10 +196,10 @@ def _felt(
         high - after.min(axis=1),
         duration,
         count,
-        next_ms,
-        next_db,
-        last_ms,
-        last_db,
+        np.where(follows, marks[first + 1] - top, 0.0),
+        np.where(follows, heights[first + 1] - high, -30.0),
+        np.where(leads, top - marks[last + 1], 0.0),
+        np.where(leads, heights[last + 1] - high, -30.0),
     )
     return np.stack(columns, axis=1).astype(np.float64)
 

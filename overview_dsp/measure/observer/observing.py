@@ -9,7 +9,7 @@ the own hand 15 %. Standard deviations. Pulses less than 30 ms apart are one alr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.measure.observer.noticed import MODALITIES, Modality
+from overview_dsp.measure.observer.noticed import MODALITIES, PACE, Modality
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import Tally, groups_of
 from overview_dsp.measure.observer.strokes import (
@@ -31,32 +31,19 @@ from overview_dsp.measure.observer.strokes import (
 from overview_dsp.measure.observer.trees import Forest, grown
 from overview_dsp.measure.random_data import random_timelines
 
-LEVEL_DB, SLOPE, DURATION, RHYTHM_MS = 1.6, 0.30, 0.18, 5.0
-CLICK_DB, CENTROID, DECAY, DELAY_MS = 0.8, 0.07, 0.18, 8.0
-PACE = 0.15
-
-_ADDED = {
-    "level_db": LEVEL_DB,
-    "over_surroundings_db": LEVEL_DB,
-    "rise_db": LEVEL_DB,
-    "fall_db": LEVEL_DB,
-    "click_db": CLICK_DB,
-    "click_delay_ms": DELAY_MS,
-    "pace": PACE,
+NOISE: Mapping[str, float] = {
+    **dict.fromkeys(("level_db", "over_surroundings_db", "rise_db", "fall_db"), 1.6),
+    **dict.fromkeys(("next_db", "last_db"), 1.6),
+    **dict.fromkeys(("next_ms", "last_ms"), 5.0),
+    "slope_db": 0.30,
+    **dict.fromkeys(("duration_ms", "click_decay_ms"), 0.18),
+    "click_db": 0.8,
+    "centroid_hz": 0.07,
+    "click_delay_ms": 8.0,
+    PACE: 0.15,
 }
-_RELATIVE = {
-    "slope_db": SLOPE,
-    "duration_ms": DURATION,
-    "centroid_hz": CENTROID,
-    "click_decay_ms": DECAY,
-}
-_OF_NEIGHBOUR = {
-    "next_ms": ("next_ms", RHYTHM_MS),
-    "next_db": ("next_ms", LEVEL_DB),
-    "last_ms": ("last_ms", RHYTHM_MS),
-    "last_db": ("last_ms", LEVEL_DB),
-}
-"""Added where there is a neighbour, which its time says."""
+RELATIVE = ("slope_db", "duration_ms", "centroid_hz", "click_decay_ms")
+"""Features whose logarithm has that noise."""
 
 
 def blurred(
@@ -65,14 +52,16 @@ def blurred(
     """The features (onsets, features) of `noticed` as one person has them, once."""
     found = features.copy()
     for column, name in enumerate(names):
-        if name in _ADDED:
-            found[:, column] += _ADDED[name] * rng.standard_normal(len(found))
-        elif name in _RELATIVE:
-            found[:, column] *= np.exp(_RELATIVE[name] * rng.standard_normal(len(found)))
-        elif name in _OF_NEIGHBOUR:
-            time, size = _OF_NEIGHBOUR[name]
-            there = features[:, names.index(time)] > 0.0
-            found[:, column] += there * size * rng.standard_normal(len(found))
+        if name not in NOISE:
+            continue
+        noise = NOISE[name] * rng.standard_normal(len(found))
+        if name in RELATIVE:
+            found[:, column] *= np.exp(noise)
+        elif name.startswith(("next_", "last_")):
+            # only where there is a neighbour, which its time says
+            found[:, column] += noise * (features[:, names.index(f"{name[:4]}_ms")] > 0.0)
+        else:
+            found[:, column] += noise
     return found
 
 
@@ -84,6 +73,9 @@ DRAWS = 5
 
 LESSONS = 2
 """Draws of that noise in what it learns from."""
+
+_LESSON = 15
+"""Teaching and asking one observer takes about as long as so many renders."""
 
 _HELD_OUT_SEED = 1_000_000
 """How far the seeds of held-out timelines and hands are from those it learns from."""
@@ -145,9 +137,18 @@ def observe(
     _check(modalities, hands, learned, held_out, seed)
     if not held_out and not timelines:
         raise InputError("held_out = 0 and no timelines: there is nothing to ask about")
-    step = _steps(progress, preset, timelines, modalities, hands, learned, held_out)
+    gestures = 1 if hands == "mixed" else len(GESTURES[hands])
+    work = gestures * (learned + held_out + len(timelines))
+    work += _LESSON * len(stroke_names(hands)) * len(modalities)
+    done = 0
 
-    def strokes_of(made: Sequence[Timeline], first: int) -> list[list[StrokeMet]]:
+    def step(more: int) -> None:
+        nonlocal done
+        done += more
+        if progress is not None:
+            progress(done / work)
+
+    def strokes_of(made: Sequence[Timeline], first: int) -> dict[str, list[StrokeMet]]:
         return rendered_strokes(preset, made, hands, modalities, first, step)
 
     lessons = strokes_of(random_timelines(preset, learned, seed), seed)
@@ -162,9 +163,9 @@ def observe(
     for number, stroke in enumerate(stroke_names(hands)):
         for modality in modalities:
             rng = np.random.default_rng([seed, number, MODALITIES.index(modality)])
-            forest, names = taught(list(_named(lessons, stroke)), modality, kinds, rng)
+            forest, names = taught(lessons[stroke], modality, kinds, rng)
             for name, every in asked.items():
-                told = asked_of(list(_named(every, stroke)), modality, kinds, forest, names, rng)
+                told = asked_of(every[stroke], modality, kinds, forest, names, rng)
                 scores[name].setdefault(stroke, {})[modality] = told
             step(_LESSON)
     counts = {"random timelines": held_out, "timelines given": len(timelines)}
@@ -190,38 +191,6 @@ def _check(
         raise InputError(f"learned = {learned}; an observer learns from 1 timeline or more")
     if held_out < 0 or seed < 0:
         raise InputError(f"held_out = {held_out}, seed = {seed}; neither is below 0")
-
-
-_LESSON = 15
-"""Teaching and asking one observer takes about as long as so many renders."""
-
-
-def _steps(
-    progress: Callable[[float], None] | None,
-    preset: Preset,
-    timelines: Sequence[Timeline],
-    modalities: Sequence[Modality],
-    hands: Hands,
-    learned: int,
-    held_out: int,
-) -> Callable[[int], None]:
-    """What is called after each step of the work, with how much it was."""
-    gestures = 1 if hands == "mixed" else len(GESTURES[hands])
-    total = gestures * (learned + held_out + len(timelines))
-    total += _LESSON * len(stroke_names(hands)) * len(modalities)
-    done = 0
-
-    def step(more: int) -> None:
-        nonlocal done
-        done += more
-        if progress is not None:
-            progress(done / total)
-
-    return step
-
-
-def _named(every: Sequence[Sequence[StrokeMet]], name: str) -> Iterator[StrokeMet]:
-    return (stroke for strokes in every for stroke in strokes if stroke.name == name)
 
 
 def _classes(stroke: StrokeMet, modality: Modality, nothing: int) -> NDArray[np.int64]:

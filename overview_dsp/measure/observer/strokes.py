@@ -215,7 +215,7 @@ def rendered_strokes(
     seed: int,
     progress: Callable[[int], None],
     sample_rate: float | None = None,
-) -> list[list[StrokeMet]]:
+) -> dict[str, list[StrokeMet]]:
     """Render every stroke over every timeline, on all cores.
 
     Parameters
@@ -235,28 +235,23 @@ def rendered_strokes(
 
     Returns
     -------
-    list of list of StrokeMet
-        Those of each timeline.
+    dict of str to list of StrokeMet
+        By the stroke's name, those over each timeline.
     """
     if sample_rate is None:
         sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE
-    found: list[list[StrokeMet]] = [[] for _ in timelines]
-    plans: list[tuple[Tail, list[tuple[str, int, Gesture]]]]
-    if hands == "mixed":
-        plans = [(ARRIVAL_S, [(MIXED, i, random_hand(seed + i)) for i in range(len(timelines))])]
-    else:
-        chosen = GESTURES[hands]
-        every = [(name, i, chosen[name]) for name in chosen for i in range(len(timelines))]
-        # only one sweep's recoil is looked at
-        plans = [
-            (ARRIVAL_S, [one for one in every if one[0] != RECOIL_OF]),
-            ("rest", [one for one in every if one[0] == RECOIL_OF]),
+    found: dict[str, list[StrokeMet]] = {name: [] for name in stroke_names(hands)}
+    for name in (MIXED,) if hands == "mixed" else GESTURES[hands]:
+        jobs = [
+            RenderJob(
+                each, preset, random_hand(seed + i) if name == MIXED else GESTURES[hands][name]
+            )
+            for i, each in enumerate(timelines)
         ]
-    for tail, plan in plans:
-        jobs = [RenderJob(timelines[i], preset, gesture) for _, i, gesture in plan]
-        results = render_many(jobs, sample_rate, tail=tail, trace=True)
-        for (name, i, _), result in zip(plan, results, strict=True):
-            found[i] += _cut(name, result, modalities)
+        tail: Tail = "rest" if name == RECOIL_OF else ARRIVAL_S
+        for result in render_many(jobs, sample_rate, tail=tail, trace=True):
+            for stroke in _cut(name, result, modalities):
+                found[stroke.name].append(stroke)
             progress(1)
     return found
 

@@ -9,6 +9,7 @@ in its trees' leaves. All nodes of a depth are split at once.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +28,8 @@ class _Tree:
 
     feature: NDArray[np.int64]
     threshold: NDArray[np.float64]
-    below: NDArray[
-        np.int64
-    ]  # the node for what is below the threshold; the next one is for the rest
+    below: NDArray[np.int64]
+    """The node for what is below the threshold; the next one is for the rest."""
     share: NDArray[np.float64]  # (nodes, classes)
 
 
@@ -87,94 +87,76 @@ def grown(
     trees : int
     """
     count = int(classes.max()) + 1
-    return Forest(
-        count, tuple(_grown(features, classes, weights, count, rng) for _ in range(trees))
-    )
+    grower = _Grower(features, classes, weights, count, rng)
+    return Forest(count, tuple(grower.tree() for _ in range(trees)))
 
 
-def _grown(
-    features: NDArray[np.float64],
-    classes: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    count: int,
-    rng: np.random.Generator,
-) -> _Tree:
-    parts: list[tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]] = []
-    shares = []
-    # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
-    rows = np.arange(len(features))
-    local = np.zeros(len(features), dtype=np.int64)
-    nodes, made = 1, 1
-    while nodes:
-        sums = _sums(local * count + classes[rows], weights[rows], nodes * count)
-        sums = sums.reshape(nodes, count)
-        total = sums.sum(axis=1)
-        shares.append(sums / total[:, None])
+@dataclass(frozen=True, eq=False)
+class _Grower:
+    """Grows trees on one set of samples."""
+
+    features: NDArray[np.float64]
+    classes: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    count: int
+    rng: np.random.Generator
+
+    def tree(self) -> _Tree:
+        """Grow one tree, depth by depth."""
+        parts: list[tuple[NDArray[Any], ...]] = []
+        # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
+        rows = np.arange(len(self.features))
+        local = np.zeros(len(self.features), dtype=np.int64)
+        nodes, made = 1, 1
+        while nodes:
+            sums = self._sums(rows, local, nodes)
+            feature, threshold, splits = self._best_questions(rows, local, sums)
+            splits &= (sums > 0.0).sum(axis=1) > 1
+            # the nodes of the next depth, two for each that is split
+            below = np.zeros(nodes, dtype=np.int64)
+            below[splits] = made + 2 * np.arange(np.count_nonzero(splits))
+            parts.append((feature, threshold, below, sums / sums.sum(axis=1)[:, None]))
+            kept = splits[local]
+            rows, local = rows[kept], local[kept]
+            local = below[local] + (self.features[rows, feature[local]] >= threshold[local]) - made
+            order = np.argsort(local, kind="stable")
+            rows, local = rows[order], local[order]
+            nodes = 2 * int(np.count_nonzero(splits))
+            made += nodes
+        return _Tree(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def _best_questions(
+        self, rows: NDArray[np.int64], local: NDArray[np.int64], sums: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Find the best of `QUESTIONS` at each node: feature, threshold, and whether it splits."""
+        nodes = len(sums)
         size = np.bincount(local, minlength=nodes)
-        feature, threshold, splits = _best_questions(
-            features, classes, weights, rows, local, sums, size, rng
-        )
-        splits &= (sums > 0.0).sum(axis=1) > 1
-        # the nodes of the next depth, two for each that is split
-        below = np.zeros(nodes, dtype=np.int64)
-        below[splits] = made + 2 * np.arange(np.count_nonzero(splits))
-        parts.append((feature, threshold, below))
-        kept = splits[local]
-        rows, local = rows[kept], local[kept]
-        above = features[rows, feature[local]] >= threshold[local]
-        local = below[local] + above - made
-        order = np.argsort(local, kind="stable")
-        rows, local = rows[order], local[order]
-        nodes = 2 * int(np.count_nonzero(splits))
-        made += nodes
-    features_asked, thresholds, belows = zip(*parts, strict=True)
-    return _Tree(
-        np.concatenate(features_asked),
-        np.concatenate(thresholds),
-        np.concatenate(belows),
-        np.concatenate(shares),
-    )
+        first = np.concatenate([[0], np.cumsum(size)[:-1]])
+        found, threshold = np.zeros(nodes, dtype=np.int64), np.zeros(nodes)
+        # what a node is worth without a split
+        best = (sums**2).sum(axis=1) / sums.sum(axis=1) + 1e-9
+        splits = np.zeros(nodes, dtype=bool)
+        for _ in range(QUESTIONS):
+            feature = np.asarray(self.rng.integers(self.features.shape[1], size=nodes))
+            drawn = rows[first + (self.rng.random(nodes) * size).astype(np.int64)]
+            value = self.features[drawn, feature]
+            below = self.features[rows, feature[local]] < value[local]
+            under = self._sums(rows[below], local[below], nodes)
+            many = np.bincount(local[below], minlength=nodes)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                worth = sum(
+                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (under, sums - under)
+                )
+            better = (many >= LEAST) & (size - many >= LEAST) & (worth > best)
+            best = np.where(better, worth, best)
+            found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
+            splits |= better
+        return found, threshold, splits
 
-
-def _best_questions(
-    features: NDArray[np.float64],
-    classes: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    rows: NDArray[np.int64],
-    local: NDArray[np.int64],
-    sums: NDArray[np.float64],
-    size: NDArray[np.int64],
-    rng: np.random.Generator,
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
-    """The best of `QUESTIONS` at each node: feature, threshold, and whether it splits it at all."""
-    nodes, count = sums.shape
-    first = np.concatenate([[0], np.cumsum(size)[:-1]])
-    found = np.zeros(nodes, dtype=np.int64)
-    threshold = np.zeros(nodes)
-    # what a node is worth without a split
-    best = (sums**2).sum(axis=1) / sums.sum(axis=1) + 1e-9
-    splits = np.zeros(nodes, dtype=bool)
-    column = local * count + classes[rows]
-    weight = weights[rows]
-    for _ in range(QUESTIONS):
-        feature = np.asarray(rng.integers(features.shape[1], size=nodes))
-        drawn = rows[first + (rng.random(nodes) * size).astype(np.int64)]
-        value = features[drawn, feature]
-        below = features[rows, feature[local]] < value[local]
-        under = _sums(column[below], weight[below], nodes * count).reshape(nodes, count)
-        many = np.bincount(local[below], minlength=nodes)
-        over = sums - under
-        with np.errstate(invalid="ignore", divide="ignore"):
-            worth = (under**2).sum(axis=1) / under.sum(axis=1)
-            worth += (over**2).sum(axis=1) / over.sum(axis=1)
-        better = (many >= LEAST) & (size - many >= LEAST) & (worth > best)
-        best = np.where(better, worth, best)
-        found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
-        splits |= better
-    return found, threshold, splits
-
-
-def _sums(
-    index: NDArray[np.int64], weights: NDArray[np.float64], length: int
-) -> NDArray[np.float64]:
-    return np.asarray(np.bincount(index, weights, minlength=length), dtype=np.float64)
+    def _sums(
+        self, rows: NDArray[np.int64], local: NDArray[np.int64], nodes: int
+    ) -> NDArray[np.float64]:
+        """Return the weight of each class at each node: (nodes, classes)."""
+        column = local * self.count + self.classes[rows]
+        sums = np.bincount(column, self.weights[rows], minlength=nodes * self.count)
+        return np.asarray(sums, dtype=np.float64).reshape(nodes, self.count)

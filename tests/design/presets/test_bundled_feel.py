@@ -19,8 +19,7 @@ from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets import library
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.measure.arm import arm_report
-from overview_dsp.measure.comparing import character_steps
-from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.report import character_steps, feel_report
 from overview_dsp.offline.rendering.audition import pages
 from tests.design.presets.strategies import values
 
@@ -70,7 +69,7 @@ def test_no_two_kinds_feel_alike_and_none_is_masked_or_merged_from_1_to_6_second
         stroke = report.stroke(seconds)
         assert stroke.alike == (), seconds
         assert sum(kind.masked + kind.merged for kind in stroke.kinds) == 0, seconds
-        assert {kind.kind for kind in stroke.kinds if kind.events} == set(preset.kinds), seconds
+        assert {kind.kind for kind in stroke.kinds if kind.met} == set(preset.kinds), seconds
 
 
 @pytest.mark.parametrize("data", ["world-cup-final-2018", "made-up-share"])

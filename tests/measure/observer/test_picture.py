@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.observer.picture import plot_observer
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import ObserverScores
+from overview_dsp.measure.pictures import plot_observer
 
 
 def report(strokes=("1 s", "recoil", "tap"), modalities=("touch", "sound")):

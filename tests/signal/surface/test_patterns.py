@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PATTERNS
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.comparing import character_steps
-from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.report import character_steps, feel_report
 from overview_dsp.signal.surface.gaps import pattern
 from tests.examples import plain_preset, timeline_of
 

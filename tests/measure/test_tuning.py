@@ -1,4 +1,4 @@
-"""What is said of events where they lie: on timelines where it is known."""
+"""Presets tuned by search: what is reached, what is kept, and what is said of the rest."""
 
 from __future__ import annotations
 
@@ -8,87 +8,73 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.retuning import save_retuned
-from overview_dsp.measure.crowd import crowd_report
-from overview_dsp.measure.tuning import in_crowd
-from overview_dsp.measure.tuning.in_crowd import REST, VERIFIED, gaps_on, tuned_on
+from overview_dsp.measure import tuning
+from overview_dsp.measure.report import feel_report
+from overview_dsp.measure.tuning import ORDERED_STEPS, REST, gaps_of, tune
+from overview_dsp.offline.rendering.audition import pages
 from tests.cli.running import MATCH, overview
-from tests.measure.test_feel_report import preset_of, timeline_of
-
-FAST = {"fast": ov.sweep(1.5)}
+from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
 
 
-def test_each_kind_is_counted_over_all_timelines_with_its_spread():
-    preset = preset_of(low=6.0, high=60.0)
-    timelines = [timeline_of("low", "high", "low"), timeline_of("low", "high", "high", "low")]
-    report = crowd_report(preset, timelines, FAST)
-    assert [stroke.name for stroke in report.strokes] == ["fast", "fast recoil"]
-    for stroke in report.strokes:
-        # by their friction
-        assert [(kind.kind, kind.events) for kind in stroke.kinds] == [("high", 3), ("low", 4)]
-        for kind in stroke.kinds:
-            assert kind.missed == kind.lost == 0
-            assert kind.low_db <= kind.level_db <= kind.high_db
-            assert 0.0 <= kind.lag_ms <= 24.0
-    ((high, low, steps),) = report.strokes[0].gaps
-    assert (high, low) == ("high", "low")
-    assert steps == pytest.approx(
-        (report.strokes[0].kind("high").level_db - report.strokes[0].kind("low").level_db) / 2.3
+@pytest.fixture(scope="module")
+def two_apart():
+    """Two kinds that are nearly one, tuned."""
+    return tune(preset_of(strong=20.0, weak=18.0), ("strong", "weak"), seed=1)
+
+
+def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
+    found = two_apart
+    assert found.reached
+    assert found.least_steps >= ORDERED_STEPS
+    assert found.preset.kinds["strong"].height > found.preset.kinds["weak"].height
+    report = feel_report(found.preset, timeline_of("strong", "weak", "weak", "strong"))
+    for name in SWEEPS:
+        strong, weak = report.stroke(name).kinds
+        assert strong.level_db > weak.level_db + 2.3
+
+
+def test_no_two_kinds_feel_alike_once_they_are_set_apart():
+    preset = preset_of(a=20.0, b=20.0, d=8.0)
+    found = tune(preset, ("a", "d"), apart=True, seed=1)
+    assert found.reached
+    report = feel_report(
+        found.preset, pages(found.preset), {"slow": sweep(5.0), "fast": sweep(1.0)}
     )
-    assert report.warnings() == []
+    for name in ("slow", "fast"):
+        assert report.stroke(name).alike == ()
+        levels = {kind.kind: kind.level_db for kind in report.stroke(name).kinds}
+        assert levels["a"] > levels["d"] + 2.3
+    assert tune(found.preset, ("a", "d"), apart=True, seed=2).preset.kinds == found.preset.kinds
 
 
-def test_an_order_that_is_not_kept_is_named_with_its_strokes():
-    preset = preset_of(a=30.0, b=30.0)
-    report = crowd_report(preset, [timeline_of(*"abba")], FAST, target=["b", "a"])
-    (line,) = report.warnings()
-    assert line.startswith("b is less than a step above a in fast (")
-    assert "fast recoil" in line
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
+    for name in ("TRIES", "TRIES_APART"):
+        monkeypatch.setattr(tuning, name, 6)  # however far it comes
+    preset = preset_of(a=20.0, d=20.0)
+    one, again, other = (tune(preset, ("a", "d"), None, apart, seed).preset for seed in (1, 1, 2))
+    assert one.kinds == again.kinds != preset.kinds
+    assert other.kinds != one.kinds
 
 
-def test_what_lies_beside_a_higher_event_is_lost_to_it_by_name():
-    beside = ov.Timeline(
-        "",
-        duration_s=10.0,
-        events=(
-            ov.Event(2.0, "low"),
-            ov.Event(5.0, "high"),
-            ov.Event(5.05, "low"),
-            ov.Event(8.0, "low"),
-        ),
-    )
-    report = crowd_report(preset_of(low=6.0, high=60.0), [beside], FAST)
-    stroke = report.strokes[0]
-    assert stroke.lost == (("low", "high", 1),)
-    assert (stroke.kind("low").lost, stroke.kind("high").lost) == (1, 0)
-    assert "lost: low beside high: 1" in report.table()
+def test_a_target_that_is_none_is_one_line():
+    preset = preset_of(strong=20.0, weak=10.0)
+    for target, words in (
+        (("strong",), "two kinds or more"),
+        (("strong", "wek"), "did you mean 'weak'"),
+        (("strong", "strong"), "twice"),
+    ):
+        with pytest.raises(ov.InputError, match=words):
+            tune(preset, target)
 
 
-def test_an_event_that_the_disk_never_meets_is_missed():
-    report = crowd_report(
-        preset_of(a=20.0), [timeline_of("a", "a", "a")], {"part": ov.sweep(1.0, 0.0, 0.6)}
-    )
-    kind = report.strokes[0].kind("a")
-    assert (kind.events, kind.missed) == (3, 1)
-    assert "never met in part: 1 a" in report.warnings()
-
-
-def test_what_is_below_a_step_of_the_rest_is_masked():
-    # 1.02 times the bare friction
-    report = crowd_report(preset_of(faint=0.02, high=60.0), [timeline_of("faint", "high")], FAST)
-    assert report.strokes[0].kind("faint").masked == 1
-    assert report.strokes[0].kind("high").masked == 0
-
-
-def test_the_command_measures_several_timelines(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    done = overview("presets", "feel", "football", MATCH, MATCH, "--json")
-    assert done.code == 0, done.err
-    crowd = json.loads(done.out)["crowd"]
-    assert len(crowd["timelines"]) == 2
-    goal = next(kind for kind in crowd["strokes"][0]["kinds"] if kind["kind"] == "goal")
-    assert goal["events"] == 10
-    assert len(crowd["strokes"]) == 8
+def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
+    apart = two_apart.preset
+    found = tune(apart, ("strong", "weak"), seed=2)
+    assert found.preset.kinds == apart.kinds
+    assert found.reached
 
 
 CHILD = """# my match, kept as it is
@@ -164,14 +150,13 @@ def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
 ):
     target = ["goal", "yellow_card", "foul"]
     with monkeypatch.context() as short:
-        short.setattr(in_crowd, "ROUNDS", 3)  # whatever it reaches by then
-        found = tuned_on(football, target, [match])
-    gaps = gaps_on(found.preset, target, [match], VERIFIED)
-    least = min(gap + (second == REST) for *_, second, gap in gaps)
-    assert found.least_steps == pytest.approx(least)
-    assert found.reached == (not found.unreached) == (least >= 2.0)
+        short.setattr(tuning, "TRIES", 6)  # whatever it reaches by then
+        found = tune(football, target, [match])
+    gaps = gaps_of(found.preset, target, [match])
+    assert found.least_steps == pytest.approx(min(gap.steps + (gap.second == REST) for gap in gaps))
+    assert found.reached == (not found.unreached) == (found.least_steps >= 2.0)
     same = ["goal", "own_goal"]
-    limited = tuned_on(
+    limited = tune(
         preset_of(goal=20.0, own_goal=20.0), same, [timeline_of(*["goal", "own_goal"] * 2)]
     )
     assert limited.reached
@@ -182,7 +167,7 @@ def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
 def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
     # the strongest event lies so near to the other that this gets its level
     crowd = ov.Timeline("crowd", duration_s=10.0, events=(ov.Event(5.0, "a"), ov.Event(5.0, "b")))
-    found = tuned_on(preset_of(a=20.0, b=19.0), ["a", "b"], [crowd])
+    found = tune(preset_of(a=20.0, b=19.0), ["a", "b"], [crowd])
     assert not found.reached
     assert all("a is " in line or "b is " in line for line in found.unreached)
     assert any(
@@ -190,14 +175,21 @@ def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
     )
 
 
+def test_timelines_of_one_title_are_measured_each_by_itself():
+    far, near = timeline_of("a", "b", "b", "a"), timeline_of("a", "b", spacing=0.1)
+    gaps = gaps_of(preset_of(a=60.0, b=6.0), ["a", "b"], [far, near])
+    assert [(gap.first, gap.second) for gap in gaps] == [("a", "b"), ("b", REST)] * 10
+    assert len({gap.steps for gap in gaps if gap.second == "b" and gap.stroke == "1 s"}) == 2
+
+
 def test_a_kind_that_no_timeline_has_is_one_line(match, football):
     with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the timelines given"):
-        tuned_on(football, ["goal", "shot"], [match])
+        tune(football, ["goal", "shot"], [match])
 
 
 def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(in_crowd, "ROUNDS", 3)
+    monkeypatch.setattr(tuning, "TRIES", 6)
     (tmp_path / "child.toml").write_text(CHILD)
     done = overview(
         *("presets", "tune", "child.toml", MATCH, "--target", "goal>yellow_card>foul"),

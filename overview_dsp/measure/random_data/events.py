@@ -1,4 +1,4 @@
-"""A football match by chance, of the rates and the crowding of real ones.
+"""Events by chance: a football match, and events of any kinds.
 
 Rates a match (Poisson) are those of StatsBomb's open data as this project reads them: 2.7 goals, 20
 fouls, 9.5 near misses, 3.8 yellow cards. Own goals (a twelfth of the goals) and red cards (0.3) are
@@ -10,9 +10,14 @@ minutes after a goal, shots that rebound, and a foul at the very moment of its c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import crowd_curve
-from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.data.timeline import Event, Intensity, Timeline
+from overview_dsp.errors import InputError
 
 GOALS, FOULS, NEAR_MISSES, YELLOWS, REDS = 2.7, 20.0, 9.5, 3.8, 0.3
 OWN_GOAL = 1.0 / 12.0
@@ -81,3 +86,53 @@ def random_match(seed: int) -> Timeline:
         events=tuple(events),
         intensity=crowd_curve(events, length),
     )
+
+
+EVENTS_LENGTH_S = 600.0
+EVENTS = 30.0
+"""So many in the mean: about a match's."""
+
+CLOSE, CLOSE_S = 0.15, (1.0, 12.0)
+"""So many events have another one, so soon after them."""
+
+
+def random_events(kinds: Sequence[str], seed: int) -> Timeline:
+    """Make up a timeline of given kinds, equally frequent, some close together, over a curve.
+
+    Parameters
+    ----------
+    kinds : sequence of str
+        One or more.
+    seed : int
+        The same seed and kinds, the same timeline.
+
+    Returns
+    -------
+    Timeline
+        Of ten minutes; each kind is there.
+
+    Raises
+    ------
+    InputError
+        No kind.
+
+    Examples
+    --------
+    >>> sorted(ov.measure.random_events(["bell", "drum"], seed=1).kinds())
+    ['bell', 'drum']
+    """
+    kinds = validation.instances(kinds, str, "kinds", "each is a word: ['goal', 'foul']")
+    if not kinds:
+        raise InputError("no kinds; name one or more")
+    rng = validation.random(seed)
+    events: list[Event] = []
+    for kind in kinds:
+        count = 1 + rng.poisson(max(0.0, EVENTS / len(kinds) / (1.0 + CLOSE) - 1.0))
+        for at in rng.uniform(5.0, EVENTS_LENGTH_S - 5.0 - CLOSE_S[1], count).tolist():
+            events.append(Event(at, kind))
+            if rng.random() < CLOSE:
+                other = kinds[int(rng.integers(len(kinds)))]
+                events.append(Event(at + rng.uniform(*CLOSE_S), other))
+    knots = np.linspace(0.0, EVENTS_LENGTH_S, 13)
+    curve = Intensity(knots, np.clip(rng.normal(0.4, 0.25, len(knots)), 0.0, 1.0))
+    return Timeline(f"random events {seed}", EVENTS_LENGTH_S, tuple(events), curve)
