@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 if TYPE_CHECKING:
-    from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.gestures import Gesture
 
 BAR_AFTER_S = 1.0
@@ -133,42 +132,3 @@ def list_profiles(
     show(as_json, rows, *lines)
     for fault in faults:
         note(f"left out: {fault}")
-
-
-def window_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options --window and --zoom-to, for `part_of`."""
-    zoom_to = click.option(
-        "--zoom-to", metavar="KIND:NUMBER[:LENGTH]", help="About an event: goal:1, goal:1:90."
-    )
-    window = click.option(
-        "--window",
-        nargs=2,
-        metavar="START END",
-        help="Only that part: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
-    )
-    return window(zoom_to(function))
-
-
-def part_of(
-    timeline: Timeline, window: tuple[str, str] | None, zoom_to: str | None
-) -> tuple[float, float] | None:
-    """The part (start_s, end_s) that --window or --zoom-to names; None for the whole.
-
-    Raises
-    ------
-    InputError
-        Both are given, or one that names no part; the line begins with the option.
-    """
-    from overview_dsp.data.timeline.moments import window_of, zoom_window
-    from overview_dsp.errors import InputError
-    from overview_dsp.validation import located
-
-    if window and zoom_to is not None:
-        raise InputError("--window and --zoom-to both name a part; give one of them")
-    if window:
-        with located("--window: "):
-            return window_of(timeline, *window)
-    if zoom_to is not None:
-        with located("--zoom-to: "):
-            return zoom_window(timeline, zoom_to)
-    return None

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import click
 
 from overview_dsp.cli.common import show
+from overview_dsp.cli.options.groups import GENERAL, JSON, option
 
 Control = TypeVar("Control")
 
@@ -26,21 +28,25 @@ class Port(Protocol):
         """Give it back."""
 
 
-def learn_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of both: where it is written, ends, how long."""
-    options = (
-        click.option("-o", "--output", "path", type=click.Path(dir_okay=False), required=True,
-                     help="The list that it is written into; made if it isn't there."),
-        click.option("--low", type=float, help="What its lower end is: a part of the timeline (0 "
-                     "to 1), or a parameter's value."),
-        click.option("--high", type=float, help="And its upper end."),
-        click.option("--seconds", type=click.FloatRange(0.1, 3600.0), default=30.0,
-                     show_default=True, help="Give up after so long."),
-        click.option("--json", "as_json", is_flag=True, help="Report as JSON."),
-    )  # fmt: skip
-    for option in reversed(options):
-        function = option(function)
-    return function
+@dataclass(frozen=True)
+class Learning:
+    """Options of both commands: the file, the ends of the range, how long to wait."""
+
+    heading: ClassVar[str] = GENERAL
+
+    output: str = option(
+        "The list to write it into; made if it isn't there.",
+        type=click.Path(dir_okay=False),
+        required=True,
+    )
+    low: float | None = option(
+        "Value at the control's lower end: a position (0 to 1), or a parameter's value."
+    )
+    high: float | None = option("Value at its upper end.")
+    timeout: float = option(
+        "Give up after S seconds.", type=click.FloatRange(0.1, 3600.0), default=30.0, metavar="S"
+    )
+    as_json: bool = JSON
 
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
@@ -82,10 +88,11 @@ def heard_from(
     raise InputError(f"{port.name}: in {seconds:g} s {otherwise()}")
 
 
-def keep(path: str, text: str, report: dict[str, Any], as_json: bool, words: str) -> None:
-    """Write the list, and say what was learned."""
+def keep(learning: Learning, text: str, report: dict[str, Any], words: str) -> None:
+    """Write the list, and report what was learned."""
     from overview_dsp.files.atomic import whole_file
 
-    with whole_file(path) as temporary:
+    with whole_file(learning.output) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    show(as_json, {**report, "file": path}, f"{Path(path)}: {words}")
+    report["file"] = learning.output
+    show(learning.as_json, report, f"{Path(learning.output)}: {words}")

@@ -32,12 +32,12 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "osc:9000", "--input", "osc:9001"), ("osc:9001", "one of a kind")),
         (("--input", "sweep:1", "--input", "osc:9000"), ("plays alone",)),
         (("--input", "sweep:1", "--input", "sweep:1"), ("one of a kind",)),
-        (("--input", "osc:9000", "--sensor", "imu"), ("--sensor", "serial:PORT")),
-        (("--input", "osc:9000", "--midi-map", "x.toml"), ("--midi-map", "midi:NAME")),
-        (("--input", "midi:x", "--midi-map", "nowhere.toml"), ("nowhere.toml", "midi learn")),
+        (("--input", "osc:9000,sensor=imu"), ("sensor is for serial:", "osc: takes map")),
+        (("--input", "serial:x,map=x.toml"), ("map is for osc:, midi:",)),
+        (("--input", "midi:x,map=nowhere.toml"), ("nowhere.toml", "midi learn")),
         (("--osc-out", "x"), ("'x'", "9000")),
-        (("--input", "midi:x", "--osc-map", "zigsim"), ("--osc-map", "osc:PORT")),
-        (("--input", "osc:9000", "--osc-map", "zigsin"), ("osc learn", "zigsim")),
+        (("--input", "midi:x,mapp=zigsim"), ("unknown part 'mapp'", "did you mean 'map'")),
+        (("--input", "osc:9000,map=zigsin"), ("osc learn", "zigsim")),
         (("--input", "http://"), ("http", "phyphox")),
         (("--input", "post:x"), ("'x'", "9000")),
         (("--input", "post:8000", "--input", "serial:x"), ("serial:x", "one of a kind")),
@@ -82,16 +82,16 @@ def test_a_fader_that_is_moved_is_learned_and_played(tmp_path):
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["address"] == "/1/fader7"
     assert "move it from one end to the other" in outcome.err
-    assert overview("osc", "learn", number, "device", "-o", path, "--seconds", 0.2).code == 2
+    assert overview("osc", "learn", number, "device", "-o", path, "--timeout", 0.2).code == 2
     assert load_osc_map(path)[0].hears("/1/fader7")
-    played = overview(*PLAY, "--input", f"osc:{number}", "--osc-map", path, "--seconds", 0.2)
+    played = overview(*PLAY, "--input", f"osc:{number},map={path}", "--seconds", 0.2)
     assert played.code == 0, played.err
 
 
 def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('schema = 1\n[[control]]\ncontrol = "cc 7"\nto = "tactor.gian_db"\n')
-    line = refused(overview(*PLAY, "--input", "midi:x", "--midi-map", path))
+    line = refused(overview(*PLAY, "--input", f"midi:x,map={path}"))
     assert "did you mean 'tactor.gain_db'" in line
 
 
