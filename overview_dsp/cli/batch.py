@@ -7,6 +7,7 @@ import click
 from overview_dsp.cli.common import progress_bar, show
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 from overview_dsp.cli.signals import stop_code
+from overview_dsp.errors import OverviewError
 
 SHOWN_FAILURES = 10
 
@@ -32,7 +33,6 @@ def command(
     listed, the others are made; then it ends with 1.
     """
     from overview_dsp.batch import load_study, run_study
-    from overview_dsp.errors import OverviewError
 
     if workers is not None and scheduler is not None:
         raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")

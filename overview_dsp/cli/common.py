@@ -12,6 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+import overview_dsp as ov
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import keep, release, whole_file
+
 if TYPE_CHECKING:
     from overview_dsp.design.gestures import Gesture
 
@@ -67,22 +71,24 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
             bar.__exit__(None, None, None)
 
 
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a whole text file, or nothing; OutputError."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
 def keep_input(path: str) -> None:
     """Let no output of the command take the place of a file that it reads."""
-    from overview_dsp.files.atomic import keep, release
-
     keep(path)
     click.get_current_context().call_on_close(release)
 
 
 def read_gesture(text: str) -> Gesture:
     """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
-    from overview_dsp.design.gestures import parse_gesture
-
     for part in text.split("+"):
         keep_input(part)
         keep_input(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
-    return parse_gesture(text)
+    return ov.parse_gesture(text)
 
 
 def print_json(report: Any) -> None:
@@ -115,8 +121,6 @@ def list_profiles(
     remark : callable
         What the line ends with.
     """
-    from overview_dsp.errors import InputError
-
     found, faults = [], []
     for name in names:
         try:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json
 from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.files.atomic import make_folder
 
 LISTEN = {
     "fast sweep": "the whole match in a second: each goal is a knock that stands out of a strong, "
@@ -29,12 +31,10 @@ def command(
     the vibration for a tactor; headphones held in the hand work too) and the paper's figures.
     """
     from overview_dsp.data.readers import bundled_timeline
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.files.atomic import make_folder
     from overview_dsp.offline.plots.paper import draw, renders
 
     folder = make_folder(output)
-    timeline, preset = bundled_timeline(), load_preset("football")
+    timeline, preset = bundled_timeline(), ov.load_preset("football")
     announce_compile()
     sounds = []
     for name, result in renders(timeline, preset).items():

@@ -9,6 +9,7 @@ import click
 from overview_dsp.cli.common import print_json
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE, SET, output_changes
+from overview_dsp.errors import InputError, OverviewError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -42,7 +43,6 @@ def command(
     Each serial port is listened to, to detect its format: many boards restart when theirs is
     opened. With --set, the settings of --device (or the default output) are changed first.
     """
-    from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.devices import devices, no_output_hint
     from overview_dsp.live.ports.midi import midi_ports
     from overview_dsp.live.ports.pads import pads
@@ -111,7 +111,6 @@ def command(
 
 def _remember(device: str | None, texts: tuple[str, ...]) -> None:
     """Change what is remembered for a device, but its actuator; InputError."""
-    from overview_dsp.errors import InputError
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import SILENT, device_named
     from overview_dsp.live.output.saved_settings import resolve_output, save_settings
@@ -128,7 +127,6 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
 
 def _plays(output: OutputDevice) -> str | None:
     """What `play` gives an output where that isn't the usual: as remembered, or as a pad's."""
-    from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
     from overview_dsp.live.output.settings import OutputSettings
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
+import overview_dsp as ov
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.groups import JSON, argument, cli_command, option, refuse_options
 from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
@@ -27,10 +28,12 @@ from overview_dsp.cli.render import (
     write_transcripts,
 )
 from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
+    from overview_dsp.offline.export.felt_error import FeltError
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -95,11 +98,7 @@ def command(
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
     """
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.files.atomic import require_writable
-    from overview_dsp.offline.export.writing import export
     from overview_dsp.offline.rendering.event_log import happened
-    from overview_dsp.offline.rendering.offline import render
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.signal.actuators.stage import protected_report
 
@@ -111,7 +110,7 @@ def command(
     shown = []
     for timeline in timelines:
         data = open_window(timeline, reading, window)
-        chosen = load_preset(preset_for(data, preset))
+        chosen = ov.load_preset(preset_for(data, preset))
         shown.append((data, chosen))
     if SOURCE in formats:
         _require_alone(SOURCE, formats, *CLIP_OPTIONS, *PAGE_OPTIONS)
@@ -137,27 +136,18 @@ def command(
     require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
-        result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
+        result = ov.render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
         progress(1.0)
     reports: list[dict[str, Any]] = []
     for to, place in places.items():
-        done = export(result, to, place, points_per_second)
+        done = ov.export.export(result, to, place, points_per_second)
         report: dict[str, Any] = {"format": to, "files": [str(path) for path in done.files]}
         if done.error is not None:
             report |= {
                 "points": done.points,
                 "transients": done.transients,
-                "median_error_db": round(done.error.median_db, 2),
-                "largest_error_db": round(done.error.largest_db, 2),
-                "within_step_percent": round(done.error.within_percent, 1),
-                "players": {
-                    name: {
-                        "median_error_db": round(error.median_db, 2),
-                        "largest_error_db": round(error.largest_db, 2),
-                        "within_step_percent": round(error.within_percent, 1),
-                    }
-                    for name, error in done.players.items()
-                },
+                **_error(done.error),
+                "players": {name: _error(error) for name, error in done.players.items()},
             }
         else:
             report["actuator"] = protected_report(driven, result.protected)
@@ -184,6 +174,14 @@ def command(
         click.echo(FIGURES)
 
 
+def _error(error: FeltError) -> dict[str, float]:
+    return {
+        "median_error_db": round(error.median_db, 2),
+        "largest_error_db": round(error.largest_db, 2),
+        "within_step_percent": round(error.within_percent, 1),
+    }
+
+
 def _require_alone(to: str, formats: tuple[str, ...], *refused: str) -> None:
     """Refuse what a folder of the timeline itself would ignore."""
     if set(formats) != {to}:
@@ -193,14 +191,9 @@ def _require_alone(to: str, formats: tuple[str, ...], *refused: str) -> None:
 
 def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
     """Write the C folder and say how to try it."""
-    from overview_dsp.offline.export.c_folder import export_c
-
-    files = [str(path) for path in export_c(data, preset, out, seed=seed)]
-    if as_json:
-        print_json([{"format": SOURCE, "files": files}])
-        return
-    click.echo(f"{', '.join(files)}")
-    click.echo(f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav")
+    files = [str(path) for path in ov.export.export_c(data, preset, out, seed=seed)]
+    try_it = f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav"
+    show(as_json, [{"format": SOURCE, "files": files}], ", ".join(files), try_it)
 
 
 def _base_url(given: str | None) -> str | None:
@@ -241,13 +234,11 @@ def _site(
             size = write_gallery(shown, out, **given)
         else:
             size = write_site(*shown[0], out, **given)
-    if as_json:
-        print_json([{"format": SITE, "files": [out], "bytes": size}])
-        return
-    click.echo(
+    line = (
         f"{out}: {size / 1e6:.1f} MB for any web host (phones give motion to https pages only); "
         f"to try it here: python -m http.server -b 127.0.0.1 -d {out}, then http://127.0.0.1:8000"
     )
+    show(as_json, [{"format": SITE, "files": [out], "bytes": size}], line)
 
 
 def _place(out: str | None, to: str, several: bool) -> Path:

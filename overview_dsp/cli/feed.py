@@ -9,11 +9,10 @@ from typing import Any
 
 from overview_dsp.cli.options.groups import cli_command, option
 from overview_dsp.cli.options.timeline import Reading, open_timeline
+from overview_dsp.errors import InputError
 
 
 def _speed(context: Any, parameter: Any, speed: float) -> float:
-    from overview_dsp.errors import InputError
-
     if not speed > 0.0:  # NaN too
         raise InputError(f"--speed {speed:g}; it is above 0, 1 is as it was, inf is at once")
     return speed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, show
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 from overview_dsp.cli.options.timeline import PRESET_OPTION, Reading, open_timeline, preset_for
@@ -17,11 +18,10 @@ def command(
     reading: Reading,
 ) -> None:
     """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.offline.plots.paper import draw, renders
 
     data = open_timeline(timeline, reading)
-    chosen = load_preset(preset_for(data, preset))
+    chosen = ov.load_preset(preset_for(data, preset))
     announce_compile()
     files = draw(data, renders(data, chosen), output)
     show(as_json, {"files": [str(path) for path in files]}, *files)

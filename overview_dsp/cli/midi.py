@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.learning import Learning, heard_from, keep, require_target
+from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
 from overview_dsp.cli.options.groups import cli_command
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.midi_map import Control
@@ -40,7 +41,6 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
         parse_map,
         write_map,
     )
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.ports.midi import MidiPort
 
     require_target(target, (THETA2, TOUCH, TAPS))
@@ -56,7 +56,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     def hear(came: list[bytes], now_s: float) -> Control | None:
         return next(filter(None, map(learner.read, came)), None)
 
-    moved = heard_from(lambda: MidiPort(name), learner.ask, hear, learning.timeout,
+    moved = listen(MidiPort(name), lambda: learner.ask, hear, learning.timeout,
                        lambda: f"no control was moved that can be {target!r}")  # fmt: skip
     found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)
@@ -64,4 +64,4 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     report = {"control": found.name, "channel": found.channel, "to": target}
     steps = f" by steps ({found.relative})" if found.relative else ""
     words = f"{found.name}, channel {found.channel}, is {target}{steps}"
-    keep(learning, write_map((*kept, found)), report, words)
+    save_learned(learning, write_map((*kept, found)), report, words)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.learning import Learning, heard_from, keep, require_target
+from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
 from overview_dsp.cli.options.groups import cli_command
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.osc_map import OscControl
@@ -37,7 +38,6 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         parse_osc_map,
         write_osc_map,
     )
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.ports.osc import OscPort
 
     require_target(target, (THETA2, TOUCH, DEVICE))
@@ -58,7 +58,7 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         came = f"heard were {learner.heard}" if learner.heard else "nothing came"
         return f"no message was known that can be {target!r}; {came}"
 
-    found = heard_from(lambda: OscPort(port), learner.ask, hear, learning.timeout, otherwise)
+    found = listen(OscPort(port), lambda: learner.ask, hear, learning.timeout, otherwise)
     found = replace(found, low=learning.low, high=learning.high)
     replaced = SENSED if target == DEVICE else (target,)
     same = (found.address, found.value)
@@ -68,4 +68,4 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     words = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
-    keep(learning, write_osc_map((*kept, found)), report, words)
+    save_learned(learning, write_osc_map((*kept, found)), report, words)

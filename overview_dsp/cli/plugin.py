@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import note, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
@@ -50,8 +51,6 @@ def build(
     everything that is bundled: the timelines, each in every preset.
     """
     from overview_dsp.data.readers import BUNDLED
-    from overview_dsp.design.presets.library import bundled_presets, load_preset
-    from overview_dsp.offline.export.plugins import build_plugin
 
     data = {
         Path(timeline).stem: open_window(timeline, reading, window)
@@ -61,9 +60,9 @@ def build(
         raise InputError("two timelines of a plugin have the same name: name each once")
     everything = not presets and not timelines
     if everything:
-        presets = bundled_presets()
+        presets = ov.bundled_presets()
     fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
-    chosen = [load_preset(preset) for preset in presets or fitting]
+    chosen = [ov.load_preset(preset) for preset in presets or fitting]
     called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
     if target:
         note(f"compiling for {target}; ziglang's first time for a machine takes a minute or more")
@@ -71,10 +70,12 @@ def build(
         if everything:
             # that not every bundled preset names what a bundled timeline holds was nobody's choice
             warnings.simplefilter("ignore", OverviewWarning)
-        made = build_plugin(data, chosen, to, output, name=called, seed=seed, target=target)
+        built = ov.export.build_plugin(
+            data, chosen, to, output, name=called, seed=seed, target=target
+        )
     names = [preset.name for preset in chosen]
-    report = {"format": to, "file": str(made), "timelines": list(data), "presets": names}
+    report = {"format": to, "file": str(built), "timelines": list(data), "presets": names}
     report |= {"target": target} if target else {}
     timed = f"{', '.join(data)} in " if len(data) > 1 else ""
-    line = f"{made}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2"
+    line = f"{built}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2"
     show(as_json, report, line)

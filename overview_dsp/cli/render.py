@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.groups import JSON, cli_command, option
@@ -23,6 +24,8 @@ from overview_dsp.cli.options.timeline import (
     preset_for,
 )
 from overview_dsp.design.gestures.spec import DEFAULT, FORMS
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.offline.rendering.event_log import Happening
@@ -42,7 +45,6 @@ TRANSCRIPT = option(
 
 def require_transcripts(paths: Sequence[str]) -> None:
     """InputError, before any work, for a file that no transcript can be written to."""
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.offline.rendering.event_log import writer_of
 
     for path in paths:
@@ -53,8 +55,6 @@ def require_transcripts(paths: Sequence[str]) -> None:
 
 def require_wav(path: str) -> None:
     """InputError if a sound file can't hold cue points."""
-    from overview_dsp.errors import InputError
-
     if Path(path).suffix.lower() != ".wav":
         raise InputError(f"{path}: --cue-points is for .wav files; give a --transcript for others")
 
@@ -108,7 +108,6 @@ def command(
     """
     from overview_dsp.files.cue_points import add_cues
     from overview_dsp.offline.rendering.event_log import happened
-    from overview_dsp.offline.rendering.offline import render_to_file
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.offline.rendering.stems import stem_paths
     from overview_dsp.signal.actuators.stage import protected_report
@@ -124,7 +123,7 @@ def command(
     driven = calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar(f"rendering {Path(output).name}") as progress:
-        done = render_to_file(
+        done = ov.render_to_file(
             data,
             chosen,
             movement,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import time
+from pathlib import Path
 
 import click
 
-from overview_dsp.cli.common import show
+from overview_dsp.cli.common import show, write_text
+from overview_dsp.cli.control_learning import listen
 from overview_dsp.cli.devices import BAUD
 from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 
 @click.group(name="sensor", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
@@ -37,39 +40,24 @@ def setup(
     Lay it still, face up, then turn it face down and back, twice; a knob from one end to the other
     and back.
     """
-    from pathlib import Path
-
     from overview_dsp.devices.sensors.setup import Setup
-    from overview_dsp.errors import InputError
-    from overview_dsp.files.atomic import require_writable, whole_file
-    from overview_dsp.live.ports.port import WAIT_S
     from overview_dsp.live.ports.serial import SerialPort
 
     require_writable(output)
     watched = Setup()
-    asked = ""
+
+    def hear(came: list[bytes], now_s: float) -> str | None:
+        for data in came:
+            watched.feed(data, now_s)
+        if watched.problem:
+            raise InputError(watched.problem)
+        return watched.toml() if watched.done else None
+
+    def otherwise() -> str:
+        return f"{watched.twists} of 2 twists were seen ({watched.problem or watched.ask})"
+
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    try:
-        until = time.monotonic() + timeout
-        while not watched.done:
-            now = time.monotonic()
-            if now > until:
-                raise InputError(
-                    f"{opened.name}: in {timeout:g} s {watched.twists} of 2 twists were "
-                    f"seen ({watched.problem or watched.ask})"
-                )
-            for data in opened.receive(WAIT_S):
-                watched.feed(data, now)
-            if watched.problem:
-                raise InputError(f"{opened.name}: {watched.problem}")
-            if watched.ask != asked:
-                asked = watched.ask
-                click.echo(f"{opened.name}: {asked}", err=True)
-    finally:
-        opened.close()
-    text = watched.toml()
-    with whole_file(output) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(output, listen(opened, lambda: watched.ask, hear, timeout, otherwise))
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 
@@ -85,10 +73,7 @@ def firmware(
     as_json: bool = JSON,
 ) -> None:
     """Get the firmware NAME, to flash on a board; without NAME, list what there is."""
-    from pathlib import Path
-
     from overview_dsp.devices.sensors.firmware import copy_firmware, firmware_head, firmware_names
-    from overview_dsp.errors import InputError
 
     if name is None:
         if output is not None:
@@ -119,11 +104,7 @@ def profile(
 
     Without NAME, list what there is.
     """
-    from pathlib import Path
-
     from overview_dsp.devices.sensors.profile import LIBRARY, load_sensor
-    from overview_dsp.errors import InputError
-    from overview_dsp.files.atomic import require_writable, whole_file
 
     if name is None:
         if output is not None:
@@ -136,7 +117,6 @@ def profile(
         if Path(output).exists():
             raise InputError(f"{output}: already there; move it away or give another file (-o)")
         require_writable(output)
-        with whole_file(output) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        write_text(output, text)
     words = text.rstrip() if output is None else f"{output}: play it with sensor={output}"
     show(as_json, {"name": name, "file": output, "text": text}, words)

@@ -6,10 +6,13 @@ from pathlib import Path
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import print_json
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 from overview_dsp.cli.options.timeline import READ_KEYS, Reading, open_timeline
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 
 @click.group(name="timeline", epilog="Example: overview timeline show match.json")
@@ -74,10 +77,7 @@ def convert(
 
     Reading the native file back gives the same timeline.
     """
-    from overview_dsp.data.readers import save_timeline
     from overview_dsp.data.readers.events.event_table import save_events
-    from overview_dsp.errors import InputError
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.units import span_text
 
     suffix = Path(output).suffix.lower()
@@ -87,7 +87,7 @@ def convert(
         )
     require_writable(output)
     data = open_timeline(file, reading)
-    (save_events if suffix == ".csv" else save_timeline)(data, output)
+    (save_events if suffix == ".csv" else ov.save_timeline)(data, output)
     points = len(data.intensity.value) if data.intensity is not None else 0
     kept = 0 if suffix == ".csv" else points
     left = f", {points} points of the curve left behind" if points > kept else ""

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE
+from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import SILENT
 
 if TYPE_CHECKING:
@@ -54,16 +56,14 @@ def calibrate(
     --actuator NAME drives it so much more, or less, that what presets do is as far above your
     threshold as they mean it.
     """
-    from overview_dsp.errors import InputError
     from overview_dsp.signal.actuators.calibration import (
         calibration_file,
         forget_threshold,
         gain_for,
         save_threshold,
     )
-    from overview_dsp.signal.actuators.library import load_actuator
 
-    actuator = load_actuator(name)
+    actuator = ov.load_actuator(name)
     if reset_threshold:
         if threshold is not None:
             raise InputError("--threshold and --reset-threshold are opposites; give one of them")
@@ -105,7 +105,6 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """The levels at which a person pressed, dB of the nominal drive."""
-    from overview_dsp.errors import InputError
     from overview_dsp.live.output.threshold import SILENCE_S, Rise, felt_at
 
     settings, name, rate, index = _output(device, channel)
@@ -148,7 +147,6 @@ def _output(
     device: str | None, channel: str | None
 ) -> tuple[OutputSettings, str, float, int | None]:
     """Return the tactor's output alone, and the device's name, rate (Hz) and index."""
-    from overview_dsp.errors import InputError
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import device_named
     from overview_dsp.live.output.saved_settings import load_settings
@@ -201,8 +199,6 @@ class _Keys:
 
     def pressed(self) -> bool:
         """Whether Enter was pressed, after a little wait; InputError if nobody can any more."""
-        from overview_dsp.errors import InputError
-
         try:
             if self._lines.get(timeout=self.WAIT_S):
                 return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.groups import JSON, cli_command, option
 
@@ -30,14 +31,12 @@ def sweep(
     import numpy as np
 
     from overview_dsp.files.sound import save_sound
-    from overview_dsp.signal.actuators.library import load_actuator
     from overview_dsp.signal.actuators.stage import ActuatorStage, protected_report
-    from overview_dsp.signal.actuators.tones import log_sweep
 
-    actuator = load_actuator(name)
+    actuator = ov.load_actuator(name)
     if not apply_shaping:
         actuator = actuator.unshaped
-    tone = log_sweep(low_frequency, high_frequency, duration, level, sample_rate)
+    tone = ov.actuators.log_sweep(low_frequency, high_frequency, duration, level, sample_rate)
     stage = ActuatorStage(actuator, sample_rate)
     announce_compile("drive_block")
     samples = np.zeros((len(tone), 2), dtype=np.float32)

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+import overview_dsp as ov
 from overview_dsp.cli.options.groups import option, refuse_options
 from overview_dsp.cli.options.timeline import Reading, Window, open_timeline, preset_for
 from overview_dsp.errors import InputError
@@ -71,7 +72,6 @@ class Feed:
             raise InputError(f"--follow {self.follow} is the timeline; leave {timeline} out")
         refuse_options("is for a file that is read, not for --follow", Reading)
         from overview_dsp.data.feeds.follower import Follower
-        from overview_dsp.data.feeds.live_timeline import LiveTimeline
         from overview_dsp.data.feeds.sources import Sound
         from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
         from overview_dsp.live.session.growing import Growth
@@ -79,7 +79,7 @@ class Feed:
         after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
         if after_s is not None and not after_s >= 0.0:
             raise InputError(f"--update-held-after {after_s:g}; it is 0 s or more")
-        live = LiveTimeline(
+        live = ov.LiveTimeline(
             expect_s=None if length is None else expected_s(length),
             map=None if layout is None else map_named(layout),
         )
@@ -122,8 +122,6 @@ def opened_data(
     timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
 ) -> Iterator[OpenedData]:
     """Open a finished timeline, or follow one that grows meanwhile; errors as they."""
-    from overview_dsp.design.presets.library import load_preset
-
     with feed.opened(timeline, reading) as growth:
         if growth is None:
             assert timeline is not None
@@ -135,6 +133,6 @@ def opened_data(
             data, shown = data.window(*shown), None
         name = preset_for(data, preset)
         if growth is not None:
-            growth.lay_out(load_preset(name))
+            growth.lay_out(ov.load_preset(name))
             data = growth.live.felt()
         yield OpenedData(data, shown, name, growth)

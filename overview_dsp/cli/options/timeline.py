@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import overview_dsp as ov
 from overview_dsp.cli.common import keep_input, progress_bar
 from overview_dsp.cli.options.groups import option, parse_pairs
+from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
@@ -83,7 +85,6 @@ class Window:
             Both are given, or one that names no window; the line begins with the option.
         """
         from overview_dsp.data.timeline.moments import window_of, zoom_window
-        from overview_dsp.errors import InputError
         from overview_dsp.validation import located
 
         if self.window and self.zoom_to is not None:
@@ -111,10 +112,9 @@ class PresetChoice:
 
     def load(self, name: str) -> Preset:
         """Load a preset, without its angle map where that is asked for."""
-        from overview_dsp.design.presets.library import load_preset
         from overview_dsp.signal.surface.angle_map import without_map
 
-        preset = load_preset(name)
+        preset = ov.load_preset(name)
         return without_map(preset) if self.linear else preset
 
 
@@ -134,9 +134,7 @@ def open_window(path: str, reading: Reading, window: Window) -> Timeline:
 
 def open_timeline(path: str, reading: Reading) -> Timeline:
     """Load a timeline, with a progress bar where that takes long; errors as `load_timeline`."""
-    from overview_dsp.data.readers import load_timeline
-
     keep_input(path)
     options = reading.load_options()
     with progress_bar(f"reading {path}") as progress:
-        return load_timeline(path, progress=progress, **options)
+        return ov.load_timeline(path, progress=progress, **options)

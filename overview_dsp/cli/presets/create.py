@@ -12,9 +12,12 @@ from typing import TYPE_CHECKING, cast
 
 import click
 
-from overview_dsp.cli.common import keep_input, show
+import overview_dsp as ov
+from overview_dsp.cli.common import keep_input, show, write_text
 from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import make_folder
 
 if TYPE_CHECKING:
     from overview_dsp.offline.export.reading import Layer
@@ -29,7 +32,7 @@ BASE = option("Preset to start from.", default="football")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 
 
-@cli_command("presets new my-match --base football")
+@cli_command("presets new my-match --base football", group=command)
 def new(
     name: str,
     *,
@@ -38,38 +41,34 @@ def new(
     as_json: bool = JSON,
 ) -> None:
     """Write a preset that extends another, with every parameter in it to be changed."""
-    from overview_dsp.design.presets.library import LIBRARY, load_preset
+    from overview_dsp.design.presets.library import LIBRARY
     from overview_dsp.design.presets.reference import json_schema
     from overview_dsp.design.presets.writing import started_from
-    from overview_dsp.files.atomic import make_folder, whole_file
     from overview_dsp.files.toml import SUFFIX
 
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
     if output is None and name in LIBRARY.bundled:
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
-    preset = load_preset(base)
+    preset = ov.load_preset(base)
     path = Path(output) if output is not None else make_folder(LIBRARY.own_folder) / (name + SUFFIX)
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
-    with whole_file(path) as temporary:
-        text = f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}"
-        temporary.write_text(text, encoding="utf-8", newline="\n")
-    load_preset(path)
+    write_text(path, f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}")
+    ov.load_preset(path)
     # beside it, as the line says: what this version of the program knows
-    with whole_file(path.with_name(SCHEMA_FILE)) as temporary:
-        temporary.write_text(json.dumps(json_schema(), indent=1) + "\n", encoding="utf-8")
+    write_text(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
     line = f"{path}: extends {base}; change it with: overview presets edit {output or name}"
     show(as_json, {"file": str(path), "extends": base}, line)
 
 
-@cli_command("presets edit my-match")
+@cli_command("presets edit my-match", group=command)
 def edit(preset: str, *, as_json: bool = JSON) -> None:
     """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
-    from overview_dsp.design.presets.library import bundled_presets, load_preset, preset_path
+    from overview_dsp.design.presets.library import preset_path
 
-    if preset in bundled_presets():
+    if preset in ov.bundled_presets():
         raise InputError(
             f"{preset!r} is bundled and stays as it is; make your own from it: overview presets "
             f"new my-{preset} --base {preset}"
@@ -79,11 +78,11 @@ def edit(preset: str, *, as_json: bool = JSON) -> None:
         click.edit(filename=str(path))
     except click.ClickException as error:
         raise InputError(f"{error.message}; set EDITOR to an editor that is there") from None
-    load_preset(path)
+    ov.load_preset(path)
     show(as_json, {"file": str(path), "valid": True}, f"{path}: valid")
 
 
-@cli_command("presets morph football heart --steps 5 -o between")
+@cli_command("presets morph football heart --steps 5 -o between", group=command)
 def morph(
     first: str,
     second: str,
@@ -93,19 +92,16 @@ def morph(
     as_json: bool = JSON,
 ) -> None:
     """Write presets interpolated between FIRST and SECOND."""
-    from overview_dsp.design.presets.blending import morph as blend
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.design.presets.writing import save_preset
-    from overview_dsp.files.atomic import make_folder
     from overview_dsp.files.toml import SUFFIX
 
-    found = blend(load_preset(first), load_preset(second), steps)
+    found = ov.presets.morph(ov.load_preset(first), ov.load_preset(second), steps)
     folder = make_folder(output)
     paths = [save_preset(preset, folder / (preset.name + SUFFIX)) for preset in found]
     show(as_json, {"files": [str(path) for path in paths]}, *paths)
 
 
-@cli_command("presets randomize football --seed 7 -o seven.toml")
+@cli_command("presets randomize football --seed 7 -o seven.toml", group=command)
 def randomize(
     preset: str,
     *,
@@ -115,19 +111,21 @@ def randomize(
     as_json: bool = JSON,
 ) -> None:
     """Write a random variation of PRESET."""
-    from overview_dsp.design.presets.blending import randomized
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.toml import SUFFIX
 
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")
-    found = randomized(load_preset(preset), seed, amount)
+    found = ov.presets.randomized(ov.load_preset(preset), seed, amount)
     path = save_preset(found, output if output is not None else found.name + SUFFIX)
     show(as_json, {"files": [str(path)]}, path)
 
 
-@cli_command("presets import boing.ahap --as goal --base football -o boing.toml", name="import")
+@cli_command(
+    "presets import boing.ahap --as goal --base football -o boing.toml",
+    name="import",
+    group=command,
+)
 def import_(
     clip: str,
     *,
@@ -149,7 +147,6 @@ def import_(
     Of an AHAP clip in two files, give either. Of a folder, each clip is laid into the kind that it
     is named after (goal.ahap), or, with --as, its only one into that.
     """
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.offline.export.reading import clips_in, read_clip, with_layer
@@ -160,7 +157,7 @@ def import_(
     laid = clips_in(clip, kind)
     for path in laid.values():
         keep_input(str(path))
-    preset = made = load_preset(base)
+    preset = made = ov.load_preset(base)
     for name, path in laid.items():
         made = with_layer(made, name, read_clip(path), cast("Layer", layer))
     named = next(iter(laid)) if len(laid) == 1 else Path(clip).name
@@ -173,10 +170,7 @@ def import_(
 
 def _check(clip: str, as_json: bool) -> None:
     """Say what is wrong with a clip; InputError, with the first fault, if there is any."""
-    from overview_dsp.errors import InputError
-    from overview_dsp.offline.export.checking import check_clip
-
-    faults = check_clip(clip)
+    faults = ov.export.check_clip(clip)
     show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))
     for fault in faults[1:]:
         click.echo(f"error: {clip}: {fault}", err=True)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import list_profiles, print_json
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
+from overview_dsp.cli.presets.group import command
+from overview_dsp.errors import InputError
 
 
-@cli_command("presets list --for football --tag energy=1")
+@cli_command("presets list --for football --tag energy=1", group=command)
 def list_(
     *,
     tags: tuple[str, ...] = option(
@@ -59,27 +62,23 @@ def list_(
         click.echo("no preset is like that; overview presets list has all, with --json their tags")
 
 
-@cli_command("presets show football")
+@cli_command("presets show football", group=command)
 def show(preset: str, *, as_json: bool = JSON) -> None:
     """Show every parameter of PRESET with its value, range and meaning, and its event kinds."""
     from overview_dsp.design.presets.describe import describe, describe_json
-    from overview_dsp.design.presets.library import load_preset
 
-    loaded = load_preset(preset)
+    loaded = ov.load_preset(preset)
     show_report(as_json, describe_json(loaded), describe(loaded))
 
 
-@cli_command("presets check my-preset.toml")
+@cli_command("presets check my-preset.toml", group=command)
 def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool = JSON) -> None:
     """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.errors import InputError
-
     faults = []
     report = []
     for name in presets:
         try:
-            preset = load_preset(name)
+            preset = ov.load_preset(name)
         except InputError as error:
             faults.append(str(error))
             report.append({"preset": name, "valid": False, "error": str(error)})
@@ -95,13 +94,10 @@ def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool =
         raise InputError(faults[-1])
 
 
-@cli_command("presets diff football my-preset.toml")
+@cli_command("presets diff football my-preset.toml", group=command)
 def diff(first: str, second: str, *, as_json: bool = JSON) -> None:
     """Compare two presets, value by value."""
-    from overview_dsp.design.presets.comparing import differences
-    from overview_dsp.design.presets.library import load_preset
-
-    found = differences(load_preset(first), load_preset(second))
+    found = ov.presets.differences(ov.load_preset(first), ov.load_preset(second))
     rows = [(one.id, _shown(one.first), _shown(one.second), one.unit) for one in found]
     widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
     lines = [
@@ -115,7 +111,7 @@ def _shown(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else "-" if value is None else str(value)
 
 
-@cli_command("presets docs > parameters.md")
+@cli_command("presets docs > parameters.md", group=command)
 def docs(*, as_json: bool = JSON) -> None:
     """Print the parameter reference, as Markdown."""
     from overview_dsp.design.presets.reference import reference, reference_json
@@ -126,7 +122,7 @@ def docs(*, as_json: bool = JSON) -> None:
         click.echo(reference(), nl=False)
 
 
-@cli_command("presets schema > preset.schema.json")
+@cli_command("presets schema > preset.schema.json", group=command)
 def schema() -> None:
     """Print the JSON Schema of preset files, for completion in TOML editors.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.groups import (
@@ -21,6 +22,7 @@ from overview_dsp.cli.options.groups import (
     refuse_options,
 )
 from overview_dsp.cli.options.timeline import Reading, Window, open_window
+from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
@@ -61,7 +63,7 @@ class Observer:
         return {name: value for name, value in given.items() if value is not None}
 
 
-@cli_command("presets audition heart -o heart.wav")
+@cli_command("presets audition heart -o heart.wav", group=command)
 def audition(
     preset: str,
     *,
@@ -73,12 +75,11 @@ def audition(
 
     Left is what is heard, right what is felt.
     """
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.measure.pictures import plot_gallery
     from overview_dsp.offline.plots.saving import save_figure
     from overview_dsp.offline.rendering.audition import audition as sound
 
-    loaded = load_preset(preset)
+    loaded = ov.load_preset(preset)
     path = Path(output) if output is not None else Path(f"{loaded.name}-audition.wav")
     announce_compile()
     result = sound(loaded, seed)
@@ -95,7 +96,7 @@ def audition(
     show(as_json, report, f"{path}: {', '.join(loaded.kinds)}, out and back", pictures[0])
 
 
-@cli_command("presets feel football match.json --plot feel.png")
+@cli_command("presets feel football match.json --plot feel.png", group=command)
 def feel(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
@@ -125,10 +126,9 @@ def feel(
     movements, by touch, by sound and by both. It learns on random timelines like real ones, and is
     asked about others and about every TIMELINE given.
     """
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.offline.plots.saving import require_picture
 
-    loaded = load_preset(preset)
+    loaded = ov.load_preset(preset)
     given = []
     for path in timelines:
         given.append(open_window(path, reading, window))
@@ -205,7 +205,7 @@ def _observed(
     return report, lambda: plot_observer(report)
 
 
-@cli_command("presets tune my-match match.json --order 'goal>red_card>foul'")
+@cli_command("presets tune my-match match.json --order 'goal>red_card>foul'", group=command)
 def tune(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
@@ -228,7 +228,6 @@ def tune(
     With --separate until no two kinds of PRESET feel alike; a target's kinds are then a step above
     the next. The file keeps what else PRESET's says: what it extends, variables and comments.
     """
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.design.presets.retuning import save_retuned
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.measure.tuning import separated, tuned, tuned_on
@@ -237,7 +236,7 @@ def tune(
         raise InputError("give --order KIND>KIND, --separate, or both")
     if timelines and (separate or order is None):
         raise InputError("--separate is for a preset's kinds alone; leave it or the timelines out")
-    loaded = load_preset(preset)
+    loaded = ov.load_preset(preset)
     target = [] if order is None else [name.strip() for name in order.split(">")]
     given = [open_window(path, reading, window) for path in timelines]
     announce_compile()

@@ -1,4 +1,4 @@
-"""What `overview midi learn` and `overview osc learn` share: options, waiting, the file."""
+"""What commands that learn from a device share: options, waiting, the file."""
 
 from __future__ import annotations
 
@@ -6,26 +6,18 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import click
 
-from overview_dsp.cli.common import show
+import overview_dsp as ov
+from overview_dsp.cli.common import show, write_text
 from overview_dsp.cli.options.groups import GENERAL, JSON, option
+from overview_dsp.errors import InputError
+from overview_dsp.live.ports.port import WAIT_S, Port
+from overview_dsp.validation import located
 
-Control = TypeVar("Control")
-
-
-class Port(Protocol):
-    """What is listened to."""
-
-    name: str
-
-    def receive(self, wait_s: float) -> list[bytes]:
-        """What has come."""
-
-    def close(self) -> None:
-        """Give it back."""
+Learned = TypeVar("Learned")
 
 
 @dataclass(frozen=True)
@@ -51,13 +43,11 @@ class Learning:
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
     """Raise InputError unless it is one of `known` or a parameter's id."""
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.devices.controllers.parameters import find_parameter
-    from overview_dsp.errors import InputError
 
     if target not in known and not target.startswith("kinds."):
         try:
-            find_parameter(load_preset("football"), target)
+            find_parameter(ov.load_preset("football"), target)
         except InputError as error:
             raise InputError(
                 f"{error}; TARGET is {', '.join(known)} or a parameter's id (`overview presets "
@@ -65,34 +55,40 @@ def require_target(target: str, known: tuple[str, ...]) -> None:
             ) from None
 
 
-def heard_from(
-    open_port: Callable[[], Port],
-    ask: str,
-    hear: Callable[[list[bytes], float], Control | None],
-    seconds: float,
+def listen(
+    port: Port,
+    ask: Callable[[], str],
+    hear: Callable[[list[bytes], float], Learned | None],
+    timeout: float,
     otherwise: Callable[[], str],
-) -> Control:
-    """What `hear` makes of a port's messages; InputError, with `otherwise`, after so long."""
-    from overview_dsp.errors import InputError
+) -> Learned:
+    """Return what `hear` makes of a port's messages, which is closed then.
 
-    port = open_port()
+    `ask` is what the user is to do, printed when it changes.
+
+    Raises
+    ------
+    InputError
+        Nothing after `timeout` (s), with `otherwise`; or as `hear`, where the line names the port.
+    """
+    asked = ""
     try:
-        click.echo(f"{port.name}: {ask}", err=True)
-        until = time.monotonic() + seconds
+        until = time.monotonic() + timeout
         while time.monotonic() < until:
-            found = hear(port.receive(0.05), time.monotonic())
+            if asked != ask():
+                asked = ask()
+                click.echo(f"{port.name}: {asked}", err=True)
+            with located(f"{port.name}: "):
+                found = hear(port.receive(WAIT_S), time.monotonic())
             if found is not None:
                 return found
     finally:
         port.close()
-    raise InputError(f"{port.name}: in {seconds:g} s {otherwise()}")
+    raise InputError(f"{port.name}: in {timeout:g} s {otherwise()}")
 
 
-def keep(learning: Learning, text: str, report: dict[str, Any], words: str) -> None:
+def save_learned(learning: Learning, text: str, report: dict[str, Any], words: str) -> None:
     """Write the list, and report what was learned."""
-    from overview_dsp.files.atomic import whole_file
-
-    with whole_file(learning.output) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_text(learning.output, text)
     report["file"] = learning.output
     show(learning.as_json, report, f"{Path(learning.output)}: {words}")
