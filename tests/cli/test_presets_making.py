@@ -32,7 +32,7 @@ def test_a_new_preset_is_in_the_own_folder_listed_checked_and_played(folder):
     assert "mine" in done("presets", "list")
     assert "valid" in done("presets", "check", "mine")
     assert "no difference" in done("presets", "diff", "mine", "heart")
-    refused(overview("presets", "new", "mine"), "is there already")
+    refused(overview("presets", "new", "mine"), "already exists")
     refused(overview("presets", "new", "football"), "bundled")
     refused(overview("presets", "new", "../x"), "no name")
     refused(overview("presets", "new", "other", "--base", "nothing"), "nothing")

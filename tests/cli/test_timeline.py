@@ -143,9 +143,15 @@ def test_convert_refuses_what_it_cannot_write(folder):
 
 def test_limits_are_options_of_the_command_line(folder):
     (folder / "m.json").write_text(OPENFOOTBALL_TEXT)
-    refused(overview("timeline", "show", "m.json", "--read", "max-mb=1e-5"), "m.json", "--max-mb")
     refused(
-        overview("timeline", "show", "m.json", "--read", "max-depth=2"), "m.json", "--max-depth"
+        overview("timeline", "show", "m.json", "--read", "max-mb=1e-5"),
+        "m.json",
+        "--read max-mb=MB",
+    )
+    refused(
+        overview("timeline", "show", "m.json", "--read", "max-depth=2"),
+        "m.json",
+        "--read max-depth=LEVELS",
     )
     assert (
         overview("timeline", "show", "m.json", "--read", "max-depth=9", "--read", "max-mb=1").code
