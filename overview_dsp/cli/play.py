@@ -68,6 +68,8 @@ def command(
     if remote is not None:
         require_server()
         server = server_at(remote)
+        if remote and timeline is None and feed.follow is None:
+            raise click.UsageError(f"--remote {remote} is an address; name the TIMELINE before it")
     if feed.follow == "-" and "-" in controls.input:
         raise click.UsageError("--follow - and --input - both read standard input")
     if feed.follow is not None and replay is not None:

@@ -216,3 +216,8 @@ def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
     )
     refused(overview("serve", MATCH), "uvicorn", "pip install 'overview-dsp[web]'")
     refused(overview("play", MATCH, "--device", "none", "--remote"), "overview-dsp[web]")
+
+
+def test_an_address_before_the_timeline_does_not_swallow_it():
+    swallowed = overview("play", "--device", "none", "--remote", MATCH)
+    refused(swallowed, f"--remote {MATCH} is an address", "TIMELINE")
