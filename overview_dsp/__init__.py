@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from overview_dsp.signal.actuators.library import load_actuator
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.engine.engine import Engine
-    from overview_dsp.signal.engine.meters import EngineParameter, Meters, Strikes
+    from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes
     from overview_dsp.signal.surface.build import build_surface
     from overview_dsp.signal.surface.model import Surface
 
@@ -124,20 +124,20 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "ClickMode": "design.presets.model",
             "CurveBuilder": "data.timeline.curve_builder",
             "Engine": "signal.engine.engine",
-            "EngineParameter": "signal.engine.meters",
+            "EngineParameter": "signal.engine.reports",
             "EvenTimes": "data.timeline.samples",
             "Event": "data.timeline.event",
             "EventKind": "design.presets.model",
             "Gesture": "design.gestures.model",
             "Intensity": "data.timeline.intensity",
             "LiveTimeline": "data.feeds.live_timeline",
-            "Meters": "signal.engine.meters",
+            "Meters": "signal.engine.reports",
             "Preset": "design.presets.model",
             "RenderJob": "offline.rendering.many",
             "Rendered": "offline.rendering.offline",
             "RenderedJob": "offline.rendering.many",
             "Result": "offline.rendering.offline",
-            "Strikes": "signal.engine.meters",
+            "Strikes": "signal.engine.reports",
             "Surface": "signal.surface.model",
             "Timeline": "data.timeline.model",
             "Trace": "offline.rendering.trace",

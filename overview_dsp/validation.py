@@ -194,6 +194,20 @@ def floats(value: object, what: str) -> NDArray[np.float64]:
     return found
 
 
+def block(value: object, what: str) -> tuple[int, int]:
+    """Return frames and channels of a buffer that samples can be written to; InputError if none."""
+    if (
+        not isinstance(value, np.ndarray)
+        or value.dtype != np.float32
+        or value.ndim != 2
+        or not value.flags.c_contiguous
+        or not value.flags.writeable
+    ):
+        raise InputError(f"{what} must be a writable, C-ordered float32 array (frames, channels)")
+    frames, channels = value.shape
+    return frames, channels
+
+
 def equally_long(what: str, *rows: Sequence[Any] | NDArray[Any]) -> None:
     """InputError unless these rows have as many values."""
     if len({len(row) for row in rows}) > 1:

@@ -33,7 +33,7 @@ from overview_dsp.files.atomic import require_writable
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
-    from overview_dsp.offline.export.felt_error import FeltError
+    from overview_dsp.offline.export.clip import FeltError
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")

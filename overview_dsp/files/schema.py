@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any, NamedTuple, TypeVar, get_args
 
 import pydantic
@@ -66,11 +67,11 @@ Model = TypeVar("Model", bound=pydantic.BaseModel)
 
 
 def checked(
-    model: type[Model], data: Any, name: Callable[[Path], str] = named
+    model: type[Model], data: Any, name: Callable[[Path], str] = named, context: Any = None
 ) -> Model | list[Fault]:
-    """The data as a model, or all that is wrong with it."""
+    """The data as a model, or all that is wrong with it; validators may ask for the context."""
     try:
-        return model.model_validate(data)
+        return model.model_validate(data, context=context)
     except pydantic.ValidationError as error:
         found = error.errors(include_url=False, include_context=False)
     faults = []
@@ -112,6 +113,8 @@ def _path(data: Any, place: Path) -> Path:
 
 def _fields(kind: Any, path: Path) -> dict[str | int, Any]:
     """The fields of the model that a path leads to within a model, by their keys in the data."""
+    if NoneType in (choices := get_args(kind)):
+        (kind,) = set(choices) - {NoneType}
     fields = {one.alias or key: one for key, one in getattr(kind, "model_fields", {}).items()}
     if not path:
         return fields

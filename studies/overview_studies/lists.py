@@ -15,8 +15,7 @@ from overview_studies.adaptive import quest_table
 from overview_studies.design import ADAPTIVE, Design
 from overview_studies.file_model import Factor, Level
 from overview_studies.items import Item
-from overview_studies.orders import rows_of, shuffled_blocks
-from overview_studies.seeded import Seeded
+from overview_studies.orders import Seeded, rows_of, shuffled_blocks
 
 Levels = dict[str, Level]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from overview_dsp import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
 from overview_studies.file_model import Made
-from overview_studies.seeded import Seeded
+from overview_studies.orders import Seeded
 
 APART = 0.05
 """Events of one timeline are at least so far from each other, as a part of it."""

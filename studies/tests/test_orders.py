@@ -5,8 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from overview_studies.orders import full_rows, shuffled_blocks, williams_rows
-from overview_studies.seeded import Seeded
+from overview_studies.orders import Seeded, full_rows, shuffled_blocks, williams_rows
 from studies.tests.files import IDENTIFY, lists_of
 
 

@@ -20,8 +20,8 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.device.output_stage import LONGEST_DELAY_S
 from overview_dsp.public import changed_fields
-from overview_dsp.signal.actuators.coefficients import write_actuator
 from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.actuators.stage import write_actuator
 
 MIN_GAIN_DB, MAX_GAIN_DB = -60.0, 24.0
 MAX_DELAY_MS = 1e3 * LONGEST_DELAY_S

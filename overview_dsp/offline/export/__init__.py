@@ -20,12 +20,10 @@ from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.offline.export.browser_memory import encode_engine
-    from overview_dsp.offline.export.c_folder import export_c
-    from overview_dsp.offline.export.checking import check_clip
-    from overview_dsp.offline.export.clip import Transient
-    from overview_dsp.offline.export.felt_error import FeltError
+    from overview_dsp.offline.export.c_code import export_c
+    from overview_dsp.offline.export.clip import FeltError, Transient
     from overview_dsp.offline.export.plugins import build_plugin
-    from overview_dsp.offline.export.reading import PlayedClip, read_clip
+    from overview_dsp.offline.export.reading import PlayedClip, check_clip, read_clip
     from overview_dsp.offline.export.writing import Exported, export, formats
 
 __all__ = [
@@ -47,14 +45,14 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
         __name__,
         {
             "Exported": "writing",
-            "FeltError": "felt_error",
+            "FeltError": "clip",
             "PlayedClip": "reading",
             "Transient": "clip",
             "build_plugin": "plugins",
-            "check_clip": "checking",
+            "check_clip": "reading",
             "encode_engine": "browser_memory",
             "export": "writing",
-            "export_c": "c_folder",
+            "export_c": "c_code",
             "formats": "writing",
             "read_clip": "reading",
         },

@@ -2,281 +2,363 @@
 
 One holds the vibration (continuous events of up to 30 s with an intensity curve), one the strikes
 (transient events): a pattern's curves also modulate its transients, so they are kept apart. The
-vibration is silent while a transient is taken to last (`players.core_haptics`).
+vibration is silent while a transient is taken to last (`TRANSIENTS_MS`).
 
 Laws: intensity = sqrt(amplitude), as Meta's exporter has it (perceived strength); sharpness =
 (frequency - 65 Hz)/235 Hz, as the MPEG encoder reads it. A control point's time counts from its
 curve's own. `HapticIntensityControl` multiplies.
 
-What is wrong with an AHAP document.
-
-Apple's Core Haptics, as far as it can be told: an assumption, stated.
-
 Apple publishes no waveform of a transient. It is taken as a burst of constant amplitude of 6 to 22
 ms (12 ms in between: Meta's sharpest emphasis; 22 ms: the MPEG reference's transient), that adds to
 the continuous vibration in energy. Amplitude is intensity squared, the inverse of what exporters
-write (Meta's: intensity = sqrt(amplitude)).
+write.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
+import pydantic
 from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
 
-from overview_dsp.offline.export.breakpoints import (
-    Shape,
-    ascending,
-    breakpoints,
-    flag,
-    many,
-    number,
-    one_of,
-    record,
-    text,
+from overview_dsp.errors import InputError
+from overview_dsp.files.schema import Allowed
+from overview_dsp.offline.export.breakpoints import breakpoints
+from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
+from overview_dsp.offline.export.document import (
+    CHECKING,
+    MAX_ENTRIES,
+    Part,
+    Seconds,
+    descending,
 )
-from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
 
 TRANSIENTS_MS = (12, 6, 22)
 """Lengths a transient may have; the first is what exports are made for."""
 
+LONGEST_EVENT_S = 30.0
+DULLEST_HZ, SHARPEST_HZ = 65.0, 300.0
+_TOLERANCE_S = 0.0015
+
+INTENSITY, SHARPNESS, CONTROL = "HapticIntensity", "HapticSharpness", "HapticIntensityControl"
+TRANSIENT, CONTINUOUS, WAVEFORM = "HapticTransient", "HapticContinuous", "AudioCustom"
+_EVENT_IDS = (
+    *(INTENSITY, SHARPNESS, "AttackTime", "DecayTime", "ReleaseTime", "Sustained"),
+    *("AudioVolume", "AudioPitch", "AudioPan", "AudioBrightness"),
+)
+_CONTROL_IDS = (
+    *(CONTROL, "HapticSharpnessControl", "HapticAttackTimeControl"),
+    *("HapticDecayTimeControl", "HapticReleaseTimeControl", "AudioVolumeControl"),
+    *("AudioPanControl", "AudioBrightnessControl", "AudioPitchControl"),
+    *("AudioAttackTimeControl", "AudioDecayTimeControl", "AudioReleaseTimeControl"),
+)
+_WAVEFORM_KEYS = ("EventWaveformPath", "EventWaveformLoopEnabled", "EventWaveformUseVolumeEnvelope")
+_FROM_ZERO = (INTENSITY, SHARPNESS, CONTROL, "Sustained", "AudioVolume")
+
+
+def _known(*names: str) -> AfterValidator:
+    """Make a check of a name; a reader passes over what has another one."""
+
+    def check(name: str, info: ValidationInfo) -> str:
+        if info.context == CHECKING and name not in names:
+            raise PydanticCustomError("literal_error", ", ".join(names))
+        return name
+
+    return AfterValidator(check)
+
+
+def _range_by_id(info: ValidationInfo) -> tuple[float, float]:
+    """Return the range of values of the `ParameterID` beside; a reader minds only what it plays."""
+    id = info.data.get("ParameterID")
+    if info.context != CHECKING and id not in (INTENSITY, SHARPNESS, CONTROL):
+        return -math.inf, math.inf
+    return 0.0 if id in _FROM_ZERO else -1.0, 1.0
+
+
+def _in_range(value: float, info: ValidationInfo) -> float:
+    low, high = _range_by_id(info)
+    if not low <= value <= high:
+        raise PydanticCustomError("less_than_equal", f"{low:g} to {high:g}")
+    return value
+
+
+ControlId = Annotated[str, _known(*_CONTROL_IDS)]
+Value = Annotated[float, AfterValidator(_in_range)]
+
+
+class EventParameter(Part):
+    """A value that holds for an event."""
+
+    ParameterID: Annotated[str, _known(*_EVENT_IDS)]
+    ParameterValue: Value
+
+
+class PatternEvent(Part):
+    """A vibration, a strike or a sound."""
+
+    defaults = {"EventType": "", "EventParameters": []}  # noqa: RUF012
+    ignored = _WAVEFORM_KEYS
+
+    EventType: Annotated[str, _known(TRANSIENT, CONTINUOUS, WAVEFORM, "AudioContinuous")]
+    Time: Seconds
+    EventDuration: Seconds | None = None
+    EventParameters: Annotated[list[EventParameter], Field(max_length=MAX_ENTRIES)]
+    EventWaveformPath: str | None = None
+    EventWaveformLoopEnabled: bool | None = None
+    EventWaveformUseVolumeEnvelope: bool | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _keys_of_type(self, info: ValidationInfo) -> PatternEvent:
+        needed = {CONTINUOUS: "EventDuration"}
+        if info.context == CHECKING:
+            needed |= {"AudioContinuous": "EventDuration", WAVEFORM: "EventWaveformPath"}
+            waveform = [key for key in _WAVEFORM_KEYS if getattr(self, key) is not None]
+            if waveform and self.EventType != WAVEFORM:
+                raise ValueError(f"{waveform[0]} is a key of {WAVEFORM} only")
+        key = needed.get(self.EventType)
+        if key is not None and getattr(self, key) is None:
+            raise ValueError(f"{key} is missing")
+        return self
+
+    def value(self, id: str, default: float) -> float:
+        """Return the value of a parameter, the default where there is none."""
+        values = {one.ParameterID: one.ParameterValue for one in self.EventParameters}
+        return values.get(id, default)
+
+    @property
+    def end_s(self) -> float:
+        """Time of the end, s."""
+        return self.Time + (self.EventDuration or 0.0)
+
+
+class ControlStep(Part):
+    """A value that holds for the whole pattern from a time on."""
+
+    ParameterID: ControlId
+    Time: Seconds
+    ParameterValue: Value
+
+
+class ControlPoint(Part):
+    """A point of a curve; its time counts from the curve's."""
+
+    Time: Seconds
+    ParameterValue: float
+
+
+class ControlCurve(Part):
+    """Values that hold for the whole pattern, linear between points."""
+
+    ParameterID: ControlId
+    Time: Seconds
+    ParameterCurveControlPoints: Annotated[list[ControlPoint], Field(max_length=MAX_ENTRIES)]
+
+    @pydantic.field_validator("ParameterCurveControlPoints")
+    @classmethod
+    def _points(cls, points: list[ControlPoint], info: ValidationInfo) -> list[ControlPoint]:
+        if info.context == CHECKING and not points:
+            raise ValueError("is empty; a curve has a point or more")
+        low, high = _range_by_id(info)
+        for k, point in enumerate(points):
+            if not low <= (value := point.ParameterValue) <= high:
+                raise ValueError(f"[{k}] has a value of {value:g}; it is {low:g} to {high:g}")
+        return points
+
+
+class Entry(Part):
+    """An event, a curve or a step."""
+
+    Event: PatternEvent | None = None
+    ParameterCurve: ControlCurve | None = None
+    Parameter: ControlStep | None = None
+
+    @pydantic.model_validator(mode="after")
+    def _one(self, info: ValidationInfo) -> Entry:
+        if info.context == CHECKING and len(self.model_fields_set) != 1:
+            raise ValueError(f"is an object with one of {', '.join(Entry.model_fields)}")
+        return self
+
+
+class About(Part):
+    """Texts about a pattern."""
+
+    Project: str | None = None
+    Created: str | None = None
+    Description: str | None = None
+
+
+class Ahap(Part):
+    """An AHAP document."""
+
+    defaults = {"Version": 1.0}  # noqa: RUF012
+    ignored = ("Version", "Metadata")
+
+    Version: Annotated[float, Field(ge=1.0, le=1.0), Allowed("1.0")]
+    Metadata: About | None = None
+    Pattern: Annotated[list[Entry], Field(max_length=MAX_ENTRIES)]
+
+    @property
+    def events(self) -> list[PatternEvent]:
+        """All events, in the order of the document."""
+        return [entry.Event for entry in self.Pattern if entry.Event is not None]
+
+    @property
+    def curves(self) -> list[ControlCurve]:
+        """All curves, in the order of the document."""
+        return [entry.ParameterCurve for entry in self.Pattern if entry.ParameterCurve is not None]
+
+    def faults(self) -> Iterator[str]:
+        """Yield what is wrong between values."""
+        if not self.events:
+            yield "Pattern has no event: it plays nothing"
+            return
+        end = max(event.end_s for event in self.events)
+        for k, entry in enumerate(self.Pattern):
+            if entry.ParameterCurve is None:
+                continue
+            name = f"Pattern[{k}].ParameterCurve.ParameterCurveControlPoints"
+            times = [point.Time for point in entry.ParameterCurve.ParameterCurveControlPoints]
+            yield from descending(times, name)
+            last = entry.ParameterCurve.Time + times[-1]
+            if last > end + _TOLERANCE_S:
+                yield (
+                    f"{name} end at {last:g} s, after all events ({end:g} s); a point's time "
+                    "counts from its curve's"
+                )
+        covered = 0.0
+        vibrations = [event for event in self.events if event.EventType == CONTINUOUS]
+        for event in sorted(vibrations, key=lambda event: event.Time):
+            if not 0.0 < event.end_s - event.Time <= LONGEST_EVENT_S:
+                yield (
+                    f"EventDuration = {event.EventDuration:g} at {event.Time:g} s is out of range; "
+                    f"it is more than 0 and up to {LONGEST_EVENT_S:g} s"
+                )
+            if event.Time < covered - _TOLERANCE_S:
+                yield f"a continuous event at {event.Time:g} s begins before the last one's end"
+            covered = max(covered, event.end_s)
+
+
+def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
+    """Return the amplitude of a pattern's vibration at each millisecond, and its strikes."""
+    spans = [one for one in pattern.events if one.EventType == CONTINUOUS]
+    strikes = [
+        Transient(one.Time, one.value(INTENSITY, 1.0) ** 2, one.value(SHARPNESS, 0.5), "")
+        for one in pattern.events
+        if one.EventType == TRANSIENT
+    ]
+    if not spans and not strikes:
+        raise InputError("Pattern: vibrates at no time")
+    end = max([*(span.end_s for span in spans), *(strike.time_s for strike in strikes)])
+    times = np.arange(round(end * LEVELS_PER_S) + 1) / LEVELS_PER_S
+    intensity = np.zeros(len(times))
+    for span in spans:
+        inside = (times >= span.Time) & (times <= span.end_s)
+        intensity[inside] = np.maximum(intensity[inside], span.value(INTENSITY, 1.0))
+    points = [
+        (curve.Time + point.Time, point.ParameterValue)
+        for curve in pattern.curves
+        if curve.ParameterID == CONTROL
+        for point in curve.ParameterCurveControlPoints
+    ]
+    points += [
+        (entry.Parameter.Time, entry.Parameter.ParameterValue)
+        for entry in pattern.Pattern
+        if entry.Parameter is not None and entry.Parameter.ParameterID == CONTROL
+    ]
+    if points:
+        points.sort(key=lambda point: point[0])  # stable: equal times keep their order
+        at, value = np.array(points).T
+        # before the first point, intensity is as the events have it
+        control = np.where(times < at[0], 1.0, np.interp(times, at, value))
+        intensity *= control
+        # a pattern's curves modulate its transients too
+        strikes = [
+            replace(one, amplitude=one.amplitude * float(control[round(one.time_s * 1000)]) ** 2)
+            for one in strikes
+        ]
+    return intensity**2, sorted(strikes, key=lambda strike: strike.time_s)
+
 
 def with_transients(
-    level: NDArray[np.float64], struck: Sequence[tuple[float, float]], length_ms: int
+    level: NDArray[np.float64], struck: Sequence[Transient], length_ms: int
 ) -> NDArray[np.float64]:
-    """A continuous level with (time s, amplitude) transients in it."""
-    starts = [round(time_s * LEVELS_PER_S) for time_s, _ in struck]
+    """Return a continuous level with transients in it."""
+    starts = [round(strike.time_s * LEVELS_PER_S) for strike in struck]
     count = max([len(level), *(start + length_ms for start in starts)])
     energy = np.pad(level, (0, count - len(level))) ** 2
-    for start, (_, amplitude) in zip(starts, struck, strict=True):
-        energy[start : start + length_ms] += amplitude**2
+    for start, strike in zip(starts, struck, strict=True):
+        energy[start : start + length_ms] += strike.amplitude**2
     return np.asarray(np.sqrt(energy))
 
 
-def played(
-    vibration: dict[str, Any], strikes: dict[str, Any], length_ms: int = TRANSIENTS_MS[0]
-) -> NDArray[np.float64]:
-    """The amplitude that two AHAP patterns give: one's intensity curves, the other's transients."""
-    curves = [
-        entry["ParameterCurve"] for entry in vibration["Pattern"] if "ParameterCurve" in entry
-    ]
-    points = [
-        (curve["Time"] + point["Time"], point["ParameterValue"])
-        for curve in curves
-        for point in curve["ParameterCurveControlPoints"]
-    ]
-    times, values = np.array(points).T
-    count = round(times[-1] * LEVELS_PER_S) + 1
-    intensity = np.interp(np.arange(count) / LEVELS_PER_S, times, values)
-    struck = [
-        (
-            entry["Event"]["Time"],
-            entry["Event"]["EventParameters"][0]["ParameterValue"] ** 2,
-        )
-        for entry in strikes["Pattern"]
-    ]
-    return with_transients(intensity**2, struck, length_ms)
-
-
-LONGEST_EVENT_S = 30.0
-DULLEST_HZ, SHARPEST_HZ = 65.0, 300.0
-
-
 def sharpness_of(frequency_hz: float) -> float:
-    """Sharpness of a vibration, 0..1; beyond the range its end."""
+    """Return the sharpness of a vibration, 0..1; beyond the range its end."""
     part = (frequency_hz - DULLEST_HZ) / (SHARPEST_HZ - DULLEST_HZ)
     return round(min(max(part, 0.0), 1.0), 4)
 
 
-def vibration_pattern(clip: Clip, budget: int) -> dict[str, Any]:
-    """The continuous part: an event and a curve for each 30 s."""
+def vibration_pattern(clip: Clip, budget: int) -> Ahap:
+    """Return the continuous part: an event and a curve for each 30 s."""
     joints = list(range(0, len(clip.level) - 1, round(LONGEST_EVENT_S * LEVELS_PER_S)))
     level, corners = clip.under_strikes(lambda strike: TRANSIENTS_MS[0])
     places = breakpoints(level, budget + len(corners), [*joints, *corners])
-    pattern: list[dict[str, Any]] = []
-    bounds = [*joints, len(clip.level) - 1]
-    for first, end in itertools.pairwise(bounds):
+    pattern: list[Entry] = []
+    for first, end in itertools.pairwise([*joints, len(clip.level) - 1]):
         start = first / LEVELS_PER_S
-        event = {
-            "EventType": "HapticContinuous",
-            "Time": start,
-            "EventDuration": (end - first) / LEVELS_PER_S,
-            "EventParameters": [
-                _value("HapticIntensity", 1.0),
-                _value("HapticSharpness", sharpness_of(clip.frequency_hz)),
-            ],
-        }
-        curve = {
-            "ParameterID": "HapticIntensityControl",
-            "Time": start,
-            "ParameterCurveControlPoints": [
-                {
-                    "Time": round(int(place - first) / LEVELS_PER_S, 3),
-                    "ParameterValue": _intensity(float(level[place])),
-                }
-                for place in places
-                if first <= place <= end
-            ],
-        }
-        pattern += [{"Event": event}, {"ParameterCurve": curve}]
+        points = [
+            ControlPoint(
+                Time=round(int(place - first) / LEVELS_PER_S, 3),
+                ParameterValue=_intensity(float(level[place])),
+            )
+            for place in places
+            if first <= place <= end
+        ]
+        length = (end - first) / LEVELS_PER_S
+        event = _event(CONTINUOUS, start, 1.0, sharpness_of(clip.frequency_hz), length)
+        curve = ControlCurve(ParameterID=CONTROL, Time=start, ParameterCurveControlPoints=points)
+        pattern += [Entry(Event=event), Entry(ParameterCurve=curve)]
     return _document(clip, "vibration", pattern)
 
 
-def strikes_pattern(clip: Clip) -> dict[str, Any]:
-    """The transients."""
+def strikes_pattern(clip: Clip) -> Ahap:
+    """Return the transients."""
     events = [
-        {
-            "Event": {
-                "EventType": "HapticTransient",
-                "Time": round(strike.time_s, 4),
-                "EventParameters": [
-                    _value("HapticIntensity", _intensity(strike.amplitude)),
-                    _value("HapticSharpness", round(strike.sharpness, 4)),
-                ],
-            }
-        }
+        _event(
+            TRANSIENT,
+            round(strike.time_s, 4),
+            _intensity(strike.amplitude),
+            round(strike.sharpness, 4),
+        )
         for strike in clip.transients
     ]
-    return _document(clip, "strikes", events)
+    return _document(clip, "strikes", [Entry(Event=event) for event in events])
 
 
-def _value(name: str, value: float) -> dict[str, Any]:
-    return {"ParameterID": name, "ParameterValue": value}
+def _event(
+    kind: str, time_s: float, intensity: float, sharpness: float, duration_s: float | None = None
+) -> PatternEvent:
+    return PatternEvent(
+        EventType=kind,
+        Time=time_s,
+        EventDuration=duration_s,
+        EventParameters=[
+            EventParameter(ParameterID=INTENSITY, ParameterValue=intensity),
+            EventParameter(ParameterID=SHARPNESS, ParameterValue=sharpness),
+        ],
+    )
 
 
 def _intensity(amplitude: float) -> float:
     return round(math.sqrt(min(max(amplitude, 0.0), 1.0)), 4)
 
 
-def _document(clip: Clip, part: str, pattern: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
-        "Version": 1.0,
-        "Metadata": {"Project": "overView DSP", "Description": f"{clip.title}: {part}"},
-        "Pattern": pattern,
-    }
-
-
-_UNIT, _SIGNED, _SECONDS = number(0.0, 1.0), number(-1.0, 1.0), number(0.0)
-_EVENT_IDS = (
-    *("HapticIntensity", "HapticSharpness", "AttackTime", "DecayTime", "ReleaseTime", "Sustained"),
-    *("AudioVolume", "AudioPitch", "AudioPan", "AudioBrightness"),
-)
-_CONTROLS = (
-    *("HapticIntensityControl", "HapticSharpnessControl", "HapticAttackTimeControl"),
-    *("HapticDecayTimeControl", "HapticReleaseTimeControl", "AudioVolumeControl"),
-    *("AudioPanControl", "AudioBrightnessControl", "AudioPitchControl"),
-    *("AudioAttackTimeControl", "AudioDecayTimeControl", "AudioReleaseTimeControl"),
-)
-_OWN_UNIT = ("HapticIntensity", "HapticSharpness", "Sustained", "AudioVolume")
-_BY_MILLISECOND = 0.0015
-
-
-def _parameter(value: Any, place: str, faults: list[str]) -> None:
-    record({"ParameterID": one_of(*_EVENT_IDS), "ParameterValue": _SIGNED})(value, place, faults)
-    if isinstance(value, dict) and value.get("ParameterID") in _OWN_UNIT:
-        _UNIT(value.get("ParameterValue"), f"{place}.ParameterValue", faults)
-
-
-def _control(value: Any, place: str, faults: list[str], id: Any) -> None:
-    (_UNIT if id == "HapticIntensityControl" else _SIGNED)(value, place, faults)
-
-
-_COMMON: dict[str, Shape] = {"Time": _SECONDS, "EventParameters": many(_parameter)}
-_EVENTS: dict[str, Shape] = {
-    "HapticTransient": record({**_COMMON, "EventType": text()}, {"EventDuration": _SECONDS}),
-    "HapticContinuous": record(
-        {**_COMMON, "EventType": text(), "EventDuration": number(0.0, LONGEST_EVENT_S, above=0.0)},
-    ),
-    "AudioCustom": record(
-        {**_COMMON, "EventType": text(), "EventWaveformPath": text()},
-        {
-            "EventDuration": _SECONDS,
-            "EventWaveformLoopEnabled": flag,
-            "EventWaveformUseVolumeEnvelope": flag,
-        },
-    ),
-    "AudioContinuous": record({**_COMMON, "EventType": text(), "EventDuration": _SECONDS}),
-}
-
-
-def _event(value: Any, place: str, faults: list[str]) -> None:
-    kind = value.get("EventType") if isinstance(value, dict) else None
-    if not isinstance(kind, str) or kind not in _EVENTS:
-        one_of(*_EVENTS)(kind, f"{place}.EventType", faults)
-        return
-    _EVENTS[kind](value, place, faults)
-
-
-def _curve(value: Any, place: str, faults: list[str]) -> None:
-    id = value.get("ParameterID") if isinstance(value, dict) else None
-
-    def level(value: Any, place: str, faults: list[str]) -> None:
-        _control(value, place, faults, id)
-
-    points = many(record({"Time": _SECONDS, "ParameterValue": level}), 1)
-    record(
-        {
-            "ParameterID": one_of(*_CONTROLS),
-            "Time": _SECONDS,
-            "ParameterCurveControlPoints": points,
-        }
-    )(value, place, faults)
-
-
-def _step(value: Any, place: str, faults: list[str]) -> None:
-    record({"ParameterID": one_of(*_CONTROLS), "Time": _SECONDS, "ParameterValue": _SIGNED})(
-        value, place, faults
-    )
-
-
-def _entry(value: Any, place: str, faults: list[str]) -> None:
-    kinds: dict[str, Shape] = {"Event": _event, "ParameterCurve": _curve, "Parameter": _step}
-    if not isinstance(value, dict) or len(value) != 1 or next(iter(value)) not in kinds:
-        faults.append(f"{place} isn't an object with one of {', '.join(kinds)}")
-        return
-    ((kind, inner),) = value.items()
-    kinds[kind](inner, f"{place}.{kind}", faults)
-
-
-_METADATA = record({}, {name: text() for name in ("Project", "Created", "Description")})
-_DOCUMENT = record({"Version": one_of(1, 1.0), "Pattern": many(_entry, 1)}, {"Metadata": _METADATA})
-
-
-def faults_of(document: Any) -> list[str]:
-    """Every fault of an AHAP document, a line each."""
-    faults: list[str] = []
-    _DOCUMENT(document, "", faults)
-    if faults:
-        return faults
-    pattern = document["Pattern"]
-    events = [entry["Event"] for entry in pattern if "Event" in entry]
-    if not events:
-        return ["Pattern has no event: it plays nothing"]
-    end = max(event["Time"] + event.get("EventDuration", 0.0) for event in events)
-    for k, entry in enumerate(pattern):
-        curve = entry.get("ParameterCurve")
-        if curve is None:
-            continue
-        place = f"Pattern[{k}].ParameterCurve.ParameterCurveControlPoints"
-        times = [point["Time"] for point in curve["ParameterCurveControlPoints"]]
-        ascending(times, place, faults)
-        if curve["Time"] + times[-1] > end + _BY_MILLISECOND:
-            faults.append(
-                f"{place} end at {curve['Time'] + times[-1]:g} s, after all events ({end:g} s); "
-                "a point's time counts from its curve's"
-            )
-    vibrating = sorted(
-        (event["Time"], event["Time"] + event["EventDuration"])
-        for event in events
-        if event["EventType"] == "HapticContinuous"
-    )
-    covered = 0.0
-    for start, stop in vibrating:
-        if start < covered - _BY_MILLISECOND:
-            faults.append(f"a continuous event at {start:g} s begins before the last one's end")
-        covered = max(covered, stop)
-    return faults
+def _document(clip: Clip, part: str, pattern: list[Entry]) -> Ahap:
+    about = About(Project="overView DSP", Description=f"{clip.title}: {part}")
+    return Ahap(Version=1.0, Metadata=about, Pattern=pattern)

@@ -1,36 +1,36 @@
 """An amplitude curve as few straight pieces, the points spent where they are felt.
 
-A step in amplitude is felt by its ratio, so the error is measured in dB. Points are added one by
-one, in the piece where most is wrong for longest and there at the worst point (Ramer, Douglas and
-Peucker's split, with a queue), until the budget is spent or no error is a third of a step.
-
-What a JSON value must look like: small checks that say every fault with its place.
-
-A shape is called with a value, its place and a list that takes the faults, a line each.
+A step in amplitude is felt by its ratio, so the error is measured in dB. `breakpoints` adds points
+one by one, in the piece where most is wrong for longest and there at the worst point (Ramer,
+Douglas and Peucker's split, with a queue), until the budget is spent or no error is a third of a
+step. `control_points` takes the best of all ways to lay a limited number of pieces over a part of a
+clip, by dynamic programming: the one with the fewest windows of 10 ms that are more than a step
+off; strikes count more than what is between them.
 """
 
 from __future__ import annotations
 
 import heapq
 import itertools
-import math
-import re
-from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import shown
-from overview_dsp.offline.export.clip import FLOOR
+from overview_dsp.offline.export.clip import NOTICEABLE_DB, felt_db
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
 GOOD_ENOUGH_DB = JUST_NOTICEABLE_DB / 3.0
 
+GRID_MS = 10
+"""Points lie on this grid: a window of the felt level."""
 
-def felt_db(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Amplitude in dB of full scale, silent below `FLOOR`."""
-    return 20.0 * np.log10(np.maximum(amplitude, FLOOR))
+STRIKE_WEIGHT = 4.0
+"""A window in which something strikes counts as so many."""
+
+_LARGEST_DB = 10.0
+_PER_DB = 0.02
+"""Besides windows that are off, so much is an error of 1 dB: of two ways, the nearer one."""
 
 
 def breakpoints(
@@ -80,106 +80,76 @@ def breakpoints(
     return np.array(sorted(positions), dtype=np.int64)
 
 
-Shape = Callable[[Any, str, list[str]], None]
+def control_points(
+    level: NDArray[np.float64],
+    struck: Sequence[int],
+    most: int,
+    apart_ms: tuple[int, int],
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Points to join by straight lines, from silence to silence.
+
+    Parameters
+    ----------
+    level : float64 (n,)
+        Amplitude at each millisecond, the shortest distance or longer.
+    struck
+        Places of strikes, ms.
+    most
+        How many points after the first, 2 or more.
+    apart_ms
+        The shortest and the longest distance between neighbours, ms.
+
+    Returns
+    -------
+    places : int64 (m,)
+        The first and the last place are the part's ends.
+    amplitudes : float64 (m,)
+    """
+    count = (len(level) - 1) // GRID_MS
+    places = np.arange(count + 1) * GRID_MS
+    node = level[places].copy()
+    places[-1] = len(level) - 1
+    node[0] = node[-1] = 0.0
+    windows = level[: count * GRID_MS].reshape(count, GRID_MS)
+    target = felt_db(np.sqrt(np.mean(windows**2, axis=1)))
+    weight = np.ones(count)
+    for place in struck:
+        weight[place // GRID_MS : place // GRID_MS + 2] = STRIKE_WEIGHT
+    cost = _costs(places, node, target, weight, apart_ms)
+    best = np.full(count + 1, np.inf)
+    best[0] = 0.0
+    totals, origins = [best], [np.zeros(count + 1, np.int64)]
+    for _ in range(most):
+        total = totals[-1][:, None] + cost
+        origins.append(np.argmin(total, axis=0))
+        totals.append(total.min(axis=0))
+    pieces = int(np.argmin([total[-1] for total in totals]))
+    chosen = [count]
+    for origin in origins[pieces:0:-1]:
+        chosen.append(int(origin[chosen[-1]]))
+    order = np.array(chosen[::-1])
+    return places[order], node[order]
 
 
-def number(low: float = -math.inf, high: float = math.inf, above: float = -math.inf) -> Shape:
-    """A finite number from `low` to `high`, more than `above`."""
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            faults.append(f"{place} is {shown(value)}; it is a number")
-        elif not math.isfinite(value) or not low <= value <= high or value <= above:
-            least = f"more than {above:g}" if above > low else f"{low:g}"
-            faults.append(f"{place} = {shown(value)}; it is {least} to {high:g}")
-
-    return check
-
-
-def whole(low: float = -math.inf, high: float = math.inf) -> Shape:
-    """A whole number, written as one."""
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if isinstance(value, bool) or not isinstance(value, int):
-            faults.append(f"{place} is {shown(value)}; it is a whole number")
-        elif not low <= value <= high:
-            faults.append(f"{place} = {shown(value)}; it is {low:g} to {high:g}")
-
-    return check
-
-
-def text(pattern: str = "") -> Shape:
-    """A text, all of which matches."""
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if not isinstance(value, str):
-            faults.append(f"{place} is {shown(value)}; it is a text")
-        elif pattern and not re.fullmatch(pattern, value):
-            faults.append(f"{place} is {shown(value)}; it is like {pattern}")
-
-    return check
-
-
-def one_of(*allowed: Any) -> Shape:
-    """One of some values."""
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if isinstance(value, bool | dict | list) or value not in allowed:
-            listed = ", ".join(str(one) for one in allowed)
-            faults.append(f"{place} is {shown(value)}; it is one of {listed}")
-
-    return check
-
-
-def flag(value: Any, place: str, faults: list[str]) -> None:
-    """True or false."""
-    if not isinstance(value, bool):
-        faults.append(f"{place} is {shown(value)}; it is true or false")
-
-
-def many(item: Shape, least: int = 0, most: float = math.inf) -> Shape:
-    """A list of so many."""
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if not isinstance(value, list):
-            faults.append(f"{place} is {shown(value)}; it is a list")
-            return
-        if not least <= len(value) <= most:
-            faults.append(f"{place} has {len(value)} entries; it has {least} to {most:g}")
-        for k, one in enumerate(value):
-            item(one, f"{place}[{k}]", faults)
-
-    return check
-
-
-def record(required: Mapping[str, Shape], optional: Mapping[str, Shape] | None = None) -> Shape:
-    """An object with these keys and no others."""
-    known = {**required, **(optional or {})}
-
-    def check(value: Any, place: str, faults: list[str]) -> None:
-        if not isinstance(value, dict):
-            faults.append(f"{place or 'the document'} is {shown(value)}; it is an object")
-            return
-        begin = f"{place}." if place else ""
-        faults += [f"{begin}{key} is missing" for key in required if key not in value]
-        faults += [
-            f"{begin}{shown(key)[1:-1]} is no key of it; those are {', '.join(known)}"
-            for key in value
-            if key not in known
-        ]
-        for key, shape in known.items():
-            if key in value:
-                shape(value[key], f"{begin}{key}", faults)
-
-    return check
-
-
-def ascending(
-    values: Collection[Any], place: str, faults: list[str], strictly: bool = False
-) -> None:
-    """Say where numbers fall (or stay, if `strictly`)."""
-    before: Any = -math.inf
-    for k, value in enumerate(values):
-        if value < before or (strictly and value == before):
-            faults.append(f"{place}[{k}] = {value:g} comes after {before:g}; times ascend")
-        before = value
+def _costs(
+    places: NDArray[np.int64],
+    node: NDArray[np.float64],
+    target: NDArray[np.float64],
+    weight: NDArray[np.float64],
+    apart_ms: tuple[int, int],
+) -> NDArray[np.float64]:
+    """What a straight piece from one node to another costs, (nodes, nodes); infinite if barred."""
+    count = len(target)
+    cost = np.full((count + 1, count + 1), np.inf)
+    middle = np.arange(count) + 0.5
+    for first in range(count):
+        for end in range(
+            int(np.searchsorted(places, places[first] + apart_ms[0])),
+            int(np.searchsorted(places, places[first] + apart_ms[1], side="right")),
+        ):
+            part = (middle[first:end] - first) / (end - first)
+            line = node[first] + (node[end] - node[first]) * part
+            error = np.abs(felt_db(line) - target[first:end])
+            off = (error > NOTICEABLE_DB) + _PER_DB * np.minimum(error, _LARGEST_DB)
+            cost[first, end] = float(weight[first:end] @ off)
+    return cost

@@ -31,23 +31,14 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.kernels import layout
-from overview_dsp.kernels.image import (
-    CHANGE,
-    DATA,
-    FILL,
-    HEAD,
-    INTEGRAL,
-    INTEGRAL_FROM_TABLE,
-    TABLE,
-    WHOLE,
-)
+from overview_dsp.kernels import image, layout
+from overview_dsp.kernels.image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import connect
 from overview_dsp.signal.engine.coefficients import changes, check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.queues import stamp_of
-from overview_dsp.signal.engine.surface_slots import struck_event, write_surface
+from overview_dsp.signal.engine.surface_slots import struck_events, write_surface
 from overview_dsp.signal.surface.model import Surface
 
 LEAST_FILL = 4
@@ -68,16 +59,8 @@ def layout_numbers() -> dict[str, int]:
 
 def encoding_numbers() -> dict[str, int]:
     """The numbers of the encoding itself, by their names."""
-    return {
-        "HEAD": HEAD,
-        "WHOLE": WHOLE,
-        "CHANGE": CHANGE,
-        "FILL": FILL,
-        "DATA": DATA,
-        "TABLE": TABLE,
-        "INTEGRAL": INTEGRAL,
-        "INTEGRAL_FROM_TABLE": INTEGRAL_FROM_TABLE,
-    }
+    names = "HEAD WHOLE CHANGE FILL DATA TABLE INTEGRAL INTEGRAL_FROM_TABLE"
+    return {name: getattr(image, name) for name in names.split()}
 
 
 def layout_digest() -> bytes:
@@ -162,8 +145,7 @@ def event_numbers(surface: Surface) -> list[int]:
 
     -1 is the bare surface, which is struck as number -1 too.
     """
-    count = len(surface.position) + len(surface.texture_strikes.position)
-    return [int(event) for event in struck_event(surface, np.arange(count))]
+    return [int(event) for event in struck_events(surface)[:-1]]
 
 
 def _head(

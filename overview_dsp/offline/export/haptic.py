@@ -4,162 +4,203 @@ Amplitude is the signal's own; frequency 0..1 stands for 65..300 Hz, as in AHAP.
 begin at 0 (Meta's renderer refuses a clip that doesn't). The amplitude envelope is silent while
 Meta's renderer plays an emphasis; an emphasis is as strong as the envelope there or stronger.
 
-What is wrong with a `.haptic` document, by Meta's strict validator and its renderer.
-
-Meta's renderer of `.haptic` clips (MIT, `core/renderer_c`), as the Quest's profile sets it.
-
-Amplitudes ramp linearly from point to point. An emphasis has a constant amplitude for 36.4 ms
-(frequency 0) to 12.1 ms (frequency 1), is added, and ducks the continuous part to a half while it
-lasts; the next one takes its place. This is the renderer's amplitude curve; its sine that becomes a
-square with an emphasis' frequency is up to 3 dB more energy.
+A document is checked by the rules of Meta's strict validator and its renderer, and decoded as the
+renderer (MIT, `core/renderer_c`) does, as the Quest's profile sets it. Amplitudes ramp linearly
+from point to point. An emphasis has a constant amplitude for 36.4 ms (frequency 0) to 12.1 ms
+(frequency 1), is added, and ducks the continuous part to a half while it lasts; the next one takes
+its place. This is the renderer's amplitude curve; its sine that becomes a square with an emphasis'
+frequency is up to 3 dB more energy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from overview_dsp.errors import InputError
 from overview_dsp.offline.export.ahap import sharpness_of
-from overview_dsp.offline.export.breakpoints import (
-    Shape,
-    ascending,
-    breakpoints,
-    many,
-    number,
-    one_of,
-    record,
-    text,
-    whole,
+from overview_dsp.offline.export.breakpoints import breakpoints
+from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
+from overview_dsp.offline.export.document import (
+    MAX_ENTRIES,
+    Count,
+    Part,
+    Seconds,
+    Unit,
+    descending,
 )
-from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
-
-_UNIT, _SECONDS = number(0.0, 1.0), number(0.0)
-_TEXTS = ("editor", "source", "project", "author", "description")
-_METADATA: dict[str, Shape] = {**dict.fromkeys(_TEXTS, text()), "tags": many(text())}
-_AMPLITUDE = record(
-    {"time": _SECONDS, "amplitude": _UNIT},
-    {"emphasis": record({"amplitude": _UNIT, "frequency": _UNIT})},
-)
-_ENVELOPES = record(
-    {
-        "amplitude": many(_AMPLITUDE, 2),
-        "frequency": many(record({"time": _SECONDS, "frequency": _UNIT})),
-    }
-)
-_DOCUMENT = record(
-    {
-        "version": record({"major": one_of(1), "minor": whole(0), "patch": whole(0)}),
-        "metadata": record({}, _METADATA),
-        "signals": record({"continuous": record({"envelopes": _ENVELOPES})}),
-    }
-)
-
-
-def faults_of(document: Any) -> list[str]:
-    """Every fault of a `.haptic` document, a line each."""
-    faults: list[str] = []
-    _DOCUMENT(document, "", faults)
-    if faults:
-        return faults
-    envelopes = document["signals"]["continuous"]["envelopes"]
-    times = {}
-    for name in ("amplitude", "frequency"):
-        times[name] = [point["time"] for point in envelopes[name]]
-        ascending(times[name], f"{name} times", faults)
-        if times[name] and times[name][0] != 0.0:
-            faults.append(f"{name}[0].time = {times[name][0]:g}; Meta's renderer wants 0")
-    end = times["amplitude"][-1]
-    if end <= 0.0:
-        faults.append("the clip has no length: its last amplitude is at 0")
-    faults += [
-        f"frequency[{k}].time = {time:g} is after the last amplitude ({end:g} s)"
-        for k, time in enumerate(times["frequency"])
-        if time > end
-    ]
-    faults += [
-        f"amplitude[{k}].emphasis.amplitude = {point['emphasis']['amplitude']:g} is below the "
-        f"envelope there ({point['amplitude']:g})"
-        for k, point in enumerate(envelopes["amplitude"])
-        if "emphasis" in point and point["emphasis"]["amplitude"] < point["amplitude"]
-    ]
-    return faults
-
 
 DUCKING = 0.5
 DULL_MS, SHARP_MS = 36.4, 12.1
 
 
+class Emphasis(Part):
+    """A strike at a point."""
+
+    amplitude: Unit
+    frequency: Unit
+
+
+class AmplitudePoint(Part):
+    """A point of the amplitude envelope."""
+
+    time: Seconds
+    amplitude: Unit
+    emphasis: Emphasis | None = None
+
+
+class FrequencyPoint(Part):
+    """A point of the frequency envelope."""
+
+    time: Seconds
+    frequency: Unit
+
+
+class Envelopes(Part):
+    """Amplitude and frequency over time."""
+
+    defaults = {"frequency": []}  # noqa: RUF012
+
+    amplitude: Annotated[list[AmplitudePoint], Field(min_length=2, max_length=MAX_ENTRIES)]
+    frequency: Annotated[list[FrequencyPoint], Field(max_length=MAX_ENTRIES)]
+
+
+class Continuous(Part):
+    """The one signal of a clip."""
+
+    envelopes: Envelopes
+
+
+class Signals(Part):
+    """Signals of a clip."""
+
+    continuous: Continuous
+
+
+class Version(Part):
+    """Version of the format."""
+
+    major: Literal[1]
+    minor: Count
+    patch: Count
+
+
+class Metadata(Part):
+    """Texts about a clip."""
+
+    editor: str | None = None
+    source: str | None = None
+    project: str | None = None
+    tags: list[str] | None = None
+    author: str | None = None
+    description: str | None = None
+
+
+class Haptic(Part):
+    """A `.haptic` document."""
+
+    defaults = {"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": {}}  # noqa: RUF012
+    ignored = ("version", "metadata")
+
+    version: Version
+    metadata: Metadata
+    signals: Signals
+
+    @property
+    def points(self) -> list[AmplitudePoint]:
+        """Amplitude envelope."""
+        return self.signals.continuous.envelopes.amplitude
+
+    def unplayable(self) -> Iterator[str]:
+        """Yield what no player can do with: times that go back, a clip without a length."""
+        yield from descending([point.time for point in self.points], "amplitude times")
+        if self.points[-1].time <= 0.0:
+            yield "the clip has no length: its last amplitude is at 0"
+
+    def faults(self) -> Iterator[str]:
+        """Yield what is wrong between values."""
+        yield from self.unplayable()
+        pitches = self.signals.continuous.envelopes.frequency
+        yield from descending([point.time for point in pitches], "frequency times")
+        for name, times in (("amplitude", self.points), ("frequency", pitches)):
+            if times and times[0].time != 0.0:
+                yield f"{name}[0].time = {times[0].time:g}; Meta's renderer wants 0"
+        end = self.points[-1].time
+        for k, pitch in enumerate(pitches):
+            if pitch.time > end:
+                yield (
+                    f"frequency[{k}].time = {pitch.time:g} is after the last amplitude ({end:g} s)"
+                )
+        for k, point in enumerate(self.points):
+            if point.emphasis is not None and point.emphasis.amplitude < point.amplitude:
+                yield (
+                    f"amplitude[{k}].emphasis.amplitude = {point.emphasis.amplitude:g} is below "
+                    f"the envelope there ({point.amplitude:g})"
+                )
+
+
 def emphasis_ms(frequency: float) -> int:
-    """How long an emphasis of this frequency (0 to 1) lasts."""
+    """Return how long an emphasis of this frequency (0 to 1) lasts."""
     return int(DULL_MS + (SHARP_MS - DULL_MS) * frequency)
 
 
-def with_emphasis(
-    level: NDArray[np.float64], struck: Iterable[tuple[float, float, float]]
-) -> NDArray[np.float64]:
-    """A continuous level with emphases in it: (time s, amplitude, frequency), in order of time."""
+def with_emphasis(level: NDArray[np.float64], struck: Iterable[Transient]) -> NDArray[np.float64]:
+    """Return a continuous level with emphases in it, in order of time."""
     emphasis = np.zeros(len(level))
-    for time_s, amplitude, frequency in struck:
-        start = round(time_s * LEVELS_PER_S)
+    for strike in struck:
+        start = round(strike.time_s * LEVELS_PER_S)
         emphasis[start:] = 0.0
-        emphasis[start : start + emphasis_ms(frequency)] = amplitude
+        emphasis[start : start + emphasis_ms(strike.sharpness)] = strike.amplitude
     ducked = np.where(emphasis > 0.0, DUCKING, 1.0) * level
     return np.asarray(np.minimum(ducked + emphasis, 1.0))
 
 
-def played(haptic: dict[str, Any]) -> NDArray[np.float64]:
-    """The amplitude that a `.haptic` document gives."""
-    points = haptic["signals"]["continuous"]["envelopes"]["amplitude"]
-    times = [point["time"] for point in points]
-    grid = np.arange(round(times[-1] * LEVELS_PER_S) + 1) / LEVELS_PER_S
-    level = np.interp(grid, times, [point["amplitude"] for point in points])
-    struck = [
-        (point["time"], point["emphasis"]["amplitude"], point["emphasis"]["frequency"])
-        for point in points
-        if "emphasis" in point
+def decoded(document: Haptic) -> tuple[NDArray[np.float64], list[Transient]]:
+    """Return the envelope's amplitude at each millisecond, and the emphases."""
+    for fault in document.unplayable():
+        raise InputError(fault)
+    points = document.points
+    grid = np.arange(round(points[-1].time * LEVELS_PER_S) + 1) / LEVELS_PER_S
+    level = np.interp(grid, [one.time for one in points], [one.amplitude for one in points])
+    return level, [
+        Transient(one.time, one.emphasis.amplitude, one.emphasis.frequency, "")
+        for one in points
+        if one.emphasis is not None
     ]
-    return with_emphasis(level, struck)
 
 
-def document(clip: Clip, budget: int) -> dict[str, Any]:
-    """The clip as a `.haptic` document."""
+def document(clip: Clip, budget: int) -> Haptic:
+    """Return the clip as a `.haptic` document."""
     struck = {round(strike.time_s * LEVELS_PER_S): strike for strike in clip.transients}
     continuous, corners = clip.under_strikes(lambda strike: emphasis_ms(strike.sharpness))
-    places = breakpoints(continuous, budget + len(corners), corners)
-    amplitude: list[dict[str, Any]] = []
-    for place in places.tolist():
-        level = round(float(continuous[place]), 4)
-        point: dict[str, Any] = {"time": place / LEVELS_PER_S, "amplitude": level}
+    amplitude: list[AmplitudePoint] = []
+    for place in breakpoints(continuous, budget + len(corners), corners).tolist():
         strike = struck.get(place)
+        emphasis = None
         if strike is not None:
-            point["emphasis"] = {
-                "amplitude": round(strike.amplitude, 4),
-                "frequency": round(strike.sharpness, 4),
-            }
-        amplitude.append(point)
+            emphasis = Emphasis(
+                amplitude=round(strike.amplitude, 4), frequency=round(strike.sharpness, 4)
+            )
+        level = round(float(continuous[place]), 4)
+        amplitude.append(
+            AmplitudePoint(time=place / LEVELS_PER_S, amplitude=level, emphasis=emphasis)
+        )
     frequency = sharpness_of(clip.frequency_hz)
-    return {
-        "version": {"major": 1, "minor": 0, "patch": 0},
-        "metadata": {
-            "editor": "overView DSP",
-            "source": "",
-            "project": clip.title,
-            "tags": [],
-            "author": "",
-            "description": "a gesture over a timeline, by a model of friction",
-        },
-        "signals": {
-            "continuous": {
-                "envelopes": {
-                    "amplitude": amplitude,
-                    "frequency": [
-                        {"time": 0.0, "frequency": frequency},
-                        {"time": clip.duration_s, "frequency": frequency},
-                    ],
-                }
-            }
-        },
-    }
+    pitches = [FrequencyPoint(time=time, frequency=frequency) for time in (0.0, clip.duration_s)]
+    envelopes = Envelopes(amplitude=amplitude, frequency=pitches)
+    return Haptic(
+        version=Version(major=1, minor=0, patch=0),
+        metadata=Metadata(
+            editor="overView DSP",
+            source="",
+            project=clip.title,
+            tags=[],
+            author="",
+            description="a gesture over a timeline, by a model of friction",
+        ),
+        signals=Signals(continuous=Continuous(envelopes=envelopes)),
+    )

@@ -17,15 +17,23 @@ from pathlib import Path, PurePosixPath
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import make_folder, whole_file
-from overview_dsp.offline.export.c_folder import c_sources
-from overview_dsp.offline.export.lv2_turtle import DESCRIPTIONS, description, manifest
-from overview_dsp.offline.export.plugin_bundle import IMAGES, Bundle, bundle_of, bundle_source
-from overview_dsp.offline.export.plugin_compiler import (
+from overview_dsp.files.atomic import make_folder
+from overview_dsp.offline.export.c_code import (
     Machine,
+    c_sources,
     compile_library,
     compiler_of,
     machine_of,
+    write_files,
+)
+from overview_dsp.offline.export.plugin_bundle import (
+    DESCRIPTIONS,
+    IMAGES,
+    Bundle,
+    bundle_of,
+    bundle_source,
+    description,
+    manifest,
 )
 
 _LIBRARY = {"linux": ".so", "windows": ".dll", "macos": ".dylib"}
@@ -166,8 +174,5 @@ def build_plugin(
         (work / IMAGES).write_bytes(bundle.data)
         compile_library(compiler, machine, [f"{to}.c", "bundle.c", "kernel.c"], work, "plugin.bin")
         library = (work / "plugin.bin").read_bytes()
-    for path, content in contents_of(to, bundle, machine, library).items():
-        make_folder((made / path).parent)
-        with whole_file(made / path) as file:
-            file.write_bytes(content)
+    write_files(made, contents_of(to, bundle, machine, library))
     return made / f"{bundle.slug}.{to}"

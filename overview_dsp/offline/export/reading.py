@@ -1,14 +1,13 @@
-"""Haptic clips of others: AHAP and `.haptic` files, read to what they make a device do.
+"""Haptic clips of others: read to what they make a device do, checked, laid into a preset.
 
 What comes back is an amplitude for each millisecond and the strikes, by the same laws as exports
 are written (`ahap`, `haptic`): so a clip that was exported comes back as it was. Of an AHAP clip in
 two files, vibration and strikes, either one names both.
 
-A haptic clip as a layer of a preset: its vibration as an event's friction, its strikes as modes.
-
-The friction's course over the event is the clip's amplitude over its length; what was time becomes
-the way over the event, so the hand plays the clip, as fast as it moves and backwards too. Strikes
-become modes of the click: sharpness is pitch, strength is level.
+As a layer of a preset, a clip's vibration becomes an event's friction, its strikes become modes.
+The amplitude over the clip's length becomes the friction's profile over the event: what was time
+becomes the way over the event, so the disk plays the clip, as fast as it moves and backwards too.
+Sharpness of a strike is pitch of a mode, strength is level.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,21 +28,30 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind
 from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_MODES
-from overview_dsp.offline.export.ahap import TRANSIENTS_MS, with_transients
-from overview_dsp.offline.export.clip import LEVELS_PER_S, MAX_CLIP_S, Transient
-from overview_dsp.offline.export.haptic import with_emphasis
-from overview_dsp.offline.export.strikes import DULL_HZ, SHARP_HZ
+from overview_dsp.offline.export import ahap, haptic
+from overview_dsp.offline.export.android import Android, xml_faults_of
+from overview_dsp.offline.export.clip import DULL_HZ, SHARP_HZ, Transient
+from overview_dsp.offline.export.document import Part, faults_of, read
+from overview_dsp.offline.export.hjif import Hjif
 from overview_dsp.public import counted
-from overview_dsp.validation import number
 
 MAX_BYTES = 8_000_000
-MAX_ENTRIES = 100_000
-_CONTROL = "HapticIntensityControl"
 
 SUFFIXES = (".ahap", ".haptic")
 PLAIN = SUFFIXES[0]
 PAIRS = ((PLAIN, ".strikes.ahap"), ("_continuous.ahap", "_transients.ahap"))
 """How the two files of an AHAP clip are called: ours, and Meta's."""
+
+_MODELS: dict[str, type[Part]] = {
+    "Pattern": ahap.Ahap,
+    "signals": haptic.Haptic,
+    "perceptions": Hjif,
+    "waveform": Android,
+}
+"""Formats by a key that only they have."""
+
+MAX_FAULTS = 20
+"""Faults that are listed: the first ones are what the others come from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +118,24 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
         part = level[: len(clip.level)]
         np.maximum(part, clip.level, out=part)
     strikes = sorted((one for clip in found for one in clip.transients), key=lambda one: one.time_s)
-    return found[0] if len(found) == 1 else _apple(level, strikes)
+    return found[0] if len(found) == 1 else _core_haptics(level, strikes)
+
+
+def _read(path: Path) -> PlayedClip:
+    document = load_document(path)
+    keys = document if isinstance(document, dict) else ()
+    with validation.located(f"{path}: "):
+        if "Pattern" in keys:
+            return _core_haptics(*ahap.decoded(read(ahap.Ahap, document)))
+        if "signals" in keys:
+            level, strikes = haptic.decoded(read(haptic.Haptic, document))
+            return PlayedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
+    raise InputError(f"{path}: neither AHAP (with a Pattern) nor .haptic (with signals)")
+
+
+def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> PlayedClip:
+    played = ahap.with_transients(level, strikes, ahap.TRANSIENTS_MS[0])
+    return PlayedClip(level, tuple(strikes), played)
 
 
 def paired(path: Path) -> tuple[Path, ...]:
@@ -190,177 +215,60 @@ def _no_constant(name: str) -> None:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def _read(path: Path) -> PlayedClip:
-    document = load_document(path)
+def check_clip(path: str | os.PathLike[str]) -> list[str]:
+    """Say what is wrong with a haptic clip, by the rules of its format and what players do with it.
+
+    Stricter than `read_clip`, which takes what can be played.
+
+    Parameters
+    ----------
+    path : str or path
+        An AHAP, `.haptic`, HJIF or Android file (JSON, or the XML of a waveform).
+
+    Returns
+    -------
+    list of str
+        A line a fault, the first 20; empty if there is none.
+
+    Raises
+    ------
+    InputError
+        It can't be read.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> written = ov.export.export(result, "hjif", "match.hjif")
+    >>> ov.export.check_clip("match.hjif")
+    []
+    """
+    validation.path(path, "a clip")
+    if Path(path).suffix.lower() == ".xml":
+        return _xml(Path(path))[:MAX_FAULTS]
     try:
-        if isinstance(document, dict) and "Pattern" in document:
-            return _ahap(document)
-        if isinstance(document, dict) and "signals" in document:
-            return _haptic(document)
+        document = load_document(path)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    raise InputError(f"{path}: neither AHAP (with a Pattern) nor .haptic (with signals)")
+        if ": not JSON" in str(error):
+            return [str(error).partition(": ")[2]]
+        raise
+    for key, model in _MODELS.items():
+        if isinstance(document, dict) and key in document:
+            return faults_of(model, document)[:MAX_FAULTS]
+    return [f"none of {', '.join(_MODELS)} is in it: neither AHAP, .haptic, HJIF nor Android"]
 
 
-# --- AHAP ---------------------------------------------------------------------------------------
-
-
-def _ahap(document: dict[str, Any]) -> PlayedClip:
-    spans: list[tuple[float, float, float]] = []
-    strikes: list[Transient] = []
-    steps: list[tuple[float, float]] = []
-    pattern = _entries(document["Pattern"], "Pattern")
-    for i, entry in enumerate(pattern):
-        place = f"Pattern[{i}]"
-        if "Event" in entry:
-            event = _table(entry["Event"], f"{place}.Event")
-            time = _seconds(event.get("Time"), f"{place}.Event.Time")
-            parameters = _parameters(
-                event.get("EventParameters", []), f"{place}.Event.EventParameters"
-            )
-            intensity = parameters.get("HapticIntensity", 1.0)
-            kind = event.get("EventType")
-            if kind == "HapticTransient":
-                strike = intensity**2, parameters.get("HapticSharpness", 0.5)
-                strikes.append(Transient(time, *strike, kind=""))
-            elif kind == "HapticContinuous":
-                length = _seconds(event.get("EventDuration"), f"{place}.Event.EventDuration")
-                spans.append((time, time + length, intensity))
-            # sounds (AudioContinuous, AudioCustom) vibrate nothing
-        elif "ParameterCurve" in entry:
-            steps += _curve(_table(entry["ParameterCurve"], place), place)
-        elif "Parameter" in entry:
-            steps += _step(_table(entry["Parameter"], place), place)
-    if not spans and not strikes:
-        raise InputError("Pattern: vibrates at no time")
-    end = max([stop for _, stop, _ in spans] + [strike.time_s for strike in strikes])
-    times = np.arange(_count(end)) / LEVELS_PER_S
-    base = np.zeros(len(times))
-    for start, stop, intensity in spans:
-        inside = (times >= start) & (times <= stop)
-        base[inside] = np.maximum(base[inside], intensity)
-    if steps:
-        steps.sort(key=lambda step: step[0])  # stable: equal times keep their order
-        at, value = np.array(steps).T
-        # before the first point, intensity is as the events have it
-        control = np.where(times < at[0], 1.0, np.interp(times, at, value))
-        base *= control
-        # a pattern's curves modulate its transients too
-        strikes = [
-            replace(one, amplitude=one.amplitude * float(control[round(one.time_s * 1000)]) ** 2)
-            for one in strikes
-        ]
-    return _apple(base**2, sorted(strikes, key=lambda strike: strike.time_s))
-
-
-def _apple(level: NDArray[np.float64], strikes: Sequence[Transient]) -> PlayedClip:
-    struck = [(strike.time_s, strike.amplitude) for strike in strikes]
-    return PlayedClip(level, tuple(strikes), with_transients(level, struck, TRANSIENTS_MS[0]))
-
-
-def _curve(curve: dict[str, Any], place: str) -> list[tuple[float, float]]:
-    if curve.get("ParameterID") != _CONTROL:
-        return []
-    start = _seconds(curve.get("Time"), f"{place}.Time")
-    points = _entries(curve.get("ParameterCurveControlPoints"), f"{place}.ControlPoints")
-    return [
-        (
-            start + _seconds(point.get("Time"), f"{place}.ControlPoints[{k}].Time"),
-            _part(point.get("ParameterValue"), f"{place}.ControlPoints[{k}].ParameterValue"),
-        )
-        for k, point in enumerate(points)
-    ]
-
-
-def _step(parameter: dict[str, Any], place: str) -> list[tuple[float, float]]:
-    if parameter.get("ParameterID") != _CONTROL:
-        return []
-    time = _seconds(parameter.get("Time"), f"{place}.Time")
-    return [(time, _part(parameter.get("ParameterValue"), f"{place}.ParameterValue"))]
-
-
-def _parameters(entries: Any, place: str) -> dict[str, float]:
-    found = {}
-    for k, entry in enumerate(_entries(entries, place)):
-        value = number(entry.get("ParameterValue"), f"{place}[{k}].ParameterValue")
-        if entry.get("ParameterID") in ("HapticIntensity", "HapticSharpness"):
-            found[str(entry["ParameterID"])] = _part(value, f"{place}[{k}].ParameterValue")
-    return found
-
-
-# --- .haptic ------------------------------------------------------------------------------------
-
-
-def _haptic(document: dict[str, Any]) -> PlayedClip:
-    place = "signals.continuous.envelopes"
-    signals = _table(document["signals"], "signals")
-    continuous = _table(signals.get("continuous"), "signals.continuous")
-    envelopes = _table(continuous.get("envelopes"), place)
-    for k, point in enumerate(_entries(envelopes.get("frequency", []), f"{place}.frequency")):
-        # pitch isn't taken, but a broken clip is refused
-        _seconds(point.get("time"), f"{place}.frequency[{k}].time")
-        _part(point.get("frequency"), f"{place}.frequency[{k}].frequency")
-    place += ".amplitude"
-    points = _entries(envelopes.get("amplitude"), place)
-    if len(points) < 2:
-        raise InputError(f"{place}: {len(points)} points; an envelope has two or more")
-    times, levels, strikes = [], [], []
-    for k, point in enumerate(points):
-        here = f"{place}[{k}]"
-        times.append(_seconds(point.get("time"), f"{here}.time"))
-        levels.append(_part(point.get("amplitude"), f"{here}.amplitude"))
-        if k and times[-1] < times[-2]:
-            raise InputError(f"{here}.time = {times[-1]:g} is before the point above it")
-        if "emphasis" in point:
-            emphasis = _table(point["emphasis"], f"{here}.emphasis")
-            strength, sharpness = (
-                _part(emphasis.get(key), f"{here}.emphasis.{key}")
-                for key in ("amplitude", "frequency")
-            )
-            strikes.append(Transient(times[-1], strength, sharpness, ""))
-    if times[-1] <= 0.0:
-        raise InputError(f"{place}: the clip has no length")
-    grid = np.arange(_count(times[-1])) / LEVELS_PER_S
-    level = np.interp(grid, times, levels)
-    struck = [(strike.time_s, strike.amplitude, strike.sharpness) for strike in strikes]
-    return PlayedClip(level, tuple(strikes), with_emphasis(level, struck))
-
-
-# --- entries ------------------------------------------------------------------------------------
-
-
-def _count(end_s: float) -> int:
-    return round(end_s * LEVELS_PER_S) + 1
-
-
-def _entries(value: Any, place: str) -> list[dict[str, Any]]:
-    if not isinstance(value, list):
-        raise InputError(f"{place} isn't a list")
-    if len(value) > MAX_ENTRIES:
-        raise InputError(f"{place} has {len(value)} entries; up to {MAX_ENTRIES} are read")
-    for k, entry in enumerate(value):
-        _table(entry, f"{place}[{k}]")
-    return value
-
-
-def _table(value: Any, place: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise InputError(f"{place} isn't an object")
-    return value
-
-
-def _seconds(value: Any, place: str) -> float:
-    seconds = number(value, place)
-    if not 0.0 <= seconds <= MAX_CLIP_S:
-        raise InputError(f"{place} = {seconds:g} s; it is 0 to {MAX_CLIP_S:g}")
-    return seconds
-
-
-def _part(value: Any, place: str) -> float:
-    part = number(value, place)
-    if not 0.0 <= part <= 1.0:
-        raise InputError(f"{place} = {part:g}; it is 0 to 1")
-    return part
+def _xml(path: Path) -> list[str]:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: can't be read ({error})") from None
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        return ["it has a document type (<!DOCTYPE ...>), which may hide a bomb"]
+    try:
+        root = ElementTree.fromstring(text.encode())
+    except (ElementTree.ParseError, ValueError) as error:
+        return [f"not XML: {error}"]
+    return xml_faults_of(root)
 
 
 POINTS = 64

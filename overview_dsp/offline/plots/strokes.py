@@ -13,12 +13,13 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.offline.plots.style import (
     BLACK,
     BLUE,
-    GAP_HATCH,
+    GAP_STYLE,
     GREEN,
     GREY,
     VERMILION,
     extremes,
     has_face,
+    mark_events,
     new_figure,
     styles_of,
     tidy,
@@ -74,14 +75,7 @@ def plot_strokes(
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for gap in timeline.gaps:
             start, end = result.engine.surface.position_of(gap) * HALF_TURN
-            axes[3].axhspan(
-                start,
-                end,
-                facecolor="none",
-                edgecolor="#b0b0b0",
-                hatch=GAP_HATCH,
-                linewidth=0.0,
-            )
+            axes[3].axhspan(start, end, **GAP_STYLE)
         axes[0].set_title(name, fontsize=10, pad=14)
         # logarithmic beyond 1 mN·m: the surface and its goals in one view; how far apart they are
         # the linear panel shows
@@ -121,7 +115,7 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
     # a row of marks just above the axes
     above = axes.get_xaxis_transform()
     strikes = result.strikes.of_events()
-    for kind, (marker, colour, words) in styles_of(timeline).items():
+    for kind, style in styles_of(timeline).items():
         at = [
             time
             for time, event in zip(strikes.time_s, strikes.event, strict=True)
@@ -129,16 +123,6 @@ def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) ->
         ]
         if not at or kind in ("foul", "period", "touch", "shot"):
             continue
-        axes.scatter(
-            at,
-            np.full(len(at), 1.03),
-            transform=above,
-            s=26,
-            marker=marker,
-            color=colour,
-            edgecolors=BLACK if has_face(marker) else None,
-            linewidths=0.5 if has_face(marker) else 1.2,
-            label=words,
-            clip_on=False,
-            zorder=4,
-        )
+        width = 0.5 if has_face(style[0]) else 1.2
+        options = {"transform": above, "clip_on": False, "zorder": 4, "linewidths": width}
+        mark_events(axes, at, np.full(len(at), 1.03), style, 26, **options)

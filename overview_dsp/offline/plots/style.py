@@ -9,7 +9,7 @@ import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp.data.timeline import Timeline
 
@@ -82,7 +82,7 @@ _OTHERS: tuple[tuple[Marker, str], ...] = tuple(
         strict=True,
     )
 )
-GAP_HATCH = "////"
+GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#b0b0b0", "hatch": "////", "linewidth": 0.0}
 _POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
 
 
@@ -109,6 +109,17 @@ def styles_of(timeline: Timeline) -> dict[str, Style]:
         taken.add(at)
         found[kind] = (*_OTHERS[at], kind.replace("_", " "))
     return found
+
+
+def mark_events(
+    axes: Axes, x: ArrayLike, y: ArrayLike, style: Style, size: float, **options: Any
+) -> None:
+    """Draw events with the marker of their kind; areas have a black edge."""
+    marker, colour, words = style
+    options.setdefault("linewidths", 0.7 if has_face(marker) else 1.6)
+    options.setdefault("label", words)
+    edges = BLACK if has_face(marker) else None
+    axes.scatter(x, y, s=size, marker=marker, color=colour, edgecolors=edges, **options)
 
 
 def new_figure(width: float, height: float) -> Figure:

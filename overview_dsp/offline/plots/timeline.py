@@ -19,9 +19,10 @@ from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import Half, halves_of
 from overview_dsp.offline.plots.style import (
     BLACK,
-    GAP_HATCH,
+    GAP_STYLE,
     GREY,
     has_face,
+    mark_events,
     new_figure,
     styles_of,
     tidy,
@@ -206,16 +207,8 @@ def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     for gap, reason in zip(timeline.gaps, reasons, strict=True):
         start, end = axis.x(gap).tolist()
         words = f"no data: {reason}" if reason else "no data"
-        axes.axvspan(
-            start,
-            end,
-            facecolor="none",
-            edgecolor="#b0b0b0",
-            hatch=GAP_HATCH,
-            linewidth=0.0,
-            label=None if reason in named else f"{words} ({reasons.count(reason)})",
-            zorder=1,
-        )
+        label = None if reason in named else f"{words} ({reasons.count(reason)})"
+        axes.axvspan(start, end, label=label, zorder=1, **GAP_STYLE)
         named.add(reason)
         if end - start >= _NAMED_GAP * axis.width:
             axes.text(
@@ -300,24 +293,17 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     bottom, _ = axes.get_ylim()
     styles = styles_of(timeline)
     rows = timeline.intensity is None
-    for row, (kind, (marker, colour, words)) in enumerate(styles.items()):
+    for row, (kind, style) in enumerate(styles.items()):
         events = [event for event in timeline.events if event.kind == kind]
         at = np.array([event.time_s for event in events])
         x = places[[event.kind == kind for event in timeline.events]]
         height = np.full(len(at), float(row)) if rows else _heights(timeline, at, bottom)
         goal = kind in ("goal", "own_goal")
-        face = has_face(marker)
-        axes.scatter(
-            x,
-            height,
-            s=90 if goal else 46 if len(at) < _CROWDED else 14,
-            marker=marker,
-            color=colour,
-            edgecolors=BLACK if face else None,
-            linewidths=1.6 if not face else 0.7 if len(at) < _CROWDED else 0.3,
-            label=f"{words} ({len(at)})",
-            zorder=4 if goal else 3,
-        )
+        options: dict[str, Any] = {"label": f"{style[2]} ({len(at)})", "zorder": 4 if goal else 3}
+        if has_face(style[0]) and len(at) >= _CROWDED:
+            options["linewidths"] = 0.3
+        size = 90 if goal else 46 if len(at) < _CROWDED else 14
+        mark_events(axes, x, height, style, size, **options)
         if goal:
             for event, place, level in zip(events, x.tolist(), height.tolist(), strict=True):
                 _name_goal(axes, event.label.split(" ")[0], place, level)

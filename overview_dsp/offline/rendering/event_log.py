@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
-from overview_dsp.signal.engine.meters import Strikes
+from overview_dsp.signal.engine.reports import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
 """Within so much of the strongest an event counts as strong, as medium; weak below."""
@@ -208,23 +208,18 @@ def transcript(
         "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if nothing was
         passed.
     """
-    passed = strikes.of_events()
-    if not len(passed):
-        return ()
-    out = np.ones(len(passed), dtype=bool)
+    passed = happened(strikes, timeline)
+    touched = [True] * len(passed)
     if engaged is not None and len(engaged):
-        frames = np.minimum((passed.time_s * sample_rate).astype(int), len(engaged) - 1)
-        out = engaged[frames] > 0.5
-    order = np.argsort(-passed.level, kind="stable")
-    kept = np.sort(np.concatenate([order[out[order]][:most], order[~out[order]][:most]]))
-    strongest = float(passed.level.max())
+        frames = [min(int(one.time_s * sample_rate), len(engaged) - 1) for one in passed]
+        touched = [bool(engaged[frame] > 0.5) for frame in frames]
+    strongest = np.argsort(-strikes.of_events().level, kind="stable").tolist()
+    kept = [i for way in (True, False) for i in [i for i in strongest if touched[i] == way][:most]]
     lines = []
-    for at in kept:
-        event = timeline.events[passed.event[at]]
+    for i in sorted(kept):
+        event, below = passed[i].event, round(passed[i].below_db)
         words = event.kind.replace("_", " ") + (f", {event.words}" if event.words else "")
-        words += "" if out[at] else ", on the way back"
-        below = round(-20.0 * np.log10(max(float(passed.level[at]) / strongest, 1e-6)))
+        words += "" if touched[i] else ", on the way back"
         level = f"{below} dB below the strongest" if below else "the strongest"
-        moment = timeline.moment_text(event.time_s)
-        lines.append(f"{passed.time_s[at]:.2f} s: {words}, at {moment}, {level}")
+        lines.append(f"{passed[i].time_s:.2f} s: {words}, at {passed[i].moment}, {level}")
     return tuple(lines)

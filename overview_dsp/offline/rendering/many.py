@@ -33,7 +33,7 @@ from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, checked
 from overview_dsp.offline.rendering.trace import Trace, Traced
 from overview_dsp.public import counted, short
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.meters import Strikes
+from overview_dsp.signal.engine.reports import Strikes
 from overview_dsp.signal.engine.simd_batch import EngineBatch
 from overview_dsp.signal.surface.cache import SurfaceCache
 from overview_dsp.signal.surface.model import Surface
@@ -172,6 +172,10 @@ def render_jobs(
         yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
 
 
+Rendered = RenderedJob[Trace | None] | Exception
+"""A job as rendered, or why it can't be."""
+
+
 @dataclass(eq=False)
 class _Playing:
     """A job in its lane."""
@@ -179,6 +183,7 @@ class _Playing:
     number: int
     job: RenderJob
     surface: Surface
+    engine: Engine
     play: GesturePlayer
     samples: GrowableArray
     trace: GrowableArray
@@ -186,14 +191,22 @@ class _Playing:
     logged: int = 0
     """Frames whose strikes are in the engine's log alone: reading it often costs more than them."""
 
-    def read_log(self, engine: Engine) -> None:
+    def read_log(self) -> None:
         """Take the strikes from the engine's log."""
-        self.strikes.append(engine.take_strikes())
+        self.strikes.append(self.engine.take_strikes())
         self.logged = 0
 
-
-Rendered = RenderedJob[Trace | None] | Exception
-"""A job as rendered, or why it can't be."""
+    def result(self, trace: tuple[str, ...]) -> RenderedJob[Trace | None]:
+        """Return what was rendered, with these columns of the trace."""
+        self.read_log()
+        return RenderedJob(
+            self.job,
+            self.surface,
+            self.samples.rows,
+            self.engine.sample_rate,
+            Trace(self.trace.rows, trace) if trace else None,
+            join_strikes(self.strikes),
+        )
 
 
 class VoiceRenderer:
@@ -215,10 +228,10 @@ class VoiceRenderer:
         names the columns to keep, of `TRACE_COLUMNS`.
         """
         waiting = iter(jobs)
-        playing: list[_Playing | None] = [None] * SIMD_WIDTH
+        playing: dict[int, _Playing] = {}
         while True:
             for lane in range(SIMD_WIDTH):
-                while playing[lane] is None:
+                while lane not in playing:
                     number, job = next(waiting, (-1, None))
                     if job is None:
                         break
@@ -228,10 +241,10 @@ class VoiceRenderer:
                         yield number, error
                         continue
                     if started.play.over:
-                        yield number, self._result(lane, started, trace)
+                        yield number, started.result(trace)
                     else:
                         playing[lane] = started
-            if not any(playing):
+            if not playing:
                 return
             yield from self._step(playing, trace)
 
@@ -249,45 +262,32 @@ class VoiceRenderer:
         else:
             engine.restart(job.preset, job.timeline, seed=job.seed, surface=surface)
         play = GesturePlayer(engine, job.gesture, tail, BLOCK)
-        return _Playing(
-            number,
-            job,
-            surface,
-            play,
-            GrowableArray(SIGNALS, np.float32, play.least),
-            GrowableArray(columns, np.float64, play.least if columns else 0),
-        )
+        samples = GrowableArray(SIGNALS, np.float32, play.least)
+        table = GrowableArray(columns, np.float64, play.least if columns else 0)
+        return _Playing(number, job, surface, engine, play, samples, table)
 
     def _step(
-        self, playing: list[_Playing | None], trace: tuple[str, ...]
+        self, playing: dict[int, _Playing], trace: tuple[str, ...]
     ) -> Iterator[tuple[int, Rendered]]:
-        """A block of every job; those that end with it, or can't go on."""
+        """Render a block of every job; yield those that end with it, or can't go on."""
         assert self._lanes is not None
         frames = BLOCK
-        for lane, one in enumerate(playing):
-            if one is None:
-                continue
+        for lane, one in list(playing.items()):
             try:
                 frames = min(frames, one.play.feed())
             except Exception as error:  # a change in a take that can't be made, say
-                playing[lane] = None
+                del playing[lane]
                 yield one.number, error
-        if not any(playing):
+        if not playing:
             return
-        engines = [
-            engine if one is not None else None
-            for engine, one in zip(self._engines, playing, strict=True)
-        ]
+        for one in playing.values():
+            if one.logged + frames > BLOCK:
+                one.read_log()
+        engines = [playing[lane].engine if lane in playing else None for lane in range(SIMD_WIDTH)]
+        samples, traces = self._lanes.process(engines, frames, bool(trace))
         whole = trace == TRACE_COLUMNS
         columns = None if whole else [TRACE_COLUMNS.index(name) for name in trace]
-        for engine, one in zip(engines, playing, strict=True):
-            if engine is not None and one is not None and one.logged + frames > BLOCK:
-                one.read_log(engine)
-        samples, traces = self._lanes.process(engines, frames, bool(trace))
-        for lane, one in enumerate(playing):
-            engine = engines[lane]
-            if one is None or engine is None:
-                continue
+        for lane, one in sorted(playing.items()):
             kept = one.play.count(frames)
             one.samples.add(samples[lane, :kept])
             if traces is not None:
@@ -295,25 +295,10 @@ class VoiceRenderer:
             one.logged += frames
             # a change of surface says by which one a strike is read: one by one
             if one.job.gesture.changes:
-                one.read_log(engine)
+                one.read_log()
             if one.play.over:
-                playing[lane] = None
-                yield one.number, self._result(lane, one, trace)
-
-    def _result(
-        self, lane: int, one: _Playing, trace: tuple[str, ...]
-    ) -> RenderedJob[Trace | None]:
-        engine = self._engines[lane]
-        assert engine is not None
-        one.read_log(engine)
-        return RenderedJob(
-            one.job,
-            one.surface,
-            one.samples.rows,
-            engine.sample_rate,
-            Trace(one.trace.rows, trace) if trace else None,
-            join_strikes(one.strikes),
-        )
+                del playing[lane]
+                yield one.number, one.result(trace)
 
 
 @overload

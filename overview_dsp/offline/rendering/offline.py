@@ -28,12 +28,12 @@ from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.offline.rendering.event_log import transcript
 from overview_dsp.offline.rendering.notebook import Row, result_page
 from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreached
-from overview_dsp.offline.rendering.trace import Trace, Traced
+from overview_dsp.offline.rendering.trace import Trace, Traced, TraceWriter
 from overview_dsp.public import counted, drawn, short
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.meters import Strikes
+from overview_dsp.signal.engine.reports import Strikes
 from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
@@ -48,29 +48,6 @@ AnyPreset = Preset | str | os.PathLike[str] | None
 
 AnyGesture = Gesture | str | os.PathLike[str] | None
 """A Gesture, a SPEC, a take's path; None is `gestures.spec.DEFAULT`."""
-
-
-def given_timeline(timeline: AnyTimeline) -> Timeline:
-    """Return what is felt; errors as `load_timeline`."""
-    return load_timeline(timeline)
-
-
-def given_preset(preset: AnyPreset, timeline: Timeline) -> Preset:
-    """Return how it is felt, as asked or as fits the data; errors as `load_preset`."""
-    if isinstance(preset, Preset):
-        return preset
-    return load_preset(
-        fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
-    )
-
-
-def given_gesture(gesture: AnyGesture) -> Gesture:
-    """Return what the hand does; errors as `parse_gesture` and `load_gesture`."""
-    if isinstance(gesture, Gesture):
-        return gesture
-    if gesture is None or isinstance(gesture, str):
-        return parse_gesture(DEFAULT if gesture is None else gesture)
-    return load_gesture(validation.path(gesture, "gesture"))
 
 
 BLOCK = 4096
@@ -303,14 +280,10 @@ def render(
     >>> ov.render(days, "series", "sweep:1", sample_rate=8000).engine.preset.name
     'series'
     """
-    felt = given_timeline(timeline)
-    engine = Engine(given_preset(preset, felt), felt, seed=seed)
-    hand = given_gesture(gesture)
-    engine.prepare(sample_rate, BLOCK)
+    engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
     nothing = Block(
         np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
     )
-    stage = _stage(actuator, engine)
     rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
@@ -321,6 +294,28 @@ def render(
     return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
 
 
+def _prepared(
+    timeline: AnyTimeline,
+    preset: AnyPreset,
+    gesture: AnyGesture,
+    sample_rate: float,
+    seed: int,
+    actuator: Actuator | None,
+) -> tuple[Engine, Gesture, ActuatorStage | None]:
+    """Return a prepared engine, the gesture and the actuator's stage of what `render` was given."""
+    timeline = load_timeline(timeline)
+    if not isinstance(preset, Preset):
+        name = fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
+        preset = load_preset(name)
+    engine = Engine(preset, timeline, seed=seed)
+    if gesture is None or isinstance(gesture, str):
+        gesture = parse_gesture(DEFAULT if gesture is None else gesture)
+    elif not isinstance(gesture, Gesture):
+        gesture = load_gesture(validation.path(gesture, "gesture"))
+    engine.prepare(sample_rate, BLOCK)
+    return engine, gesture, _stage(actuator, engine)
+
+
 def _stage(actuator: Actuator | None, engine: Engine) -> ActuatorStage | None:
     if actuator is None:
         return None
@@ -329,13 +324,9 @@ def _stage(actuator: Actuator | None, engine: Engine) -> ActuatorStage | None:
 
 
 def join_strikes(parts: list[Strikes]) -> Strikes:
-    """Strikes of consecutive blocks as one."""
-    return Strikes(
-        np.concatenate([part.time_s for part in parts]),
-        np.concatenate([part.event for part in parts]),
-        np.concatenate([part.torque for part in parts]),
-        np.concatenate([part.level for part in parts]),
-    )
+    """Return strikes of consecutive blocks as one."""
+    columns = (vars(part).values() for part in parts)
+    return Strikes(*map(np.concatenate, zip(*columns, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -469,30 +460,23 @@ def render_to_file(
         loudness_of,
         require_loudness,
     )
-    from overview_dsp.offline.rendering.trace_file import TraceWriter
-
-    felt = given_timeline(timeline)
-    chosen, hand = given_preset(preset, felt), given_gesture(gesture)
-
-    def prepared() -> tuple[Engine, ActuatorStage | None]:
-        engine = Engine(chosen, felt, seed=seed)
-        engine.prepare(sample_rate, BLOCK)
-        return engine, _stage(actuator, engine)
 
     target = validation.path(path, "path")
-    gain = 1.0
     if normalize is not None:
         require_loudness(normalize)
+    engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
+    gain = 1.0
+    if normalize is not None:
         meter = ClickMeter(sample_rate)
-        engine, stage = prepared()
         for block in blocks(engine, hand, tail, False, None, stage):
             meter.feed(block.samples)
         gain = meter.gain_to(normalize)
-    engine, stage = prepared()
+        engine.reset()
+        stage = _stage(actuator, engine)
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
     strikes: list[Strikes] = [engine.take_strikes()]
-    full_torque = 1e-3 * chosen.number("tactor.full_torque_mnm")
+    full_torque = 1e-3 * engine.preset.number("tactor.full_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
         TraceWriter(

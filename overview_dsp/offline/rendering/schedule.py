@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,26 +26,24 @@ Tail = Literal["rest", "none"] | float
 
 
 def tail_of(text: str) -> Tail:
-    """The tail a person typed: rest, none, or seconds."""
-    if text == "rest":
-        return "rest"
-    if text == "none":
-        return "none"
+    """Return the tail that a user typed: rest, none, or seconds; InputError for anything else."""
     try:
         return checked_tail(float(text))
     except ValueError:
-        raise _no_tail(text) from None
+        return checked_tail(text)
 
 
-def checked_tail(tail: Tail) -> Tail:
-    """The tail, if it is one; InputError otherwise."""
+def checked_tail(tail: Any) -> Tail:
+    """Return the tail, if it is one; InputError otherwise."""
     if isinstance(tail, str) and tail in ("rest", "none"):
-        return tail
+        return "rest" if tail == "rest" else "none"
+    is_number = isinstance(tail, int | float | np.integer | np.floating)
     # written so that NaN fails
-    if isinstance(tail, bool) or not isinstance(tail, int | float | np.integer | np.floating):
-        raise _no_tail(tail)
-    if not 0.0 <= tail <= MAX_TAIL_S:
-        raise _no_tail(tail)
+    if isinstance(tail, bool) or not is_number or not 0.0 <= tail <= MAX_TAIL_S:
+        raise InputError(
+            f"tail {shown(tail)} is not understood; it is rest, none or seconds, 0 to "
+            f"{MAX_TAIL_S:g}"
+        )
     return float(tail)
 
 
@@ -60,12 +58,6 @@ def unreached(surface: Surface, gesture: Gesture, struck: NDArray[np.int64]) -> 
     furthest = gesture.theta2[gesture.touching].max(initial=0.0) / math.pi
     crossed = surface.event[surface.edges[:, 0] <= furthest]
     return tuple(int(event) for event in np.setdiff1d(crossed, struck))
-
-
-def _no_tail(given: object) -> InputError:
-    return InputError(
-        f"tail {shown(given)} is not understood; it is rest, none or seconds, 0 to {MAX_TAIL_S:g}"
-    )
 
 
 class GesturePlayer:

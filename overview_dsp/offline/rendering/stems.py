@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,16 +34,16 @@ def stem_paths(path: Path) -> tuple[Path, ...]:
     return tuple(path.with_name(f"{path.stem}.{name}{SUFFIX}") for name in (*NAMES, "trace"))
 
 
-class StemWriter:
+class StemWriter(contextlib.ExitStack):
     """Writes the stems of a sound file, block by block; does nothing unless `wanted`."""
 
     def __init__(
         self, path: Path, sample_rate: float, subtype: str | None, full_torque: float, wanted: bool
     ) -> None:
         """Choose the files; InputError if one would be the sound file itself."""
+        super().__init__()
         self._full_torque = full_torque
         self._writers: list[SoundWriter] = []
-        self._stack = contextlib.ExitStack()
         if wanted:
             *single, trace = stem_paths(path)
             if path in (*single, trace):
@@ -57,7 +56,7 @@ class StemWriter:
         with contextlib.ExitStack() as stack:
             for writer in self._writers:
                 stack.enter_context(writer)
-            self._stack = stack.pop_all()
+            self.push(stack.pop_all())
         return self
 
     def write(self, samples: NDArray[np.float32], trace: NDArray[np.float64] | None) -> None:
@@ -74,14 +73,6 @@ class StemWriter:
         """Write what still waits in buffers."""
         for writer in self._writers:
             writer.finish()
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._stack.__exit__(kind, error, traceback)
 
 
 CEILING_DBFS = -1.0

@@ -1,13 +1,19 @@
-"""What the disk did, column by column."""
+"""What the disk did, column by column, in memory and in files (.npz, .csv)."""
 
 from __future__ import annotations
 
+import contextlib
+import tempfile
+import zipfile
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import output_error, whole_file
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.public import dataframe
 
@@ -125,3 +131,85 @@ if TYPE_CHECKING:
 else:
     Traced = TypeVar("Traced")
 """What a render keeps of its trace: `Trace`, or `None` without one."""
+
+FILE_SUFFIXES = (".npz", ".csv")
+
+
+class TraceWriter(contextlib.ExitStack):
+    """Writes a trace file block by block in constant memory, whole or absent.
+
+    With no path it does nothing. A .npz needs each column in one piece, so columns wait in
+    temporary files beside the target.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        """InputError if the suffix is neither .npz nor .csv."""
+        super().__init__()
+        if path is not None and path.suffix.lower() not in FILE_SUFFIXES:
+            raise InputError(f"{path}: a trace is written as {' or '.join(FILE_SUFFIXES)}")
+        self._path = path
+        self._as_text = path is not None and path.suffix.lower() == ".csv"
+        self._columns: list[IO[bytes]] = []
+        self._frames = 0
+        self._finished = path is None
+
+    def __enter__(self) -> TraceWriter:
+        if self._path is None:
+            return self
+        # an error on the way leaves by the inner stack, which takes the temporary files with it
+        with contextlib.ExitStack() as stack:
+            self._target = stack.enter_context(whole_file(self._path))
+            with self._disk_errors():
+                if self._as_text:
+                    self._columns = [stack.enter_context(open(self._target, "wb"))]
+                    self._columns[0].write((",".join(TRACE_COLUMNS) + "\n").encode())
+                else:
+                    self._columns = [
+                        stack.enter_context(tempfile.TemporaryFile(dir=self._path.parent))
+                        for _ in TRACE_COLUMNS
+                    ]
+            stack.push(lambda kind, *_: self.finish() if kind is None else None)
+            self.push(stack.pop_all())
+        return self
+
+    def write(self, table: NDArray[np.float64]) -> None:
+        """Append float64 (frames, columns)."""
+        if self._path is None or not len(table):
+            return
+        self._frames += len(table)
+        with self._disk_errors():
+            if self._as_text:
+                lines = (",".join(map(repr, row)) for row in table.tolist())
+                self._columns[0].write(("\n".join(lines) + "\n").encode())
+            else:
+                for column, file in enumerate(self._columns):
+                    file.write(np.ascontiguousarray(table[:, column]).tobytes())
+
+    def finish(self) -> None:
+        """Write what still waits: after this, the disk had space for all of it."""
+        if self._finished:
+            return
+        self._finished = True
+        with self._disk_errors():
+            if self._as_text:
+                self._columns[0].flush()
+            else:
+                self._pack()
+
+    def _pack(self) -> None:
+        header = {"descr": "<f8", "fortran_order": False, "shape": (self._frames,)}
+        with zipfile.ZipFile(self._target, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
+            for name, file in zip(TRACE_COLUMNS, self._columns, strict=True):
+                file.seek(0)
+                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array_header_1_0(member, header)
+                    while piece := file.read(1 << 20):
+                        member.write(piece)
+
+    @contextlib.contextmanager
+    def _disk_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            assert self._path is not None
+            raise output_error(self._path, error) from None

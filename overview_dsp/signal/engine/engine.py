@@ -33,11 +33,9 @@ from overview_dsp.signal.engine.coefficients import (
     check_carrier,
     write_parameters,
 )
-from overview_dsp.signal.engine.meters import EngineParameter, Meters, Strikes
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
-from overview_dsp.signal.engine.reports import tail_seconds
-from overview_dsp.signal.engine.struck import StruckSurfaces
-from overview_dsp.signal.engine.surface_slots import write_surface
+from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes, tail_seconds
+from overview_dsp.signal.engine.surface_slots import StruckSurfaces, write_surface
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
@@ -805,15 +803,7 @@ class Engine:
         256
         """
         self._require_prepared()
-        if (
-            not isinstance(out, np.ndarray)
-            or out.dtype != np.float32
-            or out.ndim != 2
-            or not out.flags.c_contiguous
-            or not out.flags.writeable
-        ):
-            raise InputError("out must be a writable, C-ordered float32 array (frames, channels)")
-        frames, channels = out.shape
+        frames, channels = validation.block(out, "out")
         if frames > self._max_block_size:
             raise NotPreparedError(
                 f"a block of {frames} frames; the engine is prepared for up to "

@@ -1,8 +1,7 @@
-"""What a prepared engine's memory block says: meters, logs and levels, read by the control thread.
+"""What the engine reports: parameters with their values, meters, strikes, levels and its tail.
 
-Each function takes the block of `kernels.layout`, float64; the audio thread may be writing it.
-
-How long the sound goes on after the last hand has let go.
+Functions that take the memory block of `kernels.layout`, float64, are called by the control thread;
+the audio thread may be writing it.
 """
 
 from __future__ import annotations
@@ -10,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.decibels import gain_of_db
@@ -26,11 +27,13 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.ordering import acquired
 from overview_dsp.kernels.output_gain import LEAST_CURSOR, SLOWEST_PACE, USUAL_PACE
 from overview_dsp.kernels.texture import QUIET
-from overview_dsp.signal.engine.meters import Meters, Strikes
-from overview_dsp.signal.engine.struck import StruckSurfaces
+from overview_dsp.public import counted, dataframe
+from overview_dsp.signal.engine.surface_slots import StruckSurfaces
 from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
+
     from overview_dsp.data.timeline import Timeline
 
 
@@ -40,6 +43,171 @@ APPLIED_EVENT = np.dtype(
 
 LOG_FIRST_S = 2e-4
 """An event is in the log a little before the hand's state shows it."""
+
+
+@dataclass(frozen=True)
+class EngineParameter(Parameter):
+    """A parameter with the value it has now.
+
+    Parameters
+    ----------
+    id, default, low, high, unit, doc, choices, scale, surface : see `Parameter`
+        What the parameter is.
+    value : float, bool or str
+        The present value, in the parameter's unit.
+
+    Examples
+    --------
+    >>> ov.Engine(football, match).parameters["tactor.frequency_hz"].value
+    250.0
+    """
+
+    value: Value = 0.0
+
+    def __repr__(self) -> str:
+        return super().__repr__().removesuffix(">") + f", now {self.value}>"
+
+
+@dataclass(frozen=True)
+class Meters:
+    """What the audio side reports, as of the last block.
+
+    Attributes
+    ----------
+    blocks : int
+        Processed since `reset`, as all counters here.
+    late_events, rejected_events, clamped_events, dropped_events : int
+        Control events that came after their sample; whose theta2 was not finite (the hand stays
+        where it was); whose theta2 was outside [0, pi]; that found the queue full.
+    resets : int
+        Blocks silenced because the state was not finite.
+    limited_samples, strikes : int
+        Samples held at the ceiling; events passed.
+    peak_click, peak_tactor : float
+        Highest sample of the last block, linear.
+    torque, friction : float
+        At the block's end, N m and N m s/rad.
+    envelope, cursor : float
+        Amplitude of the carrier, linear; where the disk is, 0 to 1.
+    touching : bool
+        Whether a hand holds on.
+    engaged : bool
+        Whether shaft 2 is engaged: after a release until the disk has arrived.
+    silent_samples : int
+        Since the last sample that was not zero.
+    still_samples : int
+        Since the disk was last more than a thousandth of the timeline from where its springs rest;
+        0 from a release until the disk has arrived.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> meters = result.engine.meters
+    >>> meters.dropped_events, meters.touching
+    (0, False)
+    """
+
+    blocks: int
+    late_events: int
+    rejected_events: int
+    clamped_events: int
+    dropped_events: int
+    resets: int
+    limited_samples: int
+    strikes: int
+    peak_click: float
+    peak_tactor: float
+    torque: float
+    friction: float
+    envelope: float
+    cursor: float
+    touching: bool
+    engaged: bool
+    silent_samples: int
+    still_samples: int
+
+    def __repr__(self) -> str:
+        lost = self.late_events + self.rejected_events + self.clamped_events + self.dropped_events
+        return (
+            f"<Meters: {counted(self.blocks, 'block')}, {counted(self.strikes, 'strike')}, "
+            f"peaks {self.peak_click:.3g} and {self.peak_tactor:.3g}, cursor {self.cursor:.3g}, "
+            f"{counted(lost, 'event')} late, clamped or lost>"
+        )
+
+
+@dataclass(frozen=True)
+class Strikes:
+    """Events passed by the disk, and slips where bristles held it, in order.
+
+    Arrays of equal length.
+
+    Attributes
+    ----------
+    time_s : float64 (strikes,)
+        When, s since reset, with its fraction of a sample.
+    event : int64 (strikes,)
+        Index into the events of the timeline under the disk then; -1 is the bare surface.
+    torque : float64 (strikes,)
+        Let go there, N m.
+    level : float64 (strikes,)
+        Amplitude of the click after compression, linear.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> match.events[result.strikes.event[0]].kind
+    'period'
+    """
+
+    time_s: NDArray[np.float64]
+    event: NDArray[np.int64]
+    torque: NDArray[np.float64]
+    level: NDArray[np.float64]
+
+    def to_dataframe(self) -> DataFrame:
+        """Give them as a pandas DataFrame, a row a strike.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The columns above.
+
+        Raises
+        ------
+        InputError
+            pandas isn't installed.
+
+        Examples
+        --------
+        >>> result = ov.render("world-cup-final-2018", "football", "sweep:0.5", sample_rate=8000)
+        >>> list(result.strikes.to_dataframe())
+        ['time_s', 'event', 'torque', 'level']
+        """
+        return dataframe(vars(self))
+
+    def of_events(self) -> Strikes:
+        """Leave out those of the bare surface.
+
+        Returns
+        -------
+        Strikes
+            The others, in order.
+
+        Examples
+        --------
+        >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+        >>> len(result.strikes.of_events()) <= len(result.strikes)
+        True
+        """
+        kept = self.event >= 0
+        return Strikes(self.time_s[kept], self.event[kept], self.torque[kept], self.level[kept])
+
+    def __len__(self) -> int:
+        return len(self.time_s)
+
+    def __repr__(self) -> str:
+        span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self) else ""
+        return f"<Strikes: {len(self)}{span}>"
 
 
 def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:

@@ -1,15 +1,30 @@
-"""A surface into its slot of the memory block: where the kernel reads it."""
+"""Surfaces in the slots of the memory block, where the kernel reads them.
+
+The kernel's log has the number of an event in the surface that it fell on: which one that was is
+looked up here.
+"""
 
 from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import astuple, dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import derive_clicks
-from overview_dsp.signal.surface.bristles import BARE, BristleField
-from overview_dsp.signal.surface.detents import DetentField
+from overview_dsp.signal.surface.fields import BARE, BristleField, DetentField
 from overview_dsp.signal.surface.model import Surface
+
+if TYPE_CHECKING:
+    from overview_dsp.data.timeline import Timeline
+
+MOST = 256
+"""Surfaces that are remembered; strikes that nobody took for so many changes are the bare one's."""
 
 STEEP = 0.2
 """From one cell to the next friction changes by more than this part of the bare surface's."""
@@ -65,11 +80,13 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
     derive_clicks(m, w, base)
 
 
-def struck_event(surface: Surface, number: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The timeline's events by the kernel's numbers for them; -1 = the bare surface (as BARE)."""
+def struck_events(surface: Surface) -> NDArray[np.int64]:
+    """Return the timeline's events by the kernel's numbers for them; `BARE` is the bare surface.
+
+    The last one is the bare surface's as well.
+    """
     own = np.full(len(surface.texture_strikes.position), BARE)
-    events = np.concatenate([surface.event, own])[_strike_order(surface)]
-    return np.append(events, BARE)[number]
+    return np.append(np.concatenate([surface.event, own])[_strike_order(surface)], BARE)
 
 
 def _strike_order(surface: Surface) -> NDArray[np.int64]:
@@ -120,14 +137,10 @@ def _write_bristles(
     w[base + layout.SLOT_OWNER :][: layout.CELLS + 1] = rank[field.owner]
     stuck = max(kind.static_ratio for kind in (*field.of_kind, field.bare))
     m[base + layout.SLOT_HOLD] += float(field.grip.max()) * stuck
-    of_bank = [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]
-    for bank, bristles in of_bank:
+    for bank, bristles in [*enumerate(field.of_kind), (layout.MAX_KINDS, field.bare)]:
         row = base + layout.BRISTLES + bank * layout.BRISTLE_PARAMETERS
-        m[row + layout.P_STIFFNESS] = bristles.stiffness
-        m[row + layout.P_DAMPING] = bristles.damping
-        m[row + layout.P_STATIC] = bristles.static_ratio
-        m[row + layout.P_STRIBECK] = bristles.stribeck_speed
-        m[row + layout.P_BREAK_AWAY] = bristles.break_away
+        # the columns are in the order of the fields
+        m[row + layout.P_STIFFNESS : row + layout.P_BREAK_AWAY + 1] = astuple(bristles)
 
 
 def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> None:
@@ -137,3 +150,76 @@ def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> Non
     m[base + layout.SLOT_END_STIFFNESS] = field.end_stiffness
     m[base + layout.SLOT_END_DAMPING] = field.end_damping
     m[base + layout.SLOT_HOLD] += float(np.abs(field.pull).max())
+
+
+@dataclass
+class _Under:
+    change: int  # the number of the change that brings it, for `ControlQueues.applied_at`
+    sample: int | None  # from which it is under the disk; None while it waits
+    events: NDArray[np.int64]  # the timeline's, by the kernel's numbers; the last: the bare surface
+    timeline: Timeline
+
+
+class StruckSurfaces:
+    """The surfaces that were under the disk since its strikes were taken last.
+
+    Thread: one that changes surfaces, one that takes strikes.
+    """
+
+    def __init__(self) -> None:
+        self._under: deque[_Under] = deque(maxlen=MOST)
+        self._lock = threading.Lock()  # the audio thread takes it never
+
+    def reset(self, surface: Surface, timeline: Timeline) -> None:
+        """Begin anew with a surface."""
+        with self._lock:
+            self._under.clear()
+            self._under.append(_Under(-1, 0, struck_events(surface), timeline))
+
+    def add(
+        self,
+        change: int,
+        surface: Surface,
+        timeline: Timeline,
+        applied_at: Callable[[int], int | None],
+    ) -> None:
+        """A change that was pushed brings a surface."""
+        with self._lock:
+            self._find(applied_at)  # while the queue still knows
+            self._under.append(_Under(change, None, struck_events(surface), timeline))
+
+    def _find(self, applied_at: Callable[[int], int | None]) -> None:
+        for one in self._under:
+            if one.sample is None:
+                one.sample = applied_at(one.change)
+
+    def find(
+        self,
+        numbers: NDArray[np.int64],
+        times: NDArray[np.float64],
+        now: int,
+        applied_at: Callable[[int], int | None],
+    ) -> tuple[NDArray[np.int64], list[Timeline | None]]:
+        """The timelines' events of strikes by their numbers and times (samples), and the timelines.
+
+        -1 is the bare surface. Later strikes are of sample `now` on.
+        """
+        with self._lock:
+            self._find(applied_at)
+            under = [one for one in self._under if one.sample is not None]
+            starts = np.array([one.sample for one in under])
+            which = np.searchsorted(starts, times, side="right") - 1
+            events = np.full(len(numbers), -1, dtype=np.int64)
+            timelines: list[Timeline | None] = [None] * len(numbers)
+            for index in np.unique(which[which >= 0]):
+                mine = np.flatnonzero(which == index)
+                known = under[index].events
+                events[mine] = known[np.minimum(numbers[mine], len(known) - 1)]
+                for i in mine:
+                    timelines[i] = under[index].timeline
+            while len(self._under) > 1:
+                following = self._under[1].sample
+                if following is None or following > now:
+                    break
+                self._under.popleft()
+        return events, timelines

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.signal.surface.model import Surface
-from overview_dsp.signal.surface.texture_strikes import TextureStrikes
+from overview_dsp.signal.surface.model import Surface, TextureStrikes
 
 BLEND = 0.01
 """Part of the surface over which the old friction becomes the new."""

@@ -2,38 +2,55 @@
 
     B = friction * ((1 + ambience)**intensity + pattern_height * pattern)
 
-The intensity is the timeline's curve scaled to 0..1, mixed with its rank (`surface.rank`), through
-the preset's map (`points`) where it has one. Equal steps of it are equal ratios of friction, which
-a finger takes for equal steps (Weber's law). Where data is missing there are ribs instead
-(`gaps.ribs`), and what hasn't happened yet is smooth and heavy (`future`). With the model `detent`
-the pattern is detents in place of friction, deeper where there is more of it (a period's mean); in
-a gap and in the future there are none.
+The intensity is the timeline's curve scaled to 0..1, mixed with its rank, so that a curve that is
+mostly low is felt to move,
+
+    value' = (1 - share) * value + share * rank(value)
+
+through the preset's map (`points`) where it has one. The rank of a value is the share of time with
+lower values; of equal values, the middle of their ranks. Only times with data count: neither gaps
+nor what hasn't happened yet. Equal steps of intensity are equal ratios of friction, which a finger
+takes for equal steps (Weber's law).
+
+Where data is missing there are ribs instead (`gaps.ribs`). The future is smooth and heavy, behind a
+soft end where now is: nothing in it strikes, and it has neither pattern nor ribs. Friction rises
+from what is there at the last moment that has happened to more than a curve can reach, within a few
+hundredths of the surface: the disk sinks into it instead of hitting a stop, and it is no event.
+
+With the model `detent` the pattern is detents in place of friction, deeper where there is more of
+it (a period's mean); in a gap and in the future there are none.
+
+The disk strikes the bare surface at the crests of its pattern: a crest takes torque from the
+arriving disk and lets it go, as an event does; its release is the friction, or the grip, that the
+pattern adds at its top. Where the pattern is detents, the disk falls into their troughs. A surface
+without material has none.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.design.presets.model import ClickMode, Preset
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.detents import impedance
-from overview_dsp.signal.surface.future import heaviness, rise
+from overview_dsp.signal.surface.fields import impedance, warn_of_lockup
 from overview_dsp.signal.surface.gaps import pattern, ribs
-from overview_dsp.signal.surface.lockup import warn_of_lockup
 from overview_dsp.signal.surface.materials import louder, modes_of
-from overview_dsp.signal.surface.rank import known_levels, mixed_with_rank
-from overview_dsp.signal.surface.texture_strikes import NONE, TextureStrikes, crests_of, troughs_of
-
-if TYPE_CHECKING:
-    from overview_dsp.data.timeline import Timeline
-
+from overview_dsp.signal.surface.model import NO_TEXTURE_STRIKES, TextureStrikes
 
 Array = NDArray[np.float64]
+
+SOFT_END = 0.03
+"""Part of the surface in which friction rises: wider than any event of the bundled presets."""
+
+OVER_THE_CURVE = 2.0
+"""How much heavier it is than the bare surface at the top of the curve: of 1.2, Weber's fraction of
+damping, a finger may doubt; of 2 it doesn't."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +120,7 @@ def bare_surface(
     free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
     modes = louder(free, number("surface.gain_db"))
     energy = np.zeros(cells + 1)
-    strikes = NONE
+    strikes = NO_TEXTURE_STRIKES
     if model == "detent":
         pull = number("surface.grip") * bare
         warn_of_lockup(preset, "surface.grip", pull * loud.max(), "it")
@@ -124,8 +141,12 @@ def _intensity(
     even = timeline.normalised_levels(cells)
     plain = felt = angle_map.at_even_positions(even)
     share = preset.number("surface.rank_share")
-    if share > 0.0:
-        felt = mixed_with_rank(plain, known_levels(timeline, even), share)
+    curve = timeline.intensity
+    if share > 0.0 and curve is not None and not curve.is_constant:
+        last = curve.last_s if timeline.until_s is None else min(curve.last_s, timeline.until_s)
+        times = np.linspace(0.0, timeline.duration_s, len(even))
+        known = (times >= curve.first_s) & (times <= last) & ~in_gap(timeline.gaps, times)
+        felt = mixed_with_rank(plain, even[known], share)
     if preset.points:
         steps = np.linspace(0.0, 1.0, len(preset.points))
         plain, felt = (np.interp(levels, steps, preset.points) for levels in (plain, felt))
@@ -143,3 +164,53 @@ def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
     means = np.bincount(number, loud) / np.bincount(number)
     centres = (np.arange(len(means)) + 0.5) * period
     return pull / steepest * course * np.interp(positions, centres, means)
+
+
+def heaviness(ambience: float) -> float:
+    """Friction of the future, in bare surfaces, above a curve of this ambience."""
+    return OVER_THE_CURVE * (1.0 + ambience)
+
+
+def rise(now: float, cells: int) -> NDArray[np.float64]:
+    """How far each point of a table of cells + 1 is in the future: 0, then a smooth rise to 1.
+
+    Parameters
+    ----------
+    now
+        Up to where it has happened, 0 to 1 of the surface.
+    cells
+        Of the table.
+    """
+    part = np.clip((np.arange(cells + 1) / cells - now) / SOFT_END, 0.0, 1.0)
+    return part * part * (3.0 - 2.0 * part)
+
+
+def mixed_with_rank(levels: Array, known: Array, share: float) -> Array:
+    """Return levels (0 to 1) mixed with their rank among the known ones.
+
+    Levels without a curve, and those of a constant one, stay as they are.
+    """
+    ordered = np.sort(known)
+    if not len(ordered) or ordered[0] == ordered[-1]:
+        return levels
+    lower, upper = (np.searchsorted(ordered, levels, side=side) for side in ("left", "right"))
+    rank = (lower + upper) / (2.0 * len(ordered))
+    return np.asarray((1.0 - share) * levels + share * rank)
+
+
+def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The points of a table that are higher than the one before and not lower than the next."""
+    inner = course[1:-1]
+    return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
+
+
+def crests_of(course: NDArray[np.float64], top: float) -> TextureStrikes:
+    """The crests of a pattern (0 to 1 at the table's points), whose 1 is `top` N m s/rad."""
+    at = crests(course)
+    return TextureStrikes(at / (len(course) - 1), top * course[at])
+
+
+def troughs_of(course: NDArray[np.float64], impedance: float) -> TextureStrikes:
+    """The troughs of a pattern of detents, which take `impedance` N m s/rad from the disk."""
+    at = crests(-course)
+    return TextureStrikes(at / (len(course) - 1), np.full(len(at), impedance))

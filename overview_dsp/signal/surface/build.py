@@ -3,7 +3,7 @@
     B = bare surface + max over events of height * weight * profile
 
 The bare surface is `surface.bare`'s; bristles and detents, where the preset has them, lie beside it
-(`surface.bristles`, `surface.detents`). Overlapping profiles combine by their maximum, so that none
+(`surface.fields`). Overlapping profiles combine by their maximum, so that none
 is drowned in a sum and each stays findable; every event keeps a strike of its own.
 
 A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,11 +36,12 @@ from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.bare import BareSurface, bare_surface
-from overview_dsp.signal.surface.bristles import BristleLayer, has_bristles
-from overview_dsp.signal.surface.detents import (
+from overview_dsp.signal.surface.fields import (
     DETENT_MODELS,
+    BristleLayer,
     DetentLayer,
     energy_of,
+    has_bristles,
     has_detents,
     impedance,
     shape_of,
@@ -226,7 +227,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
             f"{crests} crests of the bare surface; with events it holds up to {MAX_EVENTS}: "
             "make surface.pattern_period_percent longer"
         )
-    _warn_of_unknown(timeline, preset)
+    _warn_of_unknown(timeline.kinds(), preset)
     placed = _Placed.of(felt, angle_map)
     layers = _Layers(preset, under)
     for name, indices in by_kind.items():
@@ -287,10 +288,9 @@ def _felt(
     return by_kind, left_out
 
 
-def _warn_of_unknown(timeline: Timeline, preset: Preset) -> None:
+def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
     # a tick is a tick under any preset
-    kinds = set(timeline.kinds()) - set(TICKS)
-    unknown = sorted(kind for kind in kinds if preset.kind_for(kind) is None)
+    unknown = sorted(kind for kind in set(kinds) - set(TICKS) if preset.kind_for(kind) is None)
     if unknown:
         warnings.warn(
             f"preset {preset.name!r} has no {', '.join(unknown)}: felt as its "

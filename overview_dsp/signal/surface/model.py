@@ -13,10 +13,21 @@ from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.public import counted
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.bristles import BristleField
-from overview_dsp.signal.surface.detents import DetentField
-from overview_dsp.signal.surface.texture_strikes import NONE as NO_TEXTURE_STRIKES
-from overview_dsp.signal.surface.texture_strikes import TextureStrikes
+from overview_dsp.signal.surface.fields import BristleField, DetentField
+
+
+@dataclass(frozen=True, eq=False)
+class TextureStrikes:
+    """Where the disk strikes the bare surface itself, whose material is heard there.
+
+    Crests or troughs: `position` (cursor, ascending), `release` (N m s/rad); float64 (n,).
+    """
+
+    position: NDArray[np.float64]
+    release: NDArray[np.float64]
+
+
+NO_TEXTURE_STRIKES = TextureStrikes(np.zeros(0), np.zeros(0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -302,7 +302,7 @@ def test_what_can_not_be_is_refused_and_changes_nothing(folders, library):
 
 
 def test_source_of_other_kernels_is_refused(monkeypatch, match, football, tmp_path):
-    monkeypatch.setattr("overview_dsp.offline.export.c_folder.sources_digest", lambda: "0" * 16)
+    monkeypatch.setattr("overview_dsp.offline.export.c_code.sources_digest", lambda: "0" * 16)
     with pytest.raises(OverviewError, match=r"run python tools/build_c\.py"):
         ov.export.export_c(match, football, tmp_path)
 

@@ -13,7 +13,8 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.offline.export.writing import FORMATS, clip_of, export
+from overview_dsp.offline.export.clip import clip_of
+from overview_dsp.offline.export.writing import export
 from tests.offline.export import schemas
 
 SCHEMAS = {
@@ -40,9 +41,9 @@ def goal_times(result):
     return result.strikes.time_s[np.isin(kinds, ("goal", "own_goal"))]
 
 
-@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("to", [to for to in ov.export.formats() if to != "wav4"])
 def test_every_document_is_valid_and_near_to_what_was_felt(result, tmp_path, to):
-    done = export(result, to, tmp_path / f"clip{FORMATS[to].suffix}")
+    done = export(result, to, tmp_path / f"clip.{'json' if to == 'android' else to}")
     for path in done.files:
         if path.suffix in SCHEMAS:
             jsonschema.validate(json.loads(path.read_text()), SCHEMAS[path.suffix])

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import overview_dsp as ov
 from overview_dsp.offline.export import ahap, android
 from overview_dsp.offline.export import haptic as meta
 from overview_dsp.offline.export import hjif as mpeg
+from overview_dsp.offline.export.document import read
 
 
 def haptic(*points):
@@ -16,17 +18,19 @@ def haptic(*points):
         | ({"emphasis": {"amplitude": strike[0], "frequency": strike[1]}} if strike else {})
         for time, level, strike in points
     ]
-    return {"signals": {"continuous": {"envelopes": {"amplitude": amplitude, "frequency": []}}}}
+    signals = {"continuous": {"envelopes": {"amplitude": amplitude, "frequency": []}}}
+    document = read(meta.Haptic, {"signals": signals})
+    return meta.with_emphasis(*meta.decoded(document))
 
 
 def test_meta_ramps_between_points():
-    level = meta.played(haptic((0.0, 0.0, None), (1.0, 1.0, None)))
+    level = haptic((0.0, 0.0, None), (1.0, 1.0, None))
     np.testing.assert_allclose(level, np.linspace(0.0, 1.0, 1001))
 
 
 @pytest.mark.parametrize(("frequency", "length_ms"), [(0.0, 36.4), (0.5, 24.25), (1.0, 12.1)])
 def test_meta_ducks_to_a_half_for_as_long_as_an_emphasis_lasts(frequency, length_ms):
-    level = meta.played(haptic((0.0, 0.4, None), (0.5, 0.4, (0.6, frequency)), (1.0, 0.4, None)))
+    level = haptic((0.0, 0.4, None), (0.5, 0.4, (0.6, frequency)), (1.0, 0.4, None))
     struck = np.flatnonzero(np.abs(level - 0.4) > 1e-9)
     assert struck[0] == 500
     assert len(struck) == pytest.approx(length_ms, abs=1.0)
@@ -34,30 +38,54 @@ def test_meta_ducks_to_a_half_for_as_long_as_an_emphasis_lasts(frequency, length
 
 
 def test_metas_next_emphasis_takes_the_place_of_one_that_lasts():
-    level = meta.played(haptic((0.0, 0.0, (0.9, 0.0)), (0.01, 0.0, (0.3, 0.0)), (0.2, 0.0, None)))
+    level = haptic((0.0, 0.0, (0.9, 0.0)), (0.01, 0.0, (0.3, 0.0)), (0.2, 0.0, None))
     assert level[9] == pytest.approx(0.9)
     assert level[11] == pytest.approx(0.3)
     assert level[10 + 37] == 0.0
 
 
 def test_meta_never_passes_full_scale():
-    assert meta.played(haptic((0.0, 1.0, (1.0, 1.0)), (0.1, 1.0, None))).max() == 1.0
+    assert haptic((0.0, 1.0, (1.0, 1.0)), (0.1, 1.0, None)).max() == 1.0
 
 
 def hjif(*bands, gains=(1.0, 1.0)):
+    limits = {"lower_frequency_limit": 0, "upper_frequency_limit": 500}
+    channel = {"id": 0, "description": "", "mixing_coefficient": 1.0, "body_part_mask": 0}
     channels = [
-        {"gain": gain, "bands": [{"band_type": kind, "effects": effects}]}
+        mpeg.Channel(
+            **channel, gain=gain, bands=[mpeg.Band(band_type=kind, effects=effects, **limits)]
+        )
         for (kind, effects), gain in zip(bands, gains, strict=False)
     ]
-    return {"perceptions": [{"perception_modality": "Vibrotactile", "channels": channels}]}
+    perception = mpeg.Perception(
+        id=0,
+        avatar_id=0,
+        description="",
+        perception_modality="Vibrotactile",
+        channels=channels,
+        effect_library=[],
+    )
+    return mpeg.Hjif(
+        version="2023",
+        profile="Main",
+        level=1,
+        date="2026-07-01",
+        description="",
+        timescale=1000,
+        perceptions=[perception],
+        avatars=[],
+        syncs=[],
+    )
 
 
 def wave(position, *frames, hz=250, phase=0.0):
     keyframes = [
-        {"relative_position": at, "amplitude_modulation": level, "frequency_modulation": hz}
+        mpeg.Keyframe(relative_position=at, amplitude_modulation=level, frequency_modulation=hz)
         for at, level in frames
     ]
-    return {"position": position, "phase": phase, "keyframes": keyframes}
+    return mpeg.Effect(
+        effect_type="Basis", position=position, phase=phase, base_signal="Sine", keyframes=keyframes
+    )
 
 
 def test_the_mpeg_reference_plays_a_wave_as_its_keyframes_say():
@@ -103,20 +131,20 @@ def test_the_mpeg_reference_multiplies_by_a_channels_gain_and_adds_other_pitches
 
 @pytest.mark.parametrize("length", ahap.TRANSIENTS_MS)
 def test_a_core_haptics_transient_is_a_burst_that_adds_in_energy(length):
-    level = ahap.with_transients(np.full(100, 0.3), [(0.05, 0.4)], length)
+    level = ahap.with_transients(
+        np.full(100, 0.3), [ov.export.Transient(0.05, 0.4, 0.5, "")], length
+    )
     np.testing.assert_allclose(level[50 : 50 + length], 0.5)
     np.testing.assert_allclose(np.delete(level, np.arange(50, 50 + length)), 0.3)
 
 
 def test_an_envelope_effect_starts_from_nothing_and_ramps_to_each_point():
-    effect = {
-        "startMs": 100,
-        "controlPoints": [
-            {"amplitude": 0.5, "durationMs": 50},
-            {"amplitude": 0.0, "durationMs": 100},
-        ],
-    }
-    level = android.envelopes_played({"envelopeEffects": [effect]})
+    points = [
+        android.ControlPoint(amplitude=amplitude, frequencyHz=250.0, durationMs=length)
+        for amplitude, length in ((0.5, 50), (0.0, 100))
+    ]
+    effect = android.EnvelopeEffect(startMs=100, initialFrequencyHz=250.0, controlPoints=points)
+    level = android.envelopes_played([effect])
     assert level[100] == 0.0
     assert level[125] == pytest.approx(0.25)
     assert level[150] == pytest.approx(0.5)
@@ -125,5 +153,5 @@ def test_an_envelope_effect_starts_from_nothing_and_ramps_to_each_point():
 
 
 def test_a_waveform_holds_each_amplitude():
-    level = android.waveform_played({"waveform": {"amplitudes": [255, 51], "timings": [10, 25]}})
-    assert level.tolist() == [1.0] * 10 + [0.2] * 25 + [0.0]
+    wave = android.Waveform(amplitudes=[255, 51], timings=[10, 25], repeat=-1)
+    assert android.waveform_played(wave).tolist() == [1.0] * 10 + [0.2] * 25 + [0.0]

@@ -13,9 +13,9 @@ import overview_dsp as ov
 from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
-from overview_dsp.offline.export.felt_error import felt_error
+from overview_dsp.offline.export.clip import clip_of, felt_error
 from overview_dsp.offline.export.reading import course, modes, read_clip, with_layer
-from overview_dsp.offline.export.writing import clip_of, export
+from overview_dsp.offline.export.writing import export
 
 
 @pytest.fixture(scope="module")
@@ -135,16 +135,25 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
         ("[]", "neither AHAP"),
-        ({"Pattern": 3}, "Pattern isn't a list"),
-        ({"Pattern": [3]}, r"Pattern\[0\] isn't an object"),
+        ({"Pattern": 3}, "Pattern = 3 is no list"),
+        ({"Pattern": [3]}, r"Pattern\[0\] = 3 is no object"),
         ({"Pattern": []}, "vibrates at no time"),
-        (continuous((-1.0, 1.0, 1.0)), r"Pattern\[0\].Event.Time = -1 s"),
-        (continuous((0.0, 1e9, 1.0)), "EventDuration = 1e\\+09 s; it is 0 to 600"),
-        (continuous((0.0, 1.0, 7.0)), r"EventParameters\[0\].ParameterValue = 7; it is 0 to 1"),
-        ({"signals": {}}, "signals.continuous isn't an object"),
+        (
+            continuous((-1.0, 1.0, 1.0)),
+            r"Pattern\[0\].Event.Time = -1.0 is out of range",
+        ),
+        (
+            continuous((0.0, 1e9, 1.0)),
+            "EventDuration = 1000000000.0 .*; it is 0 to 600 s",
+        ),
+        (
+            continuous((0.0, 1.0, 7.0)),
+            r"Parameters\[0\].ParameterValue = 7.0 .*; it is 0 to 1",
+        ),
+        ({"signals": {}}, "signals.continuous is missing"),
         (
             {"signals": {"continuous": {"envelopes": {"amplitude": []}}}},
-            "0 points; an envelope has two or more",
+            "amplitude: List should have at least 2 items",
         ),
     ],
 )
@@ -152,6 +161,45 @@ def test_a_broken_clip_is_one_line(tmp_path, document, words):
     with pytest.raises(InputError, match=words) as caught:
         read_clip(write(tmp_path, document))
     assert "\n" not in str(caught.value)
+
+
+def test_a_reader_takes_what_a_player_does_without_and_a_check_names_it(tmp_path):
+    lenient = continuous((0.0, 1.0, 0.8))
+    event = lenient["Pattern"][0]["Event"]
+    event["EventParameters"].append({"ParameterID": "Warmth", "ParameterValue": 9.0})
+    event["Comment"] = "soft"
+    sound = {"EventType": "AudioCustom", "Time": 0.2, "EventWaveformPath": 3}
+    lenient["Pattern"] += [{"Event": sound}, {"Event": {"EventType": "Smell", "Time": 0.0}}]
+    lenient["Pattern"] += [{"Parameter": {"ParameterID": "x", "Time": 0.0, "ParameterValue": 7.0}}]
+    lenient["Pattern"] += [{"Comment": "nothing"}]
+    lenient |= {"Version": 7, "Metadata": 3}
+    path = write(tmp_path, lenient)
+    assert read_clip(path).level == pytest.approx(np.full(1001, 0.64))
+    faults = "\n".join(ov.export.check_clip(path))
+    for words in ("Warmth", "Comment", "Version", "Metadata", "Smell", "EventWaveformPath"):
+        assert words in faults
+    haptic = json.loads(json.dumps(HAPTIC))
+    del haptic["version"], haptic["signals"]["continuous"]["envelopes"]["frequency"]
+    haptic["signals"]["continuous"]["envelopes"]["amplitude"][1]["note"] = "strong"
+    path = write(tmp_path, haptic)
+    assert read_clip(path).transients[0].amplitude == 0.9
+    assert {"version is missing", "metadata is missing"} <= set(ov.export.check_clip(path))
+
+
+@pytest.mark.parametrize(
+    ("damage", "fault"),
+    [
+        ({"ParameterID": "Warmth"}, "EventParameters[0].ParameterID = 'Warmth' is not allowed"),
+        ({"ParameterValue": 1.5}, "EventParameters[0].ParameterValue = 1.5 is out of range"),
+        ({"ParameterValue": None}, "EventParameters[0]: ParameterValue is null"),
+        ({"Value": 1.0}, "unknown key Pattern[0].Event.EventParameters[0].Value"),
+    ],
+)
+def test_a_check_says_where_the_fault_is(tmp_path, damage, fault):
+    document = continuous((0.0, 1.0, 1.0))
+    document["Pattern"][0]["Event"]["EventParameters"][0] |= damage
+    (line,) = ov.export.check_clip(write(tmp_path, document))
+    assert fault in line
 
 
 def test_garbage_is_refused_in_one_line(tmp_path):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.offline.export.writing import clip_of, export
+from overview_dsp.offline.export.clip import clip_of
+from overview_dsp.offline.export.writing import export
 
 MATCHES = {
     "bundled": None,

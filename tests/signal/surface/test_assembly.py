@@ -13,7 +13,7 @@ import overview_dsp as ov
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.signal.surface import build
 from overview_dsp.signal.surface.build import MAX_FRICTION
-from overview_dsp.signal.surface.detents import impedance
+from overview_dsp.signal.surface.fields import impedance
 from overview_dsp.signal.surface.materials import louder, modes_of
 from overview_dsp.signal.surface.profiles import profile, span
 from tests.examples import plain_preset

@@ -11,7 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.signal.surface import bare as bare_module
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.detents import impedance
+from overview_dsp.signal.surface.fields import impedance
 from overview_dsp.signal.surface.gaps import pattern
 from overview_dsp.signal.surface.materials import modes_of
 from tests.examples import plain_preset, timeline_of

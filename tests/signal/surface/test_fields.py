@@ -11,15 +11,18 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import SHAPES
-from overview_dsp.signal.surface.bristles import BARE, BristleLayer, Bristles, has_bristles
-from overview_dsp.signal.surface.detents import (
+from overview_dsp.signal.surface.fields import (
+    BARE,
+    BristleLayer,
+    Bristles,
     DetentLayer,
     energy_of,
+    has_bristles,
     has_detents,
     impedance,
     shape_of,
+    warn_of_lockup,
 )
-from overview_dsp.signal.surface.lockup import warn_of_lockup
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.signal.surface.profiles import profile
 from tests.examples import K1, K2, plain_preset, preset_with, timeline_of

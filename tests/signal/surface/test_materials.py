@@ -15,9 +15,9 @@ import overview_dsp as ov
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MATERIALS
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import MAX_MODES
-from overview_dsp.signal.engine.surface_slots import struck_event
+from overview_dsp.signal.engine.surface_slots import struck_events
+from overview_dsp.signal.surface.bare import crests_of, troughs_of
 from overview_dsp.signal.surface.materials import louder, modes_of
-from overview_dsp.signal.surface.texture_strikes import crests_of, troughs_of
 from tests.examples import plain_preset, preset_with, timeline_of
 
 PITCH = KIND_PARAMETERS["pitch_hz"]
@@ -96,9 +96,9 @@ def test_events_among_crests_keep_their_numbers():
     preset = replace(rough(), kinds=preset_with(width=0.5).kinds)
     surface = ov.build_surface(timeline, preset)
     count = len(surface.position) + len(surface.texture_strikes.position)
-    events = struck_event(surface, np.arange(count))
+    events = struck_events(surface)[:count]
     assert events[events >= 0].tolist() == surface.event.tolist()
-    assert struck_event(surface, np.array([-1])).tolist() == [-1]
+    assert struck_events(surface)[-1] == -1
     result = ov.render(timeline, preset, ov.sweep(5.0), tail="none")
     out = result.strikes.time_s < 5.5
     assert result.strikes.event[out & (result.strikes.event >= 0)].tolist() == [
@@ -111,7 +111,7 @@ def test_events_among_crests_keep_their_numbers():
     base = layout.SURFACES + layout.SLOT_OWNER
     cells = (engine.surface.position * layout.CELLS).astype(int)
     owners = engine.memory.view(np.int64)[base + cells]
-    assert struck_event(engine.surface, owners).tolist() == engine.surface.event.tolist()
+    assert struck_events(engine.surface)[owners].tolist() == engine.surface.event.tolist()
 
 
 def test_gaps_have_no_crests():

@@ -149,13 +149,7 @@ def measure_latency(
             taps.append(tap_while_playing(engine, delay))
         output_s = stream.meters.latency_s
     waits = [tap.wait_s for tap in taps]
-    return LatencyResult(
-        block_size=block_size,
-        taps=len(taps),
-        median_ms=statistics.median(waits) * 1e3,
-        worst_ms=max(waits) * 1e3,
-        median_frames=statistics.median(waits) * RATE,
-        worst_frames=max(waits) * RATE,
-        beyond=sum(tap.applied > tap.after + block_size for tap in taps),
-        output_ms=output_s * 1e3,
-    )
+    median, worst = statistics.median(waits), max(waits)
+    beyond = sum(tap.applied > tap.after + block_size for tap in taps)
+    ms, frames = (1e3 * median, 1e3 * worst), (RATE * median, RATE * worst)
+    return LatencyResult(block_size, len(taps), *ms, *frames, beyond, 1e3 * output_s)

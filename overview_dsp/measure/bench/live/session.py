@@ -14,8 +14,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,7 +67,7 @@ def measure_session(
         arguments += ["--device", str(device)]
     if not screen:
         arguments += ["--screen", "json"]
-    with _session(arguments) as session:
+    with closing(_Session(arguments)) as session:
         session.wait_for(SCREEN_SAYS if screen else b"{")
         session.move(moving, SETTLE_S)
         began, used, shown = time.monotonic(), session.used_s, len(session.shown)
@@ -144,7 +143,7 @@ class _Session:
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Ask it to end, and see that it does."""
         if self._process.poll() is None:
             self._process.send_signal(signal.SIGTERM)
@@ -156,15 +155,6 @@ class _Session:
         self._over = True
         self._reader.join()
         os.close(self._ours)
-
-
-@contextmanager
-def _session(arguments: list[str]) -> Iterator[_Session]:
-    session = _Session(arguments)
-    try:
-        yield session
-    finally:
-        session.end()
 
 
 def session_table(rows: list[SessionRow]) -> list[str]:

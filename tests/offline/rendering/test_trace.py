@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 import overview_dsp as ov
 from overview_dsp.kernels.layout import TRACE_COLUMNS
-from overview_dsp.offline.rendering.trace_file import TraceWriter
+from overview_dsp.offline.rendering.trace import TraceWriter
 from tests.profiles import share
 
 TABLES = hnp.arrays(

@@ -1,0 +1,174 @@
+"""The voice as C, for programs without Python: a folder to compile as it is, and a compiler.
+
+`kernel.c` and `overview.h` are the Python kernels, translated by `tools/build_c.py`; beside them
+lie an image of the timeline and the preset, an example and two ways to build it. Plugins hold the
+same sources; they are compiled by the system's own compiler, or by PyPI's ziglang for other
+machines.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.errors import InputError, OverviewError, shown
+from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.kernels.compiling import sources_digest
+from overview_dsp.offline.export.browser_memory import encode_engine
+from overview_dsp.signal.engine.engine import Engine
+
+IMAGE = "timeline.image"
+_FILES = ("kernel.c", "operations.h", "overview.h", "example.c", "Makefile", "CMakeLists.txt")
+_IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
+
+_FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
+_ZIG = {
+    # an old glibc: what is linked against it runs on newer ones too
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-macos": "x86_64-macos",
+    "aarch64-macos": "aarch64-macos",
+}
+TARGETS = tuple(_ZIG)
+"""Machines that plugins are compiled for, as their names are written."""
+
+_SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+
+
+def export_c(
+    timeline: Timeline, preset: Preset, folder: str | os.PathLike[str], *, seed: int = 0
+) -> list[Path]:
+    """Write a timeline and a preset as C source, with the image that it plays.
+
+    Any C99 or C++ compiler makes the samples of `render` of it, bit for bit, at any sample rate.
+
+    Parameters
+    ----------
+    timeline : Timeline
+        The data under the hand.
+    preset : Preset
+        How it is felt and heard.
+    folder : str or path
+        Made, if need be; files of these names in it are overwritten.
+    seed : int
+        Of the surface's grain.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        A folder that can't be written to.
+    OverviewError
+        `kernel.c` is of other kernels than these: built before the last change.
+
+    Examples
+    --------
+    >>> [path.name for path in ov.export.export_c(match, football, "voice")]
+    ['kernel.c', 'operations.h', 'overview.h', 'example.c', 'Makefile', 'CMakeLists.txt', \
+'timeline.image']
+    """
+    contents = c_sources(*_FILES)
+    contents[IMAGE] = encode_engine(prepared_engine(timeline, preset, seed))
+    return write_files(folder, contents)
+
+
+def prepared_engine(timeline: Timeline, preset: Preset, seed: int) -> Engine:
+    """Return an engine whose memory is the image that a voice starts from."""
+    engine = Engine(preset, timeline, seed=seed)
+    engine.prepare(_IMAGE_RATE)
+    return engine
+
+
+def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -> list[Path]:
+    """Write files by their paths in a folder, each whole or absent; return where they are."""
+    written = [Path(folder, path) for path in contents]
+    for path, content in zip(written, contents.values(), strict=True):
+        make_folder(path.parent)
+        with whole_file(path) as file:
+            file.write_bytes(content)
+    return written
+
+
+def c_sources(*names: str) -> dict[str, bytes]:
+    """Files of the package's C folder, by name, kernel.c checked: OverviewError if it is old."""
+    source = resources.files("overview_dsp.offline.export") / "c"
+    contents = {name: (source / name).read_bytes() for name in names}
+    if f"kernels {sources_digest()}\n".encode() not in contents["kernel.c"][:1000]:
+        raise OverviewError("kernel.c is older than the kernels: run python tools/build_c.py")
+    return contents
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What a plugin runs on: `x86_64` or the like, and `linux`, `windows` or `macos`."""
+
+    processor: str
+    system: str
+
+
+def machine_of(target: str | None) -> Machine:
+    """The machine of a target, or this one; InputError if there is no such target."""
+    if target is None:
+        processor = platform.machine().lower()
+        system = _SYSTEMS.get(sys.platform, "linux")
+        return Machine(_MACHINES.get(processor, processor), system)
+    if target not in _ZIG:
+        raise InputError(f"no target {shown(target)}; it is {', '.join(TARGETS)}")
+    return Machine(*target.split("-"))
+
+
+def compiler_of(target: str | None) -> list[str]:
+    """The system's C compiler, or ziglang; for a target always that one."""
+    zig = [sys.executable, "-m", "ziglang", "cc"]
+    has_zig = importlib.util.find_spec("ziglang") is not None
+    if target is not None:
+        if not has_zig:
+            raise OverviewError(f"a plugin for {target} needs ziglang: pip install ziglang")
+        return [*zig, "-target", _ZIG[target], "-s"]
+    given = os.environ.get("CC", "").split()
+    if given:
+        if shutil.which(given[0]) is None:
+            raise OverviewError(f"there is no compiler {shown(given[0])}, which CC names")
+        return given
+    for command in ("cc", "gcc", "clang"):
+        if shutil.which(command):
+            return [command]
+    if has_zig:
+        return zig
+    raise OverviewError(
+        "a plugin needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc), or "
+        "pip install ziglang"
+    )
+
+
+def compile_library(
+    compiler: Sequence[str], machine: Machine, sources: Sequence[str], folder: Path, name: str
+) -> None:
+    """Compile a shared library into the folder; OverviewError with the compiler's first error."""
+    code = [] if machine.system == "windows" else ["-fPIC"]
+    command = [*compiler, *_FLAGS, *code, *sources, "-o", name, "-lm"]
+    try:
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, errors="replace", check=False
+        )
+    except OSError as error:
+        raise OverviewError(f"the C compiler {compiler[0]} doesn't start: {error}") from None
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or [done.stderr]
+        raise OverviewError(f"the C compiler {compiler[0]} failed: {lines[0].strip()}")
