@@ -42,7 +42,11 @@ HEARD = "heard"
 # of each: its arguments, the file that its first sound is in, whether it ends by itself
 COMMANDS: dict[str, tuple[list[str], str, bool]] = {
     "demo": (["demo"], "overview-demo/*.wav", True),
-    "play": (["play", MATCH, "--device", "none", "--replay", "sweep:1", "--json"], HEARD, False),
+    "play": (
+        ["play", MATCH, "--device", "none", "--replay", "sweep:1", "--screen", "json"],
+        HEARD,
+        False,
+    ),
     "batch": (["batch", "jobs.toml"], "study/sounds/**/*.wav", True),
     "serve": (["serve", MATCH, "--port", "0", "--json"], HEARD, False),
 }

@@ -65,7 +65,7 @@ async def measure(pages: int, updates: int, sound: bool, device: str) -> None:
     feed = folder / "match.feed"
     feed.write_text('{"overview_feed": 1, "title": "A - B", "expect_s": 5700}\n'
                     '{"event": {"time_s": 0, "kind": "period"}}\n')  # fmt: skip
-    plays = [] if sound else ["--audio", "host", "--device", device, "--tell", "none"]
+    plays = [] if sound else ["--audio", "host", "--device", device, "--announce", "none"]
     server = subprocess.Popen(
         [sys.executable, "-m", "overview_dsp", "serve", "--follow", str(feed), "--port", "0",
          "--json", *plays],

@@ -3,7 +3,7 @@
     python tools/simulated_knob.py imu
     python tools/simulated_knob.py imu recording.mat --format text --rate 200
     python tools/simulated_knob.py motor --hand jiggle --delay-ms 20
-    overview devices --port /tmp/simulated-knob
+    overview devices --serial /tmp/simulated-knob
     overview play world-cup-final-2018 --input serial:/tmp/simulated-knob
 
 `imu` is an inertial sensor in a hand. Without a recording it lies face up for two seconds, is
@@ -21,7 +21,7 @@ jiggles, holds or flicks it, on a wire with a delay each way. A line a second sa
 torque it gives and what work went which way. With `--board` the surface runs on its own board
 (`simulated_board.py`, which needs a C compiler), and the host only sends it.
 
-    overview play world-cup-final-2018 --input serial:/tmp/simulated-knob --sensor simplefoc --force
+    overview play world-cup-final-2018 --input serial:/tmp/simulated-knob,sensor=simplefoc,force
 
 Imports nothing of the package, so that the two understand each other by what is documented alone.
 Needs a pseudo-terminal: Linux or macOS.

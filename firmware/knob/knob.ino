@@ -8,7 +8,7 @@ Wiring   driver to pins 9, 5, 6 (phases) and 8 (enable); encoder to SDA and SCL;
 Set      the six numbers below: a wrong one is another torque
 Flash    Arduino IDE: open this folder's knob.ino, choose board and port, upload; on reset the knob
          turns a little by itself: hands off
-Play     overview play MATCH --input serial:PORT --sensor simplefoc --force --baud 1000000
+Play     overview play MATCH --input serial:PORT,sensor=simplefoc,force,baud=1000000
 Prints on reset
          # overview knob 1: frames, 500 a second, the surface 4000 times a second
 */

@@ -10,12 +10,13 @@ import os
 import sys
 import warnings
 from importlib import import_module
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from overview_dsp import __version__
-from overview_dsp.cli.stopping import stop_code, stopped_by_signals
+from overview_dsp.cli.signals import stop_code, stopped_by_signals
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, did_you_mean
 from overview_dsp.files.atomic import remove_temporaries
 
@@ -83,8 +84,10 @@ class Commands(click.Group):
             except (ImportError, AttributeError) as error:
                 raise InputError(f"{_added_by(point)} can't be loaded: {error}") from error
             if not isinstance(command, click.Command):
-                kind = type(command).__name__
-                raise InputError(f"{_added_by(point)} is a {kind}, not a click.Command")
+                raise InputError(
+                    f"{_added_by(point)} is a {type(command).__name__}, not a click.Command; "
+                    "report it to its authors"
+                )
         elif cmd_name in INSTALLED_APART:
             raise InputError(f"overview {cmd_name}: {INSTALLED_APART[cmd_name]}")
         else:
@@ -146,7 +149,8 @@ def _file_meant(error: click.UsageError) -> str:
 
 
 def _fail(message: str, code: int) -> NoReturn:
-    if "--json" in sys.argv[1:]:
+    words = sys.argv[1:]
+    if "--json" in words or "--screen=json" in words or ("--screen", "json") in pairwise(words):
         line = " ".join(message.split())
         said = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
     else:

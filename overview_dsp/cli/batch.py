@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.common import print_json, progress_bar, show
-from overview_dsp.cli.stopping import stop_code
+from overview_dsp.cli.common import progress_bar, show
+from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.signals import stop_code
+from overview_dsp.errors import OverviewError
 
 SHOWN_FAILURES = 10
 
 
-@click.command(name="batch", epilog="Example: overview batch jobs.toml --workers 2")
-@click.argument("jobs")
-@click.option("-o", "--out", help="A folder or an address (s3://...), in place of the file's.")
-@click.option(
-    "--workers",
-    type=click.IntRange(1, 1000),
-    help="Processes of this machine.  [default: one a core]",
-)
-@click.option("--scheduler", metavar="ADDRESS", help="Work on a Dask cluster: tcp://host:8786.")
-@click.option("--dry-run", is_flag=True, help="Only say how many renders there are.")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("batch jobs.toml --workers 2", name="batch")
 def command(
     jobs: str,
-    out: str | None,
-    workers: int | None,
-    scheduler: str | None,
-    dry_run: bool,
-    as_json: bool,
+    *,
+    output: str | None = option("Folder or address (s3://...), in place of the file's."),
+    workers: int | None = option(
+        "Processes of this machine.  [default: one per core]", type=click.IntRange(1, 1000)
+    ),
+    scheduler: str | None = option("Work on a Dask cluster: tcp://host:8786.", metavar="ADDRESS"),
+    dry_run: bool = option("Only report how many renders there are."),
+    as_json: bool = JSON,
 ) -> None:
     """Render the study of JOBS (a TOML file) to sounds and one manifest.parquet.
 
@@ -38,11 +33,10 @@ def command(
     listed, the others are made; then it ends with 1.
     """
     from overview_dsp.batch import load_study, run_study
-    from overview_dsp.errors import OverviewError
 
     if workers is not None and scheduler is not None:
         raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")
-    study = load_study(jobs, out)
+    study = load_study(jobs, output)
     if dry_run:
         report = {"out": study.out, "cases": len(study)}
         show(as_json, report, f"{study.out}: {len(study)} renders")
@@ -63,19 +57,15 @@ def command(
         )
         error.exit_code = stop_code()
         raise error from None
-    if as_json:
-        print_json(
-            {
-                "cases": outcome.cases,
-                "found": outcome.found,
-                "rendered": outcome.rendered,
-                "failed": [{"index": index, "error": why} for index, why in outcome.failed],
-                "manifest": outcome.manifest,
-            }
-        )
-    else:
-        before = f", {outcome.found} were there" if outcome.found else ""
-        click.echo(f"{outcome.manifest}: {outcome.rendered} rendered{before}")
+    report = {
+        "cases": outcome.cases,
+        "found": outcome.found,
+        "rendered": outcome.rendered,
+        "failed": [{"index": index, "error": why} for index, why in outcome.failed],
+        "manifest": outcome.manifest,
+    }
+    before = f", {outcome.found} were there" if outcome.found else ""
+    show(as_json, report, f"{outcome.manifest}: {outcome.rendered} rendered{before}")
     for index, why in outcome.failed[:SHOWN_FAILURES]:
         click.echo(f"failed: render {index}: {why}", err=True)
     if outcome.failed:

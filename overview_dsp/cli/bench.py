@@ -8,6 +8,8 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, progress_bar, show
+from overview_dsp.cli.options.groups import JSON, cli_command, option, refuse_options
+from overview_dsp.cli.options.output import DEVICE
 from overview_dsp.live.output.portaudio_library import device_named
 
 SPEED_ROUNDS = 7
@@ -15,22 +17,20 @@ LIVE_ROUNDS = 5
 LIVE_SECONDS = 60.0
 
 
-@click.command(name="bench", epilog="Example: overview bench --rounds 5")
-@click.option(
-    "--rounds",
-    type=click.IntRange(1, 1000),
-    help=f"Of each row.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
-)
-@click.option("--live", is_flag=True, help="Play: callback times, frames lost, control latency.")
-@click.option("--device", help="Output for --live, by name or number.  [default: the system's]")
-@click.option(
-    "--seconds",
-    type=click.FloatRange(1.0, 3600.0),
-    help=f"Duration of each run of --live.  [default: {LIVE_SECONDS:g}]",
-)
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("bench --rounds 5", name="bench")
 def command(
-    rounds: int | None, live: bool, device: str | None, seconds: float | None, as_json: bool
+    *,
+    rounds: int | None = option(
+        f"Rounds of each row.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
+        type=click.IntRange(1, 1000),
+    ),
+    live: bool = option("Play: callback times, frames lost, control latency."),
+    device: str | None = DEVICE,
+    seconds: float | None = option(
+        f"Duration of each run of --live.  [default: {LIVE_SECONDS:g}]",
+        type=click.FloatRange(1.0, 3600.0),
+    ),
+    as_json: bool = JSON,
 ) -> None:
     """Measure seconds of sound that the engine makes in one second, on one core.
 
@@ -52,9 +52,7 @@ def command(
             )
         show_report(played, live_lines(played), as_json)
         return
-    for option, value in (("--device", device), ("--seconds", seconds)):
-        if value is not None:
-            raise click.UsageError(f"{option} belongs to --live; add --live")
+    refuse_options("belongs to --live; add --live", "device", "seconds")
     from overview_dsp.measure.bench.speeds import lines, measure
 
     announce_compile("disk_alone")

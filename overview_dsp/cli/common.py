@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+import overview_dsp as ov
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import keep, release, whole_file
+
 if TYPE_CHECKING:
-    from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.gestures import Gesture
 
 BAR_AFTER_S = 1.0
@@ -68,22 +71,24 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
             bar.__exit__(None, None, None)
 
 
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a whole text file, or nothing; OutputError."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
 def keep_input(path: str) -> None:
     """Let no output of the command take the place of a file that it reads."""
-    from overview_dsp.files.atomic import keep, release
-
     keep(path)
     click.get_current_context().call_on_close(release)
 
 
 def read_gesture(text: str) -> Gesture:
     """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
-    from overview_dsp.design.gestures import parse_gesture
-
     for part in text.split("+"):
         keep_input(part)
         keep_input(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
-    return parse_gesture(text)
+    return ov.parse_gesture(text)
 
 
 def print_json(report: Any) -> None:
@@ -116,8 +121,6 @@ def list_profiles(
     remark : callable
         What the line ends with.
     """
-    from overview_dsp.errors import InputError
-
     found, faults = [], []
     for name in names:
         try:
@@ -133,42 +136,3 @@ def list_profiles(
     show(as_json, rows, *lines)
     for fault in faults:
         note(f"left out: {fault}")
-
-
-def window_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options --window and --zoom-to, for `part_of`."""
-    zoom_to = click.option(
-        "--zoom-to", metavar="KIND:NUMBER[:LENGTH]", help="About an event: goal:1, goal:1:90."
-    )
-    window = click.option(
-        "--window",
-        nargs=2,
-        metavar="START END",
-        help="Only that part: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
-    )
-    return window(zoom_to(function))
-
-
-def part_of(
-    timeline: Timeline, window: tuple[str, str] | None, zoom_to: str | None
-) -> tuple[float, float] | None:
-    """The part (start_s, end_s) that --window or --zoom-to names; None for the whole.
-
-    Raises
-    ------
-    InputError
-        Both are given, or one that names no part; the line begins with the option.
-    """
-    from overview_dsp.data.timeline.moments import window_of, zoom_window
-    from overview_dsp.errors import InputError
-    from overview_dsp.validation import located
-
-    if window and zoom_to is not None:
-        raise InputError("--window and --zoom-to both name a part; give one of them")
-    if window:
-        with located("--window: "):
-            return window_of(timeline, *window)
-    if zoom_to is not None:
-        with located("--zoom-to: "):
-            return zoom_window(timeline, zoom_to)
-    return None

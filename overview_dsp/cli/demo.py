@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.files.atomic import make_folder
 
 LISTEN = {
     "fast sweep": "the whole match in a second: each goal is a knock that stands out of a strong, "
@@ -16,22 +19,22 @@ LISTEN = {
 }
 
 
-@click.command(name="demo", epilog="Example: overview demo --out my-demo")
-@click.option("--out", default="overview-demo", show_default=True, help="Folder for the files.")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def command(out: str, as_json: bool) -> None:
+@cli_command("demo -o my-demo", name="demo")
+def command(
+    *,
+    output: str = option("Folder for the files.", default="overview-demo"),
+    as_json: bool = JSON,
+) -> None:
     """Play the bundled match (World Cup final 2018) three ways, and draw it.
 
     Writes a fast sweep, a slow sweep and a tap as WAV files (left = clicks for the ear, right =
     the vibration for a tactor; headphones held in the hand work too) and the paper's figures.
     """
     from overview_dsp.data.readers import bundled_timeline
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.files.atomic import make_folder
     from overview_dsp.offline.plots.paper import draw, renders
 
-    folder = make_folder(out)
-    timeline, preset = bundled_timeline(), load_preset("football")
+    folder = make_folder(output)
+    timeline, preset = bundled_timeline(), ov.load_preset("football")
     announce_compile()
     sounds = []
     for name, result in renders(timeline, preset).items():

@@ -1,4 +1,4 @@
-"""`overview devices`: what can play here and what can be turned, and what is missing."""
+"""`overview devices`: audio outputs and input devices of this machine, and what is missing."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from overview_dsp.cli.common import print_json
+from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.output import DEVICE, SET, output_changes
+from overview_dsp.errors import InputError, OverviewError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,27 +18,39 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
+BAUD = option("Speed of serial ports, bit/s.", type=click.IntRange(300, 4_000_000), default=115_200)
 
-@click.command(name="devices", epilog="Example: overview devices --json")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-@click.option("--listen", type=click.FloatRange(0.0, 60.0), default=2.0, show_default=True,
-              metavar="S", help="How long to listen to serial ports; 0 = not at all.")  # fmt: skip
-@click.option("--baud", type=click.IntRange(300, 4_000_000), default=115_200, show_default=True,
-              help="Speed to listen at.")  # fmt: skip
-@click.option("--port", "more", multiple=True, metavar="PORT", help="A port to list too.")
-def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> None:
+
+@cli_command("devices --json", name="devices")
+def command(
+    *,
+    as_json: bool = JSON,
+    listen: float = option(
+        "Listen to serial ports for S seconds; 0: not at all.",
+        type=click.FloatRange(0.0, 60.0),
+        default=2.0,
+        metavar="S",
+    ),
+    baud: int = BAUD,
+    serial: tuple[str, ...] = option(
+        "Another serial port to list. May be repeated.", metavar="PORT"
+    ),
+    device: str | None = DEVICE,
+    settings: tuple[str, ...] = SET,
+) -> None:
     """List audio outputs with their channels and latency, serial and MIDI ports, game pads.
 
-    Each serial port is listened to, to say what it seems to speak: many boards start anew when
-    theirs is opened.
+    Each serial port is listened to, to detect its format: many boards restart when theirs is
+    opened. With --set, the settings of --device (or the default output) are changed first.
     """
-    from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.devices import devices, no_output_hint
     from overview_dsp.live.ports.midi import midi_ports
     from overview_dsp.live.ports.pads import pads
     from overview_dsp.live.ports.serial import PortInfo, ports
     from overview_dsp.live.ports.serial import listen as hear
 
+    if settings or device is not None:
+        _remember(device, settings)
     missing: dict[str, str] = {}
 
     def listed(name: str, search: Callable[[], list[_T]]) -> list[_T]:
@@ -47,10 +62,10 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
             return []
 
     found = listed("outputs", devices)
-    serial = ports()
-    known = {port.device for port in serial}
-    serial += [PortInfo(device, "", "") for device in more if device not in known]
-    heard = hear([port.device for port in serial], listen, baud) if listen else {}
+    found_ports = ports()
+    known = {port.device for port in found_ports}
+    found_ports += [PortInfo(port, "", "") for port in serial if port not in known]
+    heard = hear([port.device for port in found_ports], listen, baud) if listen else {}
     midi = listed("midi_ports", midi_ports)
     there = listed("pads", pads)
     if as_json:
@@ -58,7 +73,7 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
             {
                 "outputs": [{**vars(output), "plays": _plays(output)} for output in found],
                 "serial_ports": [
-                    {**vars(port), "speaks": heard.get(port.device)} for port in serial
+                    {**vars(port), "speaks": heard.get(port.device)} for port in found_ports
                 ],
                 "midi_ports": midi,
                 "pads": [{"kind": pad.kind, "name": pad.name} for pad in there],
@@ -77,12 +92,12 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
         )
         if plays := _plays(output):
             click.echo(f"       {plays}")
-    for port in serial:
+    for port in found_ports:
         about = " ".join(word for word in (port.description, port.identity) if word)
         click.echo(f"  serial:{port.device} {about}".rstrip())
         if port.device in heard:
             click.echo(f"       {heard[port.device]}")
-    if not serial:
+    if not found_ports:
         click.echo("no serial port with a device (tools/simulated_knob.py makes one to try with)")
     for name in midi:
         click.echo(f"  midi:{name}")
@@ -94,9 +109,24 @@ def command(as_json: bool, listen: float, baud: int, more: tuple[str, ...]) -> N
         click.echo(f"no game pad: {missing.get('pads', 'none is plugged in or paired')}")
 
 
+def _remember(device: str | None, texts: tuple[str, ...]) -> None:
+    """Change what is remembered for a device, but its actuator; InputError."""
+    from overview_dsp.live.output.devices import find_device
+    from overview_dsp.live.output.portaudio_library import SILENT, device_named
+    from overview_dsp.live.output.saved_settings import resolve_output, save_settings
+
+    if not texts:
+        raise InputError("--device is for --set KEY=VALUE; give that too")
+    if device == SILENT:
+        raise InputError(f"--device {device} has no settings; name an output")
+    found = find_device(device_named(device))
+    changes = output_changes(texts)
+    resolved = resolve_output(found.full_name, **changes, actuator=None, channels=found.channels)
+    save_settings(found.full_name, resolved.settings)
+
+
 def _plays(output: OutputDevice) -> str | None:
     """What `play` gives an output where that isn't the usual: as remembered, or as a pad's."""
-    from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
     from overview_dsp.live.output.settings import OutputSettings
 

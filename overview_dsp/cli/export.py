@@ -8,30 +8,32 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import (
-    announce_compile,
-    print_json,
-    progress_bar,
-    read_gesture,
-    window_options,
-)
-from overview_dsp.cli.options.output import actuator_option, calibrated, drive_line
+import overview_dsp as ov
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
+from overview_dsp.cli.live_session import SEED
+from overview_dsp.cli.options.groups import JSON, argument, cli_command, option, refuse_options
+from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
-    open_part,
+    PRESET_OPTION,
+    Reading,
+    Window,
+    open_window,
     preset_for,
-    preset_option,
-    timeline_options,
 )
 from overview_dsp.cli.render import (
+    GESTURE,
+    TAIL,
+    TRANSCRIPT,
     require_transcripts,
-    transcript_option,
     write_transcripts,
 )
-from overview_dsp.design.gestures.spec import FORMS
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
+    from overview_dsp.offline.export.clip import FeltError
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -41,86 +43,51 @@ DRIVEN = "wav4"
 SITE, SOURCE = "web", "c"
 """The timeline itself, as a folder: for a browser, or for a C compiler."""
 
-_GESTURES_OWN = {
-    "gesture": "--gesture",
-    "points": "--points",
-    "tail": "--tail",
-    "transcripts": "--transcript",
-}
+CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
+PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
 FIGURES = (
     "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
     "included)"
 )
 
-_SITES_OWN = {"zooms": "--zooms", "actuator": "--actuator", "address": "--address"}
-
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
 
-@click.command(
-    name="export",
-    epilog="Example: overview export match.json --gesture sweep:4 --to ahap -o match.ahap",
-)
-@click.argument("timelines", metavar="TIMELINE...", nargs=-1, required=True)
-@preset_option
-@click.option("--gesture", default="sweep:4", show_default=True, help=FORMS + "; + joins parts.")
-@click.option(
-    "--to",
-    "formats",
-    required=True,
-    multiple=True,
-    type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
-    help="The format; may be given several times. web is a folder with a page, c with C source.",
-)
-@click.option(
-    "-o", "--out", help="Of one format: its file or folder. Of several: a name without suffix."
-)
-@click.option(
-    "--points",
-    default=50.0,
-    show_default=True,
-    type=click.FloatRange(1.0, 1000.0),
-    help="Amplitude points to spend, a second.",
-)
-@click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
-@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
-@click.option(
-    "--zooms",
-    default=3,
-    show_default=True,
-    type=click.IntRange(0, 5),
-    help="Of a page: how often it can zoom in, by 3 each; of a match 0.4, 1.5, 5, 10, 23, 60 MB.",
-)
-@click.option(
-    "--address",
-    help="Of a page: where its folder will be (https://example.org/match/), for its picture where "
-    "the link is shared.",
-)
-@transcript_option
-@actuator_option
-@window_options
-@timeline_options
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-@click.pass_context
+@cli_command("export match.json --gesture sweep:4 --to ahap -o match.ahap", name="export")
 def command(
-    context: click.Context,
-    timelines: tuple[str, ...],
-    preset: str | None,
-    gesture: str,
-    formats: tuple[str, ...],
-    out: str | None,
-    points: float,
-    tail: str,
-    seed: int,
-    zooms: int,
-    address: str | None,
-    transcripts: tuple[str, ...],
-    actuator: str | None,
-    window: tuple[str, str] | None,
-    zoom_to: str | None,
-    load: dict[str, Any],
-    as_json: bool,
+    timelines: tuple[str, ...] = argument(metavar="TIMELINE...", required=True),
+    *,
+    preset: str | None = PRESET_OPTION,
+    gesture: str = GESTURE,
+    formats: tuple[str, ...] = option(
+        "Format; may be repeated. web is a folder with a page, c with C source.",
+        "--to",
+        required=True,
+        type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
+    ),
+    output: str | None = option(
+        "Of one format: its file or folder. Of several: a name without suffix."
+    ),
+    points_per_second: float = option(
+        "Amplitude points per second.", default=50.0, type=click.FloatRange(1.0, 1000.0)
+    ),
+    tail: str = TAIL,
+    seed: int = SEED,
+    zoom_levels: int = option(
+        "Of a page: how often it can zoom in, by 3 each; of a match 0.4, 1.5, 5, 10, 23, 60 MB.",
+        default=3,
+        type=click.IntRange(0, 5),
+    ),
+    base_url: str | None = option(
+        "Of a page: where its folder will be (https://example.org/match/), for its picture "
+        "where the link is shared."
+    ),
+    transcripts: tuple[str, ...] = TRANSCRIPT,
+    actuator: str | None = ACTUATOR,
+    as_json: bool = JSON,
+    reading: Reading,
+    window: Window,
 ) -> None:
     """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
 
@@ -131,12 +98,7 @@ def command(
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
     """
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.errors import InputError
-    from overview_dsp.files.atomic import require_writable
-    from overview_dsp.offline.export.writing import export
     from overview_dsp.offline.rendering.event_log import happened
-    from overview_dsp.offline.rendering.offline import render
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.signal.actuators.stage import protected_report
 
@@ -147,19 +109,20 @@ def command(
         )
     shown = []
     for timeline in timelines:
-        data = open_part(timeline, load, window, zoom_to)
-        chosen = load_preset(preset_for(data, preset))
+        data = open_window(timeline, reading, window)
+        chosen = ov.load_preset(preset_for(data, preset))
         shown.append((data, chosen))
     if SOURCE in formats:
-        _require_alone(context, SOURCE, formats, {**_GESTURES_OWN, **_SITES_OWN})
-        _source(data, chosen, out or "voice", seed, as_json)
+        _require_alone(SOURCE, formats, *CLIP_OPTIONS, *PAGE_OPTIONS)
+        _source(data, chosen, output or "voice", seed, as_json)
         return
     if SITE in formats:
-        _require_alone(context, SITE, formats, _GESTURES_OWN)
-        _site(shown, out or "site", zooms, seed, calibrated(actuator), _address(address), as_json)
+        _require_alone(SITE, formats, *CLIP_OPTIONS)
+        driven, url = calibrated(actuator), _base_url(base_url)
+        _site(shown, output or "site", zoom_levels, seed, driven, url, as_json)
         return
-    if address is not None:
-        raise InputError(f"--address is for --to {SITE}: a clip has no page; leave it out")
+    if base_url is not None:
+        raise InputError(f"--base-url is for --to {SITE}: a clip has no page; leave it out")
     movement, rest = read_gesture(gesture), tail_of(tail)
     driven = calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
@@ -167,33 +130,24 @@ def command(
             f"--actuator {actuator} changes {DRIVEN} alone, which is not among the formats: add "
             f"--to {DRIVEN}, or leave it out"
         )
-    places = {to: _place(out, to, len(set(formats)) > 1) for to in formats}
+    places = {to: _place(output, to, len(set(formats)) > 1) for to in formats}
     for place in places.values():
         require_writable(place)
     require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
-        result = render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
+        result = ov.render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
         progress(1.0)
     reports: list[dict[str, Any]] = []
     for to, place in places.items():
-        done = export(result, to, place, points)
+        done = ov.export.export(result, to, place, points_per_second)
         report: dict[str, Any] = {"format": to, "files": [str(path) for path in done.files]}
         if done.error is not None:
             report |= {
                 "points": done.points,
                 "transients": done.transients,
-                "median_error_db": round(done.error.median_db, 2),
-                "largest_error_db": round(done.error.largest_db, 2),
-                "within_step_percent": round(done.error.within_percent, 1),
-                "players": {
-                    name: {
-                        "median_error_db": round(error.median_db, 2),
-                        "largest_error_db": round(error.largest_db, 2),
-                        "within_step_percent": round(error.within_percent, 1),
-                    }
-                    for name, error in done.players.items()
-                },
+                **_error(done.error),
+                "players": {name: _error(error) for name, error in done.players.items()},
             }
         else:
             report["actuator"] = protected_report(driven, result.protected)
@@ -220,37 +174,31 @@ def command(
         click.echo(FIGURES)
 
 
-def _require_alone(
-    context: click.Context, to: str, formats: tuple[str, ...], of_others: dict[str, str]
-) -> None:
-    """Refuse what a folder of the timeline itself would ignore."""
-    from overview_dsp.errors import InputError
+def _error(error: FeltError) -> dict[str, float]:
+    return {
+        "median_error_db": round(error.median_db, 2),
+        "largest_error_db": round(error.largest_db, 2),
+        "within_step_percent": round(error.within_percent, 1),
+    }
 
+
+def _require_alone(to: str, formats: tuple[str, ...], *refused: str) -> None:
+    """Refuse what a folder of the timeline itself would ignore."""
     if set(formats) != {to}:
         raise InputError(f"--to {to} writes a folder, not a clip: give it in a call of its own")
-    for name, option in of_others.items():
-        if context.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
-            whose = "for clips" if name in _GESTURES_OWN else "for other formats"
-            raise InputError(f"{option} is {whose}; --to {to} has no such thing: leave it out")
+    refuse_options(f"does not apply to --to {to}; remove it", *refused)
 
 
 def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
     """Write the C folder and say how to try it."""
-    from overview_dsp.offline.export.c_code import export_c
-
-    files = [str(path) for path in export_c(data, preset, out, seed=seed)]
-    if as_json:
-        print_json([{"format": SOURCE, "files": files}])
-        return
-    click.echo(f"{', '.join(files)}")
-    click.echo(f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav")
+    files = [str(path) for path in ov.export.export_c(data, preset, out, seed=seed)]
+    try_it = f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav"
+    show(as_json, [{"format": SOURCE, "files": files}], ", ".join(files), try_it)
 
 
-def _address(given: str | None) -> str | None:
+def _base_url(given: str | None) -> str | None:
     """A folder's address, with a slash at its end."""
     from urllib.parse import urlsplit
-
-    from overview_dsp.errors import InputError
 
     if given is None:
         return None
@@ -261,7 +209,7 @@ def _address(given: str | None) -> str | None:
         right = False
     if not right or parts.query or parts.fragment or re.search(r"\s", given):
         raise InputError(
-            f"--address {given!r} is no address of a folder; one is https://example.org/match/"
+            f"--base-url {given!r} is no address of a folder; one is https://example.org/match/"
         )
     return given.rstrip("/") + "/"
 
@@ -286,13 +234,11 @@ def _site(
             size = write_gallery(shown, out, **given)
         else:
             size = write_site(*shown[0], out, **given)
-    if as_json:
-        print_json([{"format": SITE, "files": [out], "bytes": size}])
-        return
-    click.echo(
+    line = (
         f"{out}: {size / 1e6:.1f} MB for any web host (phones give motion to https pages only); "
         f"to try it here: python -m http.server -b 127.0.0.1 -d {out}, then http://127.0.0.1:8000"
     )
+    show(as_json, [{"format": SITE, "files": [out], "bytes": size}], line)
 
 
 def _place(out: str | None, to: str, several: bool) -> Path:

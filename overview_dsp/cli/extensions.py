@@ -12,9 +12,10 @@ change with the version, so its distribution requires `overview-dsp` of the same
 imported when it is first used.
 
 =========  ==========================================================================
-commands   `announce_compile`, `note`, `progress_bar`, `show`, `seconds_given`;
-           `ended_by_signals`, `exit_if_stopped`: end as the other commands do;
-           `server_options`, `require_server`, `open_server`: a server with a token
+commands   `cli_command`, `option`, `SECONDS`: a command whose signature declares its
+           options; `announce_compile`, `note`, `progress_bar`, `show`;
+           `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: end as the other
+           commands do; `Server`, `require_server`, `open_server`: a server with a token
 files      `whole_folder`, `sound_bytes`; `read_text`, `parse_toml`,
            `faults_at_their_line`: TOML, whose errors name their line
 grids      `Study`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
@@ -38,8 +39,10 @@ if TYPE_CHECKING:
     from overview_dsp.batch.grid import Study
     from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
     from overview_dsp.cli.common import announce_compile, note, progress_bar, show
-    from overview_dsp.cli.live_session import ended_by_signals, exit_if_stopped, seconds_given
-    from overview_dsp.cli.options.server import open_server, require_server, server_options
+    from overview_dsp.cli.live_session import SECONDS
+    from overview_dsp.cli.options.groups import cli_command, option
+    from overview_dsp.cli.options.server import Server, open_server, require_server
+    from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
     from overview_dsp.design.gestures.model import SOURCES
     from overview_dsp.design.presets.parameter import Value
     from overview_dsp.files.atomic import whole_folder
@@ -61,8 +64,10 @@ _PLACES = {
     "batch.grid": "Study",
     "batch.jobs_file": "KEYS JobsTable read_grid",
     "cli.common": "announce_compile note progress_bar show",
-    "cli.live_session": "ended_by_signals exit_if_stopped seconds_given",
-    "cli.options.server": "open_server require_server server_options",
+    "cli.live_session": "SECONDS",
+    "cli.options.groups": "cli_command option",
+    "cli.options.server": "Server open_server require_server",
+    "cli.signals": "ended_by_signals exit_if_stopped wait_for_end",
     "design.gestures.model": "SOURCES",
     "design.presets.parameter": "Value",
     "files.atomic": "whole_folder",

@@ -1,4 +1,4 @@
-"""`overview feed`: a recorded match, told as if it were being played."""
+"""`overview feed`: a recorded match as a live feed."""
 
 from __future__ import annotations
 
@@ -7,37 +7,32 @@ import sys
 import time
 from typing import Any
 
-import click
+from overview_dsp.cli.options.groups import cli_command, option
+from overview_dsp.cli.options.timeline import Reading, open_timeline
+from overview_dsp.errors import InputError
 
-from overview_dsp.cli.options.timeline import open_timeline, timeline_options
 
-
-def _speed(context: Any, option: Any, speed: float) -> float:
-    from overview_dsp.errors import InputError
-
+def _speed(context: Any, parameter: Any, speed: float) -> float:
     if not speed > 0.0:  # NaN too
         raise InputError(f"--speed {speed:g}; it is above 0, 1 is as it was, inf is at once")
     return speed
 
 
-@click.command(
-    name="feed",
-    epilog="Example: overview feed world-cup-final-2018 --speed 60 | overview play --follow -",
-)
-@click.argument("timeline")
-@click.option("--speed", type=float, default=1.0, show_default=True, callback=_speed,
-              help="How many times as fast as it was; inf is at once.")  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="An error as a line of JSON too.")
-@timeline_options
-def command(timeline: str, speed: float, as_json: bool, load: dict[str, Any]) -> None:
-    """Tell TIMELINE as a feed: a line of JSON on standard output whenever something happens.
+@cli_command("feed world-cup-final-2018 --speed 60 | overview play --follow -", name="feed")
+def command(
+    timeline: str,
+    *,
+    speed: float = option("Times as fast as it was; inf is at once.", default=1.0, callback=_speed),
+    reading: Reading,
+) -> None:
+    """Print TIMELINE as a feed: one line of JSON per event, at the time when it happens.
 
     `overview play --follow` and `overview serve --follow` take it.
     """
     from overview_dsp.data.feeds.feed_lines import encode_line
     from overview_dsp.data.feeds.recorded_feed import feed_of
 
-    data = open_timeline(timeline, load)
+    data = open_timeline(timeline, reading)
     begun = time.monotonic()
     for time_s, line in feed_of(data):
         if speed != math.inf:

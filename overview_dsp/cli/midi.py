@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.learning import heard_from, keep, learn_options, require_target
+from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
+from overview_dsp.cli.options.groups import cli_command
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.midi_map import Control
@@ -16,22 +18,11 @@ if TYPE_CHECKING:
 
 @click.group(name="midi", epilog="Example: overview midi learn nano theta2 -o nano.toml")
 def command() -> None:
-    """Assign the controls of a MIDI controller, for `overview play --midi-map`."""
+    """Assign the controls of a MIDI controller, for `overview play --input midi:NAME,map=FILE`."""
 
 
-@command.command(name="learn", epilog="Example: overview midi learn nano theta2 -o nano.toml")
-@click.argument("name")
-@click.argument("target")
-@learn_options
-def learn(
-    name: str,
-    target: str,
-    path: str,
-    low: float | None,
-    high: float | None,
-    seconds: float,
-    as_json: bool,
-) -> None:
+@cli_command("midi learn nano theta2 -o nano.toml", group=command)
+def learn(name: str, target: str, *, learning: Learning) -> None:
     """Move a control of the port NAME: from now on it does TARGET.
 
     TARGET is theta2 (the angle), touch (the disk is held while it is pressed), taps (keys, each a
@@ -50,25 +41,27 @@ def learn(
         parse_map,
         write_map,
     )
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.ports.midi import MidiPort
 
     require_target(target, (THETA2, TOUCH, TAPS))
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)
-    parse_map(write_map((replace(stand_in, to=target, low=low, high=high),)), f"{target}")
-    require_writable(path)
-    controls = load_map(path) if Path(path).exists() else ()
+    parse_map(
+        write_map((replace(stand_in, to=target, low=learning.low, high=learning.high),)),
+        f"{target}",
+    )
+    require_writable(learning.output)
+    controls = load_map(learning.output) if Path(learning.output).exists() else ()
     learner = Learner(target)
 
     def hear(came: list[bytes], now_s: float) -> Control | None:
         return next(filter(None, map(learner.read, came)), None)
 
-    moved = heard_from(lambda: MidiPort(name), learner.ask, hear, seconds,
+    moved = listen(MidiPort(name), lambda: learner.ask, hear, learning.timeout,
                        lambda: f"no control was moved that can be {target!r}")  # fmt: skip
-    found = replace(moved, low=low, high=high)
+    found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)
     kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)
     report = {"control": found.name, "channel": found.channel, "to": target}
     steps = f" by steps ({found.relative})" if found.relative else ""
     words = f"{found.name}, channel {found.channel}, is {target}{steps}"
-    keep(path, write_map((*kept, found)), report, as_json, words)
+    save_learned(learning, write_map((*kept, found)), report, words)

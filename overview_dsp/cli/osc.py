@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.learning import heard_from, keep, learn_options, require_target
+from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
+from overview_dsp.cli.options.groups import cli_command
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.osc_map import OscControl
@@ -16,24 +18,11 @@ if TYPE_CHECKING:
 
 @click.group(name="osc", epilog="Example: overview osc learn 0.0.0.0:9000 theta2 -o tablet.toml")
 def command() -> None:
-    """Assign the messages of other programs and apps, for `overview play --osc-map`."""
+    """Assign the messages of other programs, for `overview play --input osc:PORT,map=FILE`."""
 
 
-@command.command(
-    name="learn", epilog="Example: overview osc learn 0.0.0.0:9000 device -o phone.toml"
-)
-@click.argument("port")
-@click.argument("target")
-@learn_options
-def learn(
-    port: str,
-    target: str,
-    path: str,
-    low: float | None,
-    high: float | None,
-    seconds: float,
-    as_json: bool,
-) -> None:
+@cli_command("osc learn 0.0.0.0:9000 device -o phone.toml", group=command)
+def learn(port: str, target: str, *, learning: Learning) -> None:
     """Move a control that sends OSC to PORT (or HOST:PORT): from now on it does TARGET.
 
     TARGET is theta2 (the angle), touch (the disk is held while it is pressed), device (what sends
@@ -49,14 +38,15 @@ def learn(
         parse_osc_map,
         write_osc_map,
     )
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.live.ports.osc import OscPort
 
     require_target(target, (THETA2, TOUCH, DEVICE))
     to = "acceleration" if target == DEVICE else target
-    parse_osc_map(write_osc_map((OscControl("/x", to, low=low, high=high),)), target)
-    require_writable(path)
-    controls = load_osc_map(path) if Path(path).exists() else ()
+    parse_osc_map(
+        write_osc_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target
+    )
+    require_writable(learning.output)
+    controls = load_osc_map(learning.output) if Path(learning.output).exists() else ()
     learner = OscLearner(target)
 
     def hear(came: list[bytes], now_s: float) -> OscControl | None:
@@ -68,8 +58,8 @@ def learn(
         came = f"heard were {learner.heard}" if learner.heard else "nothing came"
         return f"no message was known that can be {target!r}; {came}"
 
-    found = heard_from(lambda: OscPort(port), learner.ask, hear, seconds, otherwise)
-    found = replace(found, low=low, high=high)
+    found = listen(OscPort(port), lambda: learner.ask, hear, learning.timeout, otherwise)
+    found = replace(found, low=learning.low, high=learning.high)
     replaced = SENSED if target == DEVICE else (target,)
     same = (found.address, found.value)
     kept = tuple(
@@ -78,4 +68,4 @@ def learn(
     sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     words = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
-    keep(path, write_osc_map((*kept, found)), report, as_json, words)
+    save_learned(learning, write_osc_map((*kept, found)), report, words)

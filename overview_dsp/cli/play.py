@@ -5,146 +5,105 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import ExitStack
-from typing import Any
 
 import click
 
-from overview_dsp.cli.common import note, part_of, read_gesture, say, window_options
-from overview_dsp.cli.live_session import (
-    exit_if_stopped,
-    live_options,
-    opened_player,
-    print_lines,
-    seconds_given,
-)
-from overview_dsp.cli.options.follow import follow_options, followed, laid_out, open_growing
-from overview_dsp.cli.options.server import (
-    open_server,
-    refuse_server_options,
-    require_server,
-    server_options,
-)
-from overview_dsp.cli.options.sources import choose_force_block, input_options, parse_sources
-from overview_dsp.cli.options.timeline import (
-    linear_option,
-    preset_for,
-    preset_option,
-    timeline_options,
-)
+from overview_dsp.cli.common import note, read_gesture, say
+from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.options.follow import Feed, opened_data
+from overview_dsp.cli.options.groups import cli_command, option
+from overview_dsp.cli.options.output import Output
+from overview_dsp.cli.options.server import open_server, require_server, server_at
+from overview_dsp.cli.options.sources import FORCE_BLOCK, Controls, parse_sources
+from overview_dsp.cli.options.timeline import PresetChoice, Reading, Window
+from overview_dsp.cli.signals import exit_if_stopped
+
+LOOP = ",loop"
 
 
-@click.command(
-    name="play",
-    epilog="Example: overview play world-cup-final-2018 --preset football --record take.csv",
-)
-@click.argument("timeline", required=False)
-@follow_options
-@preset_option
-@linear_option
-@input_options
-@window_options
-@click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
-@click.option(
-    "--headless", "--json", "headless", is_flag=True, help="Lines of JSON, as without a terminal."
-)
-@click.option("--replay", metavar="TAKE.csv", help="Play a take or a gesture as the same hand, "
-              "from the first sample on.")  # fmt: skip
-@click.option("--loop", is_flag=True, help="Again and again.")
-@click.option("--ab", metavar="PRESET", help="A second preset: 1 and 2 switch between them.")
-@click.option("--line", "by_line", is_flag=True, help="Plain lines instead of a screen, for screen "
-              "readers: the same keys.")  # fmt: skip
-@click.option("--remote", is_flag=True, help="Also let a phone or a browser hold the disk.")
-@server_options
-@timeline_options
-@live_options
+@cli_command("play world-cup-final-2018 --preset football --record take.csv", name="play")
 def command(
     timeline: str | None,
-    following: dict[str, Any],
-    preset: str | None,
-    linear: bool,
-    sources: tuple[str, ...],
-    sensor: str | None,
-    baud: int | None,
-    force: bool,
-    midi_map: str | None,
-    osc_map: str | None,
-    osc_out: str | None,
-    window: tuple[str, str] | None,
-    zoom_to: str | None,
-    seconds: float | None,
-    headless: bool,
-    replay: str | None,
-    loop: bool,
-    ab: str | None,
-    by_line: bool,
-    remote: bool,
-    server: dict[str, Any],
-    load: dict[str, Any],
-    **live: Any,
+    *,
+    reading: Reading,
+    window: Window,
+    choice: PresetChoice,
+    compare: str | None = option(
+        "Second preset: 1 and 2 switch between them.",
+        heading=PresetChoice.heading,
+        metavar="PRESET",
+    ),
+    feed: Feed,
+    controls: Controls,
+    replay: str | None = option(
+        "Play a take or a gesture as the input, from the first sample on; loop repeats it.",
+        heading=Controls.heading,
+        metavar="TAKE.csv[,loop]",
+    ),
+    remote: str | None = option(
+        "Serve a page on which a phone or a browser holds the disk.  [default: 127.0.0.1:8765]",
+        heading=Controls.heading,
+        metavar="[HOST:PORT]",
+        is_flag=False,
+        flag_value="",
+    ),
+    output: Output,
+    session: Session,
+    seconds: float | None = SECONDS,
+    screen: str = option(
+        "full; lines of text, for screen readers; or a line of JSON per second.  "
+        "[default: full in a terminal, else json]",
+        heading=Session.heading,
+        type=click.Choice(["full", "lines", "json"]),
+    ),
 ) -> None:
-    """Play TIMELINE live: drag, tap and let go with the mouse or the keys, and hear and feel it.
+    """Play TIMELINE live: drag, tap and release with the mouse or the keys; hear and feel it.
 
-    With --follow a timeline that grows takes its place: --map is whole or so-far then.
+    With --follow a timeline that grows takes its place.
 
-    Without a terminal (or with --headless) it prints a line of JSON a second and a summary. The
+    Without a terminal (or with --screen json) it prints a line of JSON a second and a summary. The
     preset's file is watched: save it, feel it. Channels, gains, mutes, delays, ceilings and the
     actuator are remembered for each output device.
     """
-    if remote:
+    if remote is not None:
         require_server()
-    else:
-        refuse_server_options()
-    if following["follow"] == "-" and "-" in sources:
+        server = server_at(remote)
+        if remote and timeline is None and feed.follow is None:
+            raise click.UsageError(f"--remote {remote} is an address; name the TIMELINE before it")
+    if feed.follow == "-" and "-" in controls.input:
         raise click.UsageError("--follow - and --input - both read standard input")
-    if following["follow"] is not None and replay is not None:
+    if feed.follow is not None and replay is not None:
         raise click.UsageError("--replay is for a timeline that is finished; leave --follow out")
-    hand = None if replay is None else read_gesture(replay)
-    if loop and hand is None:
-        raise click.UsageError("--loop is for --replay")
-    if hand is not None and sources:
-        raise click.UsageError("--replay is the hand; leave --input out")
-    named = parse_sources(sources, sensor, baud, midi_map, osc_map, force)
-    if force:
-        choose_force_block(live)
+    if replay is not None and controls.input:
+        raise click.UsageError("--replay is the input; leave --input out")
+    path = (replay or "").removesuffix(LOOP)
+    movement = None if replay is None else read_gesture(path)
+    sources = parse_sources(controls.input)
     with ExitStack() as stack:
-        growth = stack.enter_context(followed(timeline, following, load))
-        data = open_growing(timeline, load, growth)
-        part = part_of(data, window, zoom_to)
-        if part is not None and window and growth is None:
-            data, part = data.window(*part), None
-        name = preset_for(data, preset if growth is None else preset or growth.preset)
-        data = laid_out(data, growth, name)
+        data = stack.enter_context(opened_data(timeline, feed, reading, window, choice.preset))
+        block = {"usual_block": FORCE_BLOCK} if sources.force else {}
         player, received = stack.enter_context(
-            opened_player(data, part, name, live, ab, growth, linear)
+            opened_player(data, output, session, choice.linear, compare, **block)
         )
-        if hand is not None:
-            assert replay is not None
-            player.loop.begin(hand, os.path.basename(replay), loop)
-        source = named.opened(player, stack.callback)
+        if movement is not None:
+            player.loop.begin(movement, os.path.basename(path), path != replay)
+        source = sources.opened(player, stack.callback)
         invitation = ""
-        if osc_out is not None:
+        if controls.osc_out is not None:
             from overview_dsp.live.ports.osc import OscOut
 
-            stack.callback(OscOut(player.engine, osc_out, player.say).close)
-        if remote:
-            from overview_dsp.web.data import data_routes
+            stack.callback(OscOut(player.engine, controls.osc_out, player.say).close)
+        if remote is not None:
             from overview_dsp.web.session import HostSession
 
-            source = session = HostSession(player, source)
-            routes = data_routes(
-                data,
-                name,
-                audio="host",
-                first=part,
-                live=None if growth is None else growth.live,
-                linear=linear,
-            )
-            invitation = stack.enter_context(
-                open_server(server, session, routes, growth is not None)
-            ).text
-        if headless or named.by_lines or not (sys.stdin.isatty() and sys.stdout.isatty()):
-            print_lines(player, source, received, seconds, logged=osc_out is not None)
-        elif by_line:
+            source = host = HostSession(player, source)
+            routes = data.routes("host", choice.linear)
+            opened = stack.enter_context(open_server(server, host, routes, data.growth is not None))
+            invitation = opened.text
+        terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
+        if screen == "json" or not terminal:
+            print_lines(player, source, received, seconds, controls.osc_out is not None)
+        elif screen == "lines":
             from overview_dsp.live.screen.lines import run as run_lines
 
             run_lines(player, source, lambda: bool(received), say)
@@ -152,7 +111,7 @@ def command(
             from overview_dsp.live.screen import run
 
             run(player, source, lambda: bool(received), invitation)
-        lines = named.lines
+        lines = sources.lines
         if lines is not None and lines.refused:
             note(
                 f"{lines.refused} lines weren't `theta2 touching`; the first: {lines.first_refused}"

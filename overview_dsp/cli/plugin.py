@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Any
 
 import click
 
-from overview_dsp.cli.common import note, print_json, window_options
-from overview_dsp.cli.options.timeline import open_part, preset_for, timeline_options
+import overview_dsp as ov
+from overview_dsp.cli.common import note, show
+from overview_dsp.cli.live_session import SEED
+from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
+from overview_dsp.cli.options.timeline import Reading, Window, open_window, preset_for
 from overview_dsp.errors import InputError, OverviewWarning
 
 _FORMATS = ("clap", "vst3", "lv2")
@@ -22,41 +24,26 @@ def command() -> None:
     """Build audio plugins that play a timeline without Python."""
 
 
-@command.command(
-    name="build", epilog="Example: overview plugin build match.json --to clap -o ~/.clap"
-)
-@click.argument("timelines", nargs=-1, metavar="[TIMELINE]...")
-@click.option(
-    "--preset",
-    "presets",
-    multiple=True,
-    help="A name or a .toml file; of several, one is chosen in the host.  "
-    "[default: those that fit the data; without TIMELINE, every bundled one]",
-)
-@click.option("--to", "to", required=True, type=click.Choice(_FORMATS), help="Its format.")
-@click.option(
-    "--target",
-    type=click.Choice(_TARGETS),
-    help="The machine it is for; needs ziglang (pip install ziglang).  [default: this one]",
-)
-@click.option("-o", "--out", default=".", show_default=True, help="The folder it is put into.")
-@click.option("--name", help="What it is called.  [default: the first TIMELINE's name]")
-@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
-@window_options
-@timeline_options
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("plugin build match.json --to clap -o ~/.clap", group=command)
 def build(
-    timelines: tuple[str, ...],
-    presets: tuple[str, ...],
-    to: str,
-    target: str | None,
-    out: str,
-    name: str | None,
-    seed: int,
-    window: tuple[str, str] | None,
-    zoom_to: str | None,
-    load: dict[str, Any],
-    as_json: bool,
+    timelines: tuple[str, ...] = argument(metavar="[TIMELINE]..."),
+    *,
+    presets: tuple[str, ...] = option(
+        "Name or .toml file; of several, one is chosen in the host.  "
+        "[default: those that fit the data; without TIMELINE, every bundled one]",
+        "--preset",
+    ),
+    to: str = option("Format of the plugin.", required=True, type=click.Choice(_FORMATS)),
+    target: str | None = option(
+        "Machine it is for; needs ziglang (pip install ziglang).  [default: this one]",
+        type=click.Choice(_TARGETS),
+    ),
+    output: str = option("Folder for the plugin.", default="."),
+    name: str | None = option("Name of the plugin.  [default: the first TIMELINE's]"),
+    seed: int = SEED,
+    as_json: bool = JSON,
+    reading: Reading,
+    window: Window,
 ) -> None:
     """Compile timelines to a plugin, with the samples of `render`; it needs a C compiler.
 
@@ -64,20 +51,18 @@ def build(
     everything that is bundled: the timelines, each in every preset.
     """
     from overview_dsp.data.readers import BUNDLED
-    from overview_dsp.design.presets.library import bundled_presets, load_preset
-    from overview_dsp.offline.export.plugins import build_plugin
 
     data = {
-        Path(timeline).stem: open_part(timeline, load, window, zoom_to)
+        Path(timeline).stem: open_window(timeline, reading, window)
         for timeline in timelines or tuple(BUNDLED)
     }
     if len(data) < len(timelines):
         raise InputError("two timelines of a plugin have the same name: name each once")
     everything = not presets and not timelines
     if everything:
-        presets = bundled_presets()
+        presets = ov.bundled_presets()
     fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
-    chosen = [load_preset(preset) for preset in presets or fitting]
+    chosen = [ov.load_preset(preset) for preset in presets or fitting]
     called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
     if target:
         note(f"compiling for {target}; ziglang's first time for a machine takes a minute or more")
@@ -85,11 +70,12 @@ def build(
         if everything:
             # that not every bundled preset names what a bundled timeline holds was nobody's choice
             warnings.simplefilter("ignore", OverviewWarning)
-        made = build_plugin(data, chosen, to, out, name=called, seed=seed, target=target)
+        built = ov.export.build_plugin(
+            data, chosen, to, output, name=called, seed=seed, target=target
+        )
     names = [preset.name for preset in chosen]
-    if as_json:
-        report = {"format": to, "file": str(made), "timelines": list(data), "presets": names}
-        print_json({**report, "target": target} if target else report)
-        return
+    report = {"format": to, "file": str(built), "timelines": list(data), "presets": names}
+    report |= {"target": target} if target else {}
     timed = f"{', '.join(data)} in " if len(data) > 1 else ""
-    click.echo(f"{made}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2")
+    line = f"{built}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2"
+    show(as_json, report, line)

@@ -11,22 +11,21 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from overview_dsp.cli.common import (
-    announce_compile,
-    print_json,
-    progress_bar,
-    read_gesture,
-    window_options,
-)
-from overview_dsp.cli.options.output import actuator_option, calibrated, drive_line
+import overview_dsp as ov
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
+from overview_dsp.cli.live_session import SEED
+from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
 from overview_dsp.cli.options.timeline import (
-    linear_option,
-    open_part,
+    PresetChoice,
+    Reading,
+    Window,
+    open_window,
     preset_for,
-    preset_option,
-    timeline_options,
 )
 from overview_dsp.design.gestures.spec import DEFAULT, FORMS
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.offline.rendering.event_log import Happening
@@ -34,19 +33,18 @@ if TYPE_CHECKING:
 
 TERMINAL = "-"
 
-transcript_option = click.option(
+GESTURE = option(FORMS + "; + joins gestures.", default=DEFAULT, metavar="SPEC")
+TAIL = option("Time after the gesture: rest, none, or seconds.", default="rest", metavar="S")
+TRANSCRIPT = option(
+    "Events with their times: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to print "
+    "them. May be repeated.",
     "--transcript",
-    "transcripts",
-    multiple=True,
     metavar="FILE",
-    help="What happened when: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to print it. "
-    "May be given several times.",
 )
 
 
 def require_transcripts(paths: Sequence[str]) -> None:
     """InputError, before any work, for a file that no transcript can be written to."""
-    from overview_dsp.files.atomic import require_writable
     from overview_dsp.offline.rendering.event_log import writer_of
 
     for path in paths:
@@ -57,10 +55,8 @@ def require_transcripts(paths: Sequence[str]) -> None:
 
 def require_wav(path: str) -> None:
     """InputError if a sound file can't hold cue points."""
-    from overview_dsp.errors import InputError
-
     if Path(path).suffix.lower() != ".wav":
-        raise InputError(f"{path}: --cues is for .wav files; give a --transcript for others")
+        raise InputError(f"{path}: --cue-points is for .wav files; give a --transcript for others")
 
 
 def write_transcripts(
@@ -81,85 +77,57 @@ def write_transcripts(
     return {"transcripts": files, "happened": as_records(passed)}
 
 
-@click.command(
-    name="render",
-    epilog="Example: overview render match.json --gesture sweep:4 -o match.wav --trace match.npz",
-)
-@click.argument("timeline")
-@preset_option
-@linear_option
-@click.option("--gesture", default=DEFAULT, show_default=True, help=FORMS + "; + joins parts.")
-@click.option("-o", "--out", default="out.wav", show_default=True, help="WAV, FLAC, ... by suffix.")
-@click.option("--trace", help="Also write what the disk did, to a .npz or .csv file.")
-@click.option("--sample-rate", default=48_000.0, show_default=True, help="Hz, 1000 to 768000.")
-@click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
-@click.option("--seed", default=0, show_default=True, help="Of the surface's grain.")
-@click.option("--tail", default="rest", show_default=True, help="rest, none, or seconds.")
-@click.option("--stems", is_flag=True, help="Also write click, tactor and the disk's curves alone.")
-@click.option("--lufs", is_flag=True, help="Say how loud the click is (ITU-R BS.1770).")
-@click.option(
-    "--normalize", type=float, metavar="LUFS", help="Bring the click to a loudness, -23 say."
-)
-@click.option("--cues", is_flag=True, help="Write the events into the WAV as cue points.")
-@transcript_option
-@actuator_option
-@window_options
-@timeline_options
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("render match.json --gesture sweep:4 -o match.wav --trace match.npz", name="render")
 def command(
     timeline: str,
-    preset: str | None,
-    linear: bool,
-    gesture: str,
-    out: str,
-    trace: str | None,
-    sample_rate: float,
-    subtype: str | None,
-    seed: int,
-    tail: str,
-    stems: bool,
-    lufs: bool,
-    normalize: float | None,
-    cues: bool,
-    transcripts: tuple[str, ...],
-    actuator: str | None,
-    window: tuple[str, str] | None,
-    zoom_to: str | None,
-    load: dict[str, Any],
-    as_json: bool,
+    *,
+    gesture: str = GESTURE,
+    output: str = option("WAV, FLAC, ... by suffix.", default="out.wav"),
+    trace: str | None = option("Write disk motion and torque to a .npz or .csv file."),
+    sample_rate: float = option("Hz, 1000 to 768000.", default=48_000.0),
+    subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
+    seed: int = SEED,
+    tail: str = TAIL,
+    stems: bool = option("Also write click, tactor and the disk's curves alone."),
+    measure_loudness: bool = option("Report click loudness (ITU-R BS.1770)."),
+    normalize: float | None = option(
+        "Bring the click to this loudness, such as -23.", metavar="LUFS"
+    ),
+    cue_points: bool = option("Write the events into the WAV as cue points."),
+    transcripts: tuple[str, ...] = TRANSCRIPT,
+    actuator: str | None = ACTUATOR,
+    as_json: bool = JSON,
+    choice: PresetChoice,
+    reading: Reading,
+    window: Window,
 ) -> None:
     """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
 
     TIMELINE is any supported file, detected by content, or the bundled match
     (world-cup-final-2018).
     """
-    from overview_dsp.design.presets.library import load_preset
     from overview_dsp.files.cue_points import add_cues
     from overview_dsp.offline.rendering.event_log import happened
-    from overview_dsp.offline.rendering.offline import render_to_file
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.offline.rendering.stems import stem_paths
     from overview_dsp.signal.actuators.stage import protected_report
-    from overview_dsp.signal.surface.angle_map import without_map
     from overview_dsp.units import clock_text, gain_to_db
 
     require_transcripts(transcripts)
-    if cues:
-        require_wav(out)
-    data = open_part(timeline, load, window, zoom_to)
-    chosen = load_preset(preset_for(data, preset))
-    if linear:
-        chosen = without_map(chosen)
+    if cue_points:
+        require_wav(output)
+    data = open_window(timeline, reading, window)
+    chosen = choice.load(preset_for(data, choice.preset))
     movement = read_gesture(gesture)
     rest = tail_of(tail)
     driven = calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
-    with progress_bar(f"rendering {Path(out).name}") as progress:
-        done = render_to_file(
+    with progress_bar(f"rendering {Path(output).name}") as progress:
+        done = ov.render_to_file(
             data,
             chosen,
             movement,
-            out,
+            output,
             sample_rate,
             seed,
             tail=rest,
@@ -168,20 +136,20 @@ def command(
             progress=progress,
             actuator=driven,
             stems=stems,
-            loudness=lufs,
+            loudness=measure_loudness,
             normalize=normalize,
         )
     passed = happened(done.passed, done.engine.timeline) if done.passed is not None else []
-    if cues:
+    if cue_points:
         marked = [(round(one.time_s * sample_rate), one.words) for one in passed]
-        add_cues(Path(out), marked)
-    beside = [str(one) for one in stem_paths(Path(out))] if stems else []
+        add_cues(Path(output), marked)
+    beside = [str(one) for one in stem_paths(Path(output))] if stems else []
     missed = [done.engine.timeline.events[i] for i in done.unreached]
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
     if as_json:
         print_json(
             {
-                "file": out,
+                "file": output,
                 "trace": trace,
                 "title": data.title,
                 "preset": chosen.name,
@@ -198,19 +166,19 @@ def command(
                 "stems": beside,
                 "click_lufs": done.lufs if done.lufs is None else round(done.lufs, 1),
                 "click_gain_db": round(done.gain_db, 1),
-                "cues": len(passed) if cues else 0,
+                "cues": len(passed) if cue_points else 0,
                 **write_transcripts(transcripts, passed, as_json),
                 "actuator": protected_report(driven, done.protected),
             }
         )
         return
     click.echo(
-        f"{out}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
+        f"{output}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
         f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
     )
     if beside:
         click.echo(f"{', '.join(beside)}: click, tactor, and cursor, touching, torque, envelope")
-    if lufs or normalize is not None:
+    if measure_loudness or normalize is not None:
         click.echo(_loudness(done.lufs, done.gain_db, normalize))
     if driven and done.protected:
         click.echo(drive_line(driven, done.protected))

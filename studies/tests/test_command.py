@@ -26,7 +26,7 @@ def rows_of(path):
 
 def test_check_says_what_a_study_makes_and_whether_it_is_balanced(tmp_path):
     toml = written(tmp_path, IDENTIFY)
-    found = json.loads(said("check", toml, "--levels", "--json"))
+    found = json.loads(said("check", toml, "--measure-levels", "--json"))
     assert (found["lists"], found["round"], found["balanced"]) == (4, 4, True)
     assert found["trials"] == {"practice": 8, "main": 24, "catch": 8, "attention": 2}
     for one in found["felt_db"]:
@@ -124,9 +124,9 @@ def test_power_counts_how_often_an_effect_is_found(tmp_path):
     said("build", written(tmp_path, text), "-o", tmp_path / "f")
     large = json.loads(
         said("simulate", tmp_path / "f", "--effect", "mapping.static=-2.5", "--d-prime", "3",
-             "--power", "6", "--json")
+             "--power-runs", "6", "--json")
     )  # fmt: skip
-    none = json.loads(said("simulate", tmp_path / "f", "--power", "6", "--json"))
+    none = json.loads(said("simulate", tmp_path / "f", "--power-runs", "6", "--json"))
     assert large["found"]["mapping static - friction"] == 6
     assert none["found"]["mapping static - friction"] <= 2
 
@@ -172,5 +172,5 @@ def test_serve_prints_its_address_and_an_abandoned_list_can_be_given_again(
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["address"].startswith("http://127.0.0.1:")
     assert "0 of 12 lists are handed out" in outcome.err
-    refused(overview("study", "serve", built.folder, "--db", database, "--give-again", "2"),
+    refused(overview("study", "serve", built.folder, "--db", database, "--reissue", "2"),
             "list 2 isn't handed out")  # fmt: skip

@@ -59,19 +59,14 @@ def test_a_carrier_beside_the_resonance_is_a_note(folder):
 
 
 def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, monkeypatch):
-    from overview_dsp.cli.options.output import output_settings
+    from overview_dsp.cli.options.output import output_changes
     from overview_dsp.live.output import saved_settings as kept
 
     path = tmp_path / "outputs.json"
     monkeypatch.setattr(kept, "settings_file", lambda: path)
-    nothing = {
-        f"{signal}_{key}": None
-        for signal in ("click", "tactor")
-        for key in ("channel", "gain", "mute", "delay", "ceiling")
-    }
 
-    def played(actuator, **options):
-        chosen = output_settings("pad", {**nothing, **options}, actuator)
+    def played(actuator, *settings):
+        chosen = kept.resolve_output("pad", **output_changes(settings), actuator=actuator)
         if chosen.differ(chosen.settings):
             kept.save_settings("pad", chosen.settings)
         return chosen.settings
@@ -79,7 +74,7 @@ def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, mo
     assert played(None).actuator is None
     assert not path.exists()
     assert played("c2").actuator == load_actuator("c2")
-    again = played(None, tactor_gain=-3.0)
+    again = played(None, "tactor.gain=-3")
     assert again.actuator == load_actuator("c2")
     assert played(None) == again
     assert played("none").actuator is None
@@ -89,7 +84,7 @@ def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, mo
     with pytest.raises(ov.InputError, match=r"outputs\.json: the actuator of 'pad': no actuator"):
         played(None)
     assert played("none").actuator is None
-    assert output_settings(None, nothing, None).settings == kept.OutputSettings()
+    assert kept.resolve_output(None, {}, {}, None).settings == kept.OutputSettings()
 
 
 def test_the_list_names_every_actuator_and_leaves_out_a_broken_one(tmp_path, monkeypatch):
@@ -115,7 +110,7 @@ def test_an_actuator_is_shown_with_what_its_values_amount_to():
 
 
 def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
-    quick = ("--seconds", 2, "--sample-rate", 8000, "-o", "s.flac")
+    quick = ("--duration", 2, "--sample-rate", 8000, "-o", "s.flac")
     done = overview("actuators", "sweep", "c2", *quick)
     assert done.code == 0, done.err
     assert "note" not in done.err
@@ -132,8 +127,8 @@ def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
 
 def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
     plain, shaped = (
-        overview("actuators", "sweep", "c2", "--seconds", 2, "-o", name, *option).code
-        for name, option in (("a.wav", ()), ("b.wav", ("--shaped",)))
+        overview("actuators", "sweep", "c2", "--duration", 2, "-o", name, *option).code
+        for name, option in (("a.wav", ()), ("b.wav", ("--apply-shaping",)))
     )
     assert plain == shaped == 0
     a, b = (np.abs(soundfile.read(folder / name)[0][:, 1]) for name in ("a.wav", "b.wav"))
@@ -141,7 +136,7 @@ def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
     assert b[: len(b) // 2].max() > 2.0 * a[: len(a) // 2].max()
 
 
-@pytest.mark.parametrize("option", [("--from", 2000), ("--seconds", 0), ("--level", 1)])
+@pytest.mark.parametrize("option", [("--low-frequency", 2000), ("--duration", 0), ("--level", 1)])
 def test_a_sweep_that_cannot_be_writes_nothing(folder, option):
     refused(overview("actuators", "sweep", "c2", *option))
     assert list(folder.iterdir()) == []

@@ -184,14 +184,14 @@ def test_an_output_that_cannot_be_written_is_one_line(folder, option, where):
 def test_an_output_in_a_folder_that_takes_no_files_is_one_line(folder):
     refused(render(folder, MATCH, "-o", "/proc/a.wav"), "/proc/a.wav", "can't be written")
     refused(render(folder, MATCH, "--trace", "/proc/a.npz"), "/proc/a.npz", "can't be written")
-    refused(overview("figures", "--out", "/proc/x"), "/proc/x")
-    refused(overview("demo", "--out", "/proc/x"), "/proc/x")
+    refused(overview("figures", "--output", "/proc/x"), "/proc/x")
+    refused(overview("demo", "--output", "/proc/x"), "/proc/x")
 
 
 @pytest.mark.parametrize("command", ["demo", "figures"])
 def test_a_file_in_the_place_of_the_output_folder_is_one_line(folder, command):
     (folder / "file").write_text("")
-    refused(overview(command, "--out", "file"), "file", "can't be written")
+    refused(overview(command, "--output", "file"), "file", "can't be written")
 
 
 def test_what_was_there_before_survives_an_error(folder):

@@ -143,7 +143,7 @@ def test_importing_the_list_imports_none_of_it():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment()
     )
     own = {name for name in json.loads(done.stdout) if name.startswith("overview_dsp.cli.")}
-    assert own == {"overview_dsp.cli.extensions", "overview_dsp.cli.stopping"}
+    assert own == {"overview_dsp.cli.extensions", "overview_dsp.cli.signals"}
 
 
 def test_no_command_is_listed_twice():

@@ -37,13 +37,13 @@ def test_speed_is_kept(tmp_path):
         (("feed", "nothing.json"), ("nothing.json",)),
         (("play",), ("--follow",)),
         (("play", MATCH, "--follow", "x.feed"), ("leave", MATCH)),
-        (("play", MATCH, "--expect", "95m"), ("--expect", "--follow")),
-        (("play", "--follow", "x.feed", "--expect", "soon"), ("soon", "95m")),
-        (("play", "--follow", "x.feed", "--map", "level"), ("level", "so-far")),
-        (("play", "--follow", "x.feed", "--value", "Close"), ("--value", "--follow")),
-        (("play", "--follow", "x.feed", "--update-after", "-1"), ("--update-after",)),
+        (("play", MATCH, "--expected-duration", "95m"), ("--expected-duration", "--follow")),
+        (("play", "--follow", "x.feed", "--expected-duration", "soon"), ("soon", "95m")),
+        (("play", "--follow", "x.feed", "--layout", "level"), ("level", "so-far")),
+        (("play", "--follow", "x.feed", "--value-column", "Close"), ("--value-column", "--follow")),
+        (("play", "--follow", "x.feed", "--update-held-after", "-1"), ("--update-held-after",)),
         (("play", "--follow", "pcm:loud"), ("pcm:RATE",)),
-        (("serve", MATCH, "--tell", "goal"), ("--tell", "--follow")),
+        (("serve", MATCH, "--announce", "goal"), ("--announce", "--follow")),
     ],
 )
 def test_what_cannot_be_followed_is_one_line(words, named, tmp_path, monkeypatch):
@@ -59,7 +59,7 @@ def test_a_match_that_is_told_is_played_taken_and_rendered_again(tmp_path):
     goals = [n for n, line in enumerate(lines) if '"kind": "goal"' in line]
     played = subprocess.Popen(
         [sys.executable, "-m", "overview_dsp", "play", "--follow", "-", "--device", "none",
-         "--json", "--map", "so-far", "--record", str(take), "--input", str(hand)],
+         "--screen", "json", "--layout", "so-far", "--record", str(take), "--input", str(hand)],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env=environment(),
     )  # fmt: skip

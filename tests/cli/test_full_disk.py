@@ -77,7 +77,7 @@ def test_a_sound_that_just_does_not_fit_takes_its_trace_with_it(small_disk, monk
 @pytest.mark.parametrize("command", ["demo", "figures"])
 def test_pictures_and_the_demo_on_a_full_disk_are_one_line(small_disk, command):
     (small_disk / "filler").write_bytes(b"x" * 62_000)
-    refused(overview(command, "--out", small_disk), str(small_disk), code=1)
+    refused(overview(command, "--output", small_disk), str(small_disk), code=1)
     for name in os.listdir(small_disk):
         assert name == "filler" or os.path.getsize(small_disk / name) > 1000
         assert not name.startswith(".")

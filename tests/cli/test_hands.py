@@ -9,12 +9,15 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 
+from overview_dsp.cli.options.output import callback_kind
+from overview_dsp.cli.options.sources import _parts
 from overview_dsp.devices.controllers.osc_map import load_osc_map
 from overview_dsp.errors import OverviewError
-from overview_dsp.live.output import devices
+from overview_dsp.live.output import devices, saved_settings
 from overview_dsp.live.ports import midi, pads
 from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.devices.controllers.osc_bytes import message
@@ -32,12 +35,12 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "osc:9000", "--input", "osc:9001"), ("osc:9001", "one of a kind")),
         (("--input", "sweep:1", "--input", "osc:9000"), ("plays alone",)),
         (("--input", "sweep:1", "--input", "sweep:1"), ("one of a kind",)),
-        (("--input", "osc:9000", "--sensor", "imu"), ("--sensor", "serial:PORT")),
-        (("--input", "osc:9000", "--midi-map", "x.toml"), ("--midi-map", "midi:NAME")),
-        (("--input", "midi:x", "--midi-map", "nowhere.toml"), ("nowhere.toml", "midi learn")),
+        (("--input", "osc:9000,sensor=imu"), ("sensor is for serial:", "osc: takes map")),
+        (("--input", "serial:x,map=x.toml"), ("map is for osc:, midi:",)),
+        (("--input", "midi:x,map=nowhere.toml"), ("nowhere.toml", "midi learn")),
         (("--osc-out", "x"), ("'x'", "9000")),
-        (("--input", "midi:x", "--osc-map", "zigsim"), ("--osc-map", "osc:PORT")),
-        (("--input", "osc:9000", "--osc-map", "zigsin"), ("osc learn", "zigsim")),
+        (("--input", "midi:x,mapp=zigsim"), ("unknown part 'mapp'", "did you mean 'map'")),
+        (("--input", "osc:9000,map=zigsin"), ("osc learn", "zigsim")),
         (("--input", "http://"), ("http", "phyphox")),
         (("--input", "post:x"), ("'x'", "9000")),
         (("--input", "post:8000", "--input", "serial:x"), ("serial:x", "one of a kind")),
@@ -82,16 +85,16 @@ def test_a_fader_that_is_moved_is_learned_and_played(tmp_path):
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["address"] == "/1/fader7"
     assert "move it from one end to the other" in outcome.err
-    assert overview("osc", "learn", number, "device", "-o", path, "--seconds", 0.2).code == 2
+    assert overview("osc", "learn", number, "device", "-o", path, "--timeout", 0.2).code == 2
     assert load_osc_map(path)[0].hears("/1/fader7")
-    played = overview(*PLAY, "--input", f"osc:{number}", "--osc-map", path, "--seconds", 0.2)
+    played = overview(*PLAY, "--input", f"osc:{number},map={path}", "--seconds", 0.2)
     assert played.code == 0, played.err
 
 
 def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('schema = 1\n[[control]]\ncontrol = "cc 7"\nto = "tactor.gian_db"\n')
-    line = refused(overview(*PLAY, "--input", "midi:x", "--midi-map", path))
+    line = refused(overview(*PLAY, "--input", f"midi:x,map={path}"))
     assert "did you mean 'tactor.gain_db'" in line
 
 
@@ -167,3 +170,65 @@ def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     missing = overview("devices", "--listen", 0).out
     assert "overview-dsp[midi]" in missing
     assert "overview-dsp[pads]" in missing
+
+
+@pytest.fixture
+def remembered(tmp_path, monkeypatch):
+    """A made-up output device, and the file of settings in a folder of its own."""
+    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
+    card = SimpleNamespace(full_name="Card (ALSA)", channels=4)
+    monkeypatch.setattr(devices, "find_device", lambda name: card)
+    return lambda: saved_settings.load_settings(card.full_name, card.channels)
+
+
+def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
+    settings = ("--set", "tactor.gain=-6", "--set", "tactor.channel=3+4", "--set", "click.mute=yes")
+    assert overview("devices", "--listen", 0, "--device", "Card", *settings).code == 0
+    assert (remembered().tactor.gain_db, remembered().tactor.channel) == (-6.0, (3, 4))
+    assert remembered().click.mute
+    assert overview("devices", "--listen", 0, "--set", "click.mute=no").code == 0
+    assert not remembered().click.mute
+    assert remembered().tactor.gain_db == -6.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--device", "Card"), ("--device", "--set")),
+        (("--device", "none", "--set", "click.gain=1"), ("none has no settings",)),
+        (("--set", "tactor.gian=1"), ("did you mean 'tactor.gain'?", "click.ceiling")),
+        (("--set", "tactor.gain"), ("no KEY=VALUE",)),
+        (("--set", "tactor.gain=loud"), ("--set tactor.gain=loud: 'loud' is not a number",)),
+        (("--set", "tactor.gain=nan"), ("'nan' is not a number",)),
+        (("--set", "tactor.gain=99"), ("gain 99 is out of range; it is -60 to 24",)),
+        (("--set", "click.mute=maybe"), ("click.mute=maybe: must be yes or no",)),
+        (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain is given twice",)),
+    ],
+)
+def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, arguments, words):
+    before = remembered()
+    refused(overview("devices", "--listen", 0, *arguments), *words)
+    assert remembered() == before
+
+
+def test_the_callback_is_chosen_by_an_environment_variable(monkeypatch):
+    monkeypatch.setenv("OVERVIEW_CALLBACK", "java")
+    line = refused(overview(*PLAY, "--seconds", 0.1))
+    assert line == "error: OVERVIEW_CALLBACK=java: must be native or python"
+    monkeypatch.setenv("OVERVIEW_CALLBACK", "python")
+    assert callback_kind() == "python"
+    assert overview(*PLAY, "--seconds", 0.1).code == 0
+    monkeypatch.setenv("OVERVIEW_CALLBACK", "")
+    assert callback_kind() == "native"
+
+
+@pytest.mark.parametrize("option", [("--screen", "json"), ("--screen=json",)])
+def test_with_lines_of_json_an_error_is_a_line_of_json(option):
+    done = overview(*PLAY, *option, "--seconds", -1)
+    assert json.loads(done.err) == {"error": "--seconds -1; it is 0 or more", "exit_code": 2}
+
+
+def test_parts_follow_a_port_whose_name_has_a_comma():
+    assert _parts("", "midi", "a, b 1:0,map=x.toml") == ("a, b 1:0", {"map": "x.toml"})
+    parts = {"sensor": "imu", "force": "", "baud": "9600"}
+    assert _parts("", "serial", "/dev/x,sensor=imu,force,baud=9600") == ("/dev/x", parts)

@@ -25,6 +25,9 @@ def commands(
 
 ALL = commands(app)
 
+PRINTS_JSON = {("play",), ("feed",), ("presets", "schema")}
+"""What they print is JSON already, or on request: `--screen json`."""
+
 
 def test_the_help_lists_every_command_with_a_sentence():
     outcome = overview("--help")
@@ -53,7 +56,7 @@ def test_listing_the_commands_imports_none_of_them():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment()
     )
     # what ends any of them isn't one
-    assert done.stderr.strip() == "['overview_dsp.cli.stopping']"
+    assert done.stderr.strip() == "['overview_dsp.cli.signals']"
 
 
 @pytest.mark.parametrize("words", ALL, ids=" ".join)
@@ -68,7 +71,38 @@ def test_every_commands_help_has_a_worked_example(words):
 def test_every_command_that_reports_has_a_json_option(words):
     if isinstance(ALL[words], click.Group):
         pytest.skip("a group reports nothing itself")
-    assert "--json" in overview(*words, "--help").out
+    shown = overview(*words, "--help").out
+    if words in PRINTS_JSON:
+        assert "--json" not in shown
+        assert "JSON" in shown
+    else:
+        assert "--json" in shown
+
+
+@pytest.mark.parametrize(("name", "most"), [("play", 28), ("serve", 31)])
+def test_the_options_of_a_live_command_stand_under_headings(name, most):
+    command = ALL[name,]
+    options = [one for one in command.params if isinstance(one, click.Option)]
+    assert 20 < len(options) <= most
+    lines = overview(name, "--help").out.splitlines()
+    headings = [line for line in lines if line.endswith(":") and not line.startswith(" ")]
+    assert headings[:3] == ["Data:", "Preset:", "Live data:"]
+    assert headings[-1] == "Options:"  # --help alone
+    assert lines[lines.index("Options:") + 1].split()[0] == "-h,"
+    assert len(headings) <= 9
+
+
+def test_one_name_is_one_option_in_all_commands():
+    """The same name has the same kind of value everywhere, and `-o` is always an output."""
+    kinds: dict[str, dict[str, list[tuple[str, ...]]]] = {}
+    for words, command in ALL.items():
+        for option in command.params:
+            if isinstance(option, click.Option):
+                values = "flag" if option.is_flag else option.type.name.removesuffix(" range")
+                values = {"file": "text", "directory": "text"}.get(values, values)
+                kinds.setdefault(option.opts[-1], {}).setdefault(values, []).append(words)
+                assert ("-o" in option.opts) == ("--output" in option.opts), words
+    assert not {name: found for name, found in kinds.items() if len(found) > 1}
 
 
 @pytest.mark.parametrize("words", [(), ("presets",)], ids=["overview", "presets"])

@@ -42,7 +42,7 @@ def folder(tmp_path, monkeypatch):
          "take.csv"),
         (("export", "match.json", *QUICK[:2], "--to", "haptic", "--to", "android", "-o", "match"),
          "match.json"),
-        (("presets", "import", "boing.ahap", "--kind", "goal", "-o", "boing.ahap"), "boing.ahap"),
+        (("presets", "import", "boing.ahap", "--as", "goal", "-o", "boing.ahap"), "boing.ahap"),
         (("timeline", "convert", "match.json", "-o", "match.json"), "match.json"),
         (("play", "match.json", "--device", "none", "--record", "match.csv", "--seconds", "0.1"),
          "match.json"),

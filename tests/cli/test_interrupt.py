@@ -55,7 +55,7 @@ def test_an_export_that_is_stopped_leaves_nothing(folder):
     command = subprocess.Popen(
         [
             *(sys.executable, "-m", "overview_dsp", "export", MATCH, "--to", "web"),
-            *("--zooms", "3", "-o", "page"),
+            *("--zoom-levels", "3", "-o", "page"),
         ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -12,6 +12,7 @@ import time
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.live.session.loop import Loop
 from tests.cli.running import MATCH, overview, refused
 
 PLAY = [sys.executable, "-m", "overview_dsp", "play", MATCH, "--device", "none"]
@@ -83,9 +84,9 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
         (["--seconds", "nan"], "--seconds nan; it is 0 or more"),
         (["--seconds", "-1"], "--seconds -1; it is 0 or more"),
         (["--sample-rate", "0"], "sample rate 0 Hz is out of range"),
-        (["--click-gain", "99"], "gain 99 is out of range"),
-        (["--click-channel", "2"], "can't share channel 2"),
-        (["--tactor-channel", "3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
+        (["--set", "click.gain=99"], "gain 99 is out of range"),
+        (["--set", "click.channel=2"], "can't share channel 2"),
+        (["--set", "tactor.channel=3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
         (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
@@ -108,3 +109,19 @@ def test_a_window_may_be_given_by_events_and_clocks(springy_file):
     played_here(springy_file, "--input", "tap:0.5:0.1", "--window", "goal:2-1:00", "goal:2+5")
     wrong = overview("play", MATCH, "--device", "none", "--window", "goal:2", "9:99")
     assert refused(wrong).startswith("error: --window: '9:99' is no moment")
+
+
+@pytest.mark.parametrize(
+    ("replay", "repeats"), [("tap:0.5:0.1,loop", True), ("tap:0.5:0.1", False)]
+)
+def test_a_replay_repeats_where_that_is_asked_for(monkeypatch, springy_file, replay, repeats):
+    begun = []
+    begin = Loop.begin
+    monkeypatch.setattr(Loop, "begin", lambda *given: begun.append(given[2:]) or begin(*given))
+    played_here(springy_file, "--replay", replay, "--seconds", "0.2")
+    assert begun == [("tap:0.5:0.1", repeats)]
+
+
+def test_a_preset_to_compare_is_checked_before_it_plays():
+    wrong = overview("play", MATCH, "--device", "none", "--compare", "footbal")
+    refused(wrong, "no preset is called 'footbal'", "did you mean 'football'")

@@ -27,15 +27,15 @@ def done(*arguments):
 
 
 def test_a_new_preset_is_in_the_own_folder_listed_checked_and_played(folder):
-    assert "own" in done("presets", "new", "mine", "--from", "heart")
+    assert "own" in done("presets", "new", "mine", "--base", "heart")
     assert (folder / "own" / "mine.toml").is_file()
     assert "mine" in done("presets", "list")
     assert "valid" in done("presets", "check", "mine")
     assert "no difference" in done("presets", "diff", "mine", "heart")
-    refused(overview("presets", "new", "mine"), "is there already")
+    refused(overview("presets", "new", "mine"), "already exists")
     refused(overview("presets", "new", "football"), "bundled")
     refused(overview("presets", "new", "../x"), "no name")
-    refused(overview("presets", "new", "other", "--from", "nothing"), "nothing")
+    refused(overview("presets", "new", "other", "--base", "nothing"), "nothing")
 
 
 def test_editing_checks_what_was_written(folder, monkeypatch):
@@ -44,7 +44,7 @@ def test_editing_checks_what_was_written(folder, monkeypatch):
     (folder / "editor").chmod(0o755)
     monkeypatch.setenv("VISUAL", str(folder / "editor"))
     refused(overview("presets", "edit", "mine"), "mine.toml:", "disk.k1", "out of range")
-    refused(overview("presets", "edit", "football"), "presets new my-football --from football")
+    refused(overview("presets", "edit", "football"), "presets new my-football --base football")
     monkeypatch.setenv("VISUAL", "true")
     refused(overview("presets", "edit", "mine"), "disk.k1")
 
@@ -101,21 +101,21 @@ def test_feel_is_a_table_json_and_a_picture(folder):
 
 
 def test_tune_writes_a_valid_preset(folder):
-    report = json.loads(done("presets", "tune", "crowd", "--target", "cheer>default", "--json"))
+    report = json.loads(done("presets", "tune", "crowd", "--order", "cheer>default", "--json"))
     done("presets", "check", report["file"])
     assert report["reached"] is (report["least_steps"] >= 2.0)
-    refused(overview("presets", "tune", "crowd", "--target", "cheer"), "two kinds")
-    refused(overview("presets", "tune", "crowd"), "--target", "--apart")
-    report = json.loads(done("presets", "tune", "crowd", "--apart", "--json"))
+    refused(overview("presets", "tune", "crowd", "--order", "cheer"), "two kinds")
+    refused(overview("presets", "tune", "crowd"), "--order", "--separate")
+    report = json.loads(done("presets", "tune", "crowd", "--separate", "--json"))
     assert report["reached"]
     assert list(report["kinds"]) == ["default", "cheer", "burst"]
 
 
 def test_a_clip_is_laid_into_a_preset(folder):
     done("export", "world-cup-final-2018", "--gesture", "tap:0.5:0.3", "--to", "haptic", "-o", "c")
-    done("presets", "import", "c", "--kind", "goal", "-o", "mine.toml")
+    done("presets", "import", "c", "--as", "goal", "-o", "mine.toml")
     assert "kinds.goal.points" in done("presets", "diff", "football", "mine.toml")
-    refused(overview("presets", "import", "mine.toml", "--kind", "goal"), "not JSON")
+    refused(overview("presets", "import", "mine.toml", "--as", "goal"), "not JSON")
 
 
 def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_picture(
@@ -124,9 +124,9 @@ def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_pictu
     # a hundred timelines take too long here
     few = functools.partial(observing.observe, learned=3, held_out=2)
     monkeypatch.setattr(observing, "observe", few)
-    asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--hands", "mixed")
+    asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--movement", "mixed")
     ov.save_timeline(ov.measure.random_crowd(1), "crowd.json")
-    text = done(*asked, "crowd.json", "--picture", "observer.png")
+    text = done(*asked, "crowd.json", "--plot", "observer.png")
     assert text.startswith("crowd, mixed hands, an observer that learned from 3 random timelines")
     assert "random timelines (2), touch: recall / precision, %" in text
     assert "timelines given (1), touch: recall / precision, %" in text
@@ -138,7 +138,9 @@ def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_pictu
     assert isinstance(report["warnings"], list)
 
 
-@pytest.mark.parametrize("option", [("--hands", "mixed"), ("--modality", "touch"), ("--seed", "1")])
+@pytest.mark.parametrize(
+    "option", [("--movement", "mixed"), ("--modality", "touch"), ("--seed", "1")]
+)
 def test_an_observers_options_without_it_are_refused(option):
     refused(overview("presets", "feel", "crowd", *option), f"{option[0]} is for --observer")
 
@@ -146,7 +148,7 @@ def test_an_observers_options_without_it_are_refused(option):
 def test_an_unknown_sense_or_hand_is_refused_with_those_that_are_known():
     ask = ("presets", "feel", "crowd", "--observer")
     refused(overview(*ask, "--modality", "smell"), "touch")
-    refused(overview(*ask, "--hands", "cold"), "steady")
+    refused(overview(*ask, "--movement", "cold"), "steady")
 
 
 def test_each_timeline_must_have_events(folder):

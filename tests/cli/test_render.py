@@ -109,14 +109,14 @@ def test_it_works_as_a_process_of_its_own(folder):
 
 def test_figures_writes_six_pictures_and_names_them(folder):
     (folder / "e.csv").write_text("time_s,kind\n1,goal\n2,foul\n3,goal\n")
-    report = json.loads(overview("figures", "--timeline", "e.csv", "--out", "p", "--json").out)
+    report = json.loads(overview("figures", "--timeline", "e.csv", "--output", "p", "--json").out)
     assert len(report["files"]) == 6
     for name in report["files"]:
         assert (folder / name).stat().st_size > 1000
 
 
 def test_the_demo_writes_three_sounds_and_the_pictures(folder):
-    outcome = overview("demo", "--out", "d", "--json")
+    outcome = overview("demo", "--output", "d", "--json")
     assert outcome.code == 0, outcome.err
     report = json.loads(outcome.out)
     for sound in report["sounds"]:

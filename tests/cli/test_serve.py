@@ -131,7 +131,7 @@ def test_beyond_this_machine_it_is_https_with_its_fingerprint_and_a_qr_code(tmp_
 
 
 def test_play_remote_opens_the_server_beside_the_session(tmp_path):
-    arguments = ("play", MATCH, "--device", "none", "--remote", "--port", 0, "--headless")
+    arguments = ("play", MATCH, "--device", "none", "--remote", ":0", "--screen", "json")
     with running(*arguments, folder=tmp_path) as server:
         told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
         assert told["server"]["audio"] == "host"
@@ -145,7 +145,7 @@ def test_play_remote_shows_the_address_in_the_terminal(tmp_path):
     pid, terminal = pty.fork()
     if pid == 0:  # the child
         os.environ.update(COLUMNS="140", LINES="40", TERM="xterm-256color")
-        arguments = ["play", MATCH, "--device", "none", "--remote", "--port", "0"]
+        arguments = ["play", MATCH, "--device", "none", "--remote", ":0"]
         os.execv(sys.executable, [sys.executable, "-m", "overview_dsp", *arguments])
     shown = b""
     try:
@@ -165,7 +165,7 @@ def test_play_remote_shows_the_address_in_the_terminal(tmp_path):
 
 
 def test_play_without_remote_listens_to_nobody(tmp_path):
-    done = overview("play", MATCH, "--device", "none", "--headless", "--seconds", 0.2)
+    done = overview("play", MATCH, "--device", "none", "--screen", "json", "--seconds", 0.2)
     assert done.code == 0, done.err
     assert "open http" not in done.err
 
@@ -177,6 +177,8 @@ def test_play_without_remote_listens_to_nobody(tmp_path):
         (("--host", "203.0.113.7", "--cert", "x.pem"), ("x.pem",)),
         (("--key", "x.pem"), ("--cert",)),
         (("--media", "none.mp4"), ("none.mp4",)),
+        (("--media", "none.mp4,offset=7"), ("none.mp4: can't be read",)),
+        (("--media", "none.mp4,offset=soon"), ("none.mp4,offset=soon", "seconds")),
         (("--media", "none.txt"), ("none.txt",)),
         (("--preset", "none"), ("none",)),
         (("--window", "5", "1"), ("--window",)),
@@ -190,10 +192,13 @@ def test_bad_input_is_one_clear_line(tmp_path, monkeypatch, arguments, words):
 
 def test_an_option_without_effect_is_refused():
     refused(overview("serve", MATCH, "--record", "take.csv"), "--record", "--audio host")
-    refused(overview("serve", MATCH, "--tactor-gain", "3"), "--tactor-gain", "--audio host")
+    refused(overview("serve", MATCH, "--set", "tactor.gain=3"), "--set", "--audio host")
+
+
+@pytest.mark.parametrize("address", ["localhost:99999", "two words", "a:b", "[::1"])
+def test_an_address_that_is_none_is_refused(address):
     play = ("play", MATCH, "--device", "none")
-    refused(overview(*play, "--host", "0.0.0.0"), "--host", "--remote")
-    refused(overview(*play, "--port", "0"), "--port", "--remote")
+    refused(overview(*play, "--remote", address), f"--remote {address}", "0.0.0.0:8765")
 
 
 def test_a_port_that_is_taken_is_one_clear_line(tmp_path):
@@ -211,3 +216,8 @@ def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
     )
     refused(overview("serve", MATCH), "uvicorn", "pip install 'overview-dsp[web]'")
     refused(overview("play", MATCH, "--device", "none", "--remote"), "overview-dsp[web]")
+
+
+def test_an_address_before_the_timeline_does_not_swallow_it():
+    swallowed = overview("play", "--device", "none", "--remote", MATCH)
+    refused(swallowed, f"--remote {MATCH} is an address", "TIMELINE")

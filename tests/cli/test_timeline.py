@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 
 import pytest
 import soundfile
@@ -84,15 +85,15 @@ def test_show_lists_the_matches_of_a_file_of_several(folder):
     (folder / "cup.json").write_text(json.dumps(CUP))
     outcome = overview("timeline", "show", "cup.json")
     assert outcome.out.splitlines() == [
-        "cup.json: 2 matches; choose one with --match",
+        "cup.json: 2 matches; choose one with --select",
         "1  2020-07-15  France 2-1 Australia  Final",
         "2  2020-07-15  France 2-1 Croatia  Final",
     ]
     report = json.loads(overview("timeline", "show", "cup.json", "--json").out)
     assert report["matches"] == list(list_matches("cup.json"))
-    one = overview("timeline", "show", "cup.json", "--match", "croatia")
+    one = overview("timeline", "show", "cup.json", "--select", "croatia")
     assert one.out.startswith("France 2-1 Croatia, Village Cup 2020")
-    refused(overview("timeline", "show", "cup.json", "--match", "Brazil"), "cup.json", "Brazil")
+    refused(overview("timeline", "show", "cup.json", "--select", "Brazil"), "cup.json", "Brazil")
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
@@ -111,7 +112,7 @@ def test_a_picture_that_cannot_be_is_one_line_before_anything_is_read(folder):
 
 def test_convert_writes_the_native_format_and_it_reads_back_the_same(folder):
     (folder / "g.csv").write_text(GOALSCORERS)
-    outcome = overview("timeline", "convert", "g.csv", "--match", "1", "-o", "n.json")
+    outcome = overview("timeline", "convert", "g.csv", "--select", "1", "-o", "n.json")
     assert outcome.code == 0, outcome.err
     assert outcome.out.startswith(
         "n.json: Northport 1-2 Sudbury, 2014-07-08, 1:30:00.0, 6 events, "
@@ -142,11 +143,22 @@ def test_convert_refuses_what_it_cannot_write(folder):
 
 def test_limits_are_options_of_the_command_line(folder):
     (folder / "m.json").write_text(OPENFOOTBALL_TEXT)
-    refused(overview("timeline", "show", "m.json", "--max-mb", "1e-5"), "m.json", "--max-mb")
-    refused(overview("timeline", "show", "m.json", "--max-depth", "2"), "m.json", "--max-depth")
-    assert overview("timeline", "show", "m.json", "--max-depth", "9", "--max-mb", "1").code == 0
-    refused(overview("timeline", "show", "m.json", "--max-mb", "-1"), "max_mb is -1.0")
-    refused(overview("timeline", "show", MATCH, "--rate", "50"), "rate can't be given")
+    refused(
+        overview("timeline", "show", "m.json", "--read", "max-mb=1e-5"),
+        "m.json",
+        "--read max-mb=MB",
+    )
+    refused(
+        overview("timeline", "show", "m.json", "--read", "max-depth=2"),
+        "m.json",
+        "--read max-depth=LEVELS",
+    )
+    assert (
+        overview("timeline", "show", "m.json", "--read", "max-depth=9", "--read", "max-mb=1").code
+        == 0
+    )
+    refused(overview("timeline", "show", "m.json", "--read", "max-mb=-1"), "max_mb is -1.0")
+    refused(overview("timeline", "show", MATCH, "--read", "rate=50"), "rate can't be given")
 
 
 @pytest.mark.parametrize(
@@ -161,15 +173,35 @@ def test_limits_are_options_of_the_command_line(folder):
     ],
 )
 def test_every_command_that_opens_a_timeline_takes_the_same_options(command):
-    shown = overview(*command, "--help").out
-    for option in ("value", "time", "map", "rate", "match", "duration", "max-mb", "max-depth"):
-        assert f"--{option} " in shown
+    shown = re.sub(r"-\n\s+", "-", overview(*command, "--help").out)
+    for option in ("--value-column", "--time-column", "--map", "--select", "--read"):
+        assert f"{option} " in shown
+    for key in ("kind", "label", "rate", "duration", "max-mb", "max-depth"):
+        assert f"{key}=" in shown
+
+
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        ("rate", ("no KEY=VALUE", "max-depth")),
+        ("rat=50", ("unknown key 'rat'", "did you mean 'rate'?", "max-depth")),
+        ("rate=fast", ("--read rate=fast: 'fast' is not a number",)),
+        ("max-depth=2.5", ("'2.5' is not a whole number",)),
+    ],
+)
+def test_a_wrong_reading_option_is_one_line_with_what_can_be_given(read, words):
+    refused(overview("timeline", "show", MATCH, "--read", read), *words)
+
+
+def test_a_reading_option_given_twice_is_refused():
+    twice = ("--read", "rate=5", "--read", "rate=6")
+    refused(overview("timeline", "show", MATCH, *twice), "rate is given twice")
 
 
 def test_render_takes_a_match_of_a_file(folder):
     (folder / "cup.json").write_text(json.dumps(CUP))
-    refused(overview("render", "cup.json", *QUICK), "holds 2 matches", "--match")
-    report = json.loads(overview("render", "cup.json", "--match", "2", *QUICK, "--json").out)
+    refused(overview("render", "cup.json", *QUICK), "holds 2 matches", "--select")
+    report = json.loads(overview("render", "cup.json", "--select", "2", *QUICK, "--json").out)
     assert report["title"].startswith("France 2-1 Croatia")
     assert len(soundfile.read(folder / "out.wav")[0]) > 0
 
@@ -177,7 +209,7 @@ def test_render_takes_a_match_of_a_file(folder):
 def test_show_looks_for_matches_with_the_options_a_format_is_detected_by(folder):
     beats = "".join(f"{int(1000 * (i % 100 == 50))}\n" for i in range(2000))
     (folder / "lead.csv").write_text("hart\n" + beats)
-    outcome = overview("timeline", "show", "lead.csv", "--rate", "100")
+    outcome = overview("timeline", "show", "lead.csv", "--read", "rate=100")
     refused(overview("timeline", "show", "lead.csv"), "lead.csv")
     assert "not a format" not in outcome.err
 

@@ -56,7 +56,7 @@ def test_a_preset_tuned_on_a_match_reaches_its_target_or_says_by_how_much_not(
     target = [kind for kind in ORDER if kind in timeline.kinds()]
     (tmp_path / "child.toml").write_text(CHILD)
     done = overview(
-        *("presets", "tune", "child.toml", str(file), "--target", ">".join(target)),
+        *("presets", "tune", "child.toml", str(file), "--order", ">".join(target)),
         *("-o", "made.toml", "--json"),
     )
     assert done.code == 0, done.err

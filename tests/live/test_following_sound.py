@@ -23,7 +23,7 @@ import numpy as np
 
 sound = np.load(sys.argv[1])
 command = [sys.executable, "-m", "overview_dsp", "play", "--follow", "audio:system", "--device",
-           "none", "--json", "--seconds", sys.argv[2], "--record", sys.argv[3]]
+           "none", "--screen", "json", "--seconds", sys.argv[2], "--record", sys.argv[3]]
 playing = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 client = jack.Client("crowd", no_start_server=True)
 out = client.outports.register("out")

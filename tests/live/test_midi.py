@@ -148,9 +148,7 @@ def test_learning_writes_a_list_that_play_takes(tmp_path):
             "--seconds",
             1,
             "--input",
-            "midi:no-such",
-            "--midi-map",
-            path,
+            f"midi:no-such,map={path}",
         )
     assert done.returncode == 2
     assert "no such port" in done.stderr

@@ -304,7 +304,7 @@ def motor(tmp_path):
         process.stdout.close()
 
 
-FORCE = ("--sensor", "simplefoc", "--force")
+FORCE = "sensor=simplefoc,force"
 
 
 @pytest.mark.realtime
@@ -312,7 +312,7 @@ FORCE = ("--sensor", "simplefoc", "--force")
 @pytest.mark.parametrize("delay_ms", [0, 20])
 def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms):
     port = motor("--delay-ms", delay_ms)
-    lines, _ = played("--input", f"serial:{port}", *FORCE, "--seconds", 9)
+    lines, _ = played("--input", f"serial:{port},{FORCE}", "--seconds", 9)
     force = lines[-1]["summary"]["input"]["force"]
     told = motor.told()
     print(force, told)
@@ -331,7 +331,7 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
 def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(motor):
     board_module()
     port = motor("--board", "--delay-ms", 5)
-    lines, _ = played("--input", f"serial:{port}", *FORCE, "--baud", 1_000_000, "--seconds", 10)
+    lines, _ = played("--input", f"serial:{port},{FORCE},baud=1000000", "--seconds", 10)
     report = lines[-1]["summary"]["input"]
     told = motor.told()
     print(report, told)
@@ -348,7 +348,7 @@ def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(m
 @needs_pty
 def test_a_knob_that_is_held_lies_still_over_a_port(motor):
     port = motor("--hand", "hold", "--delay-ms", 20)
-    lines, _ = played("--input", f"serial:{port}", *FORCE, "--seconds", 7)
+    lines, _ = played("--input", f"serial:{port},{FORCE}", "--seconds", 7)
     assert lines[-1]["summary"]["input"]["force"]["commands"] > 500
     assert motor.told()["moved_deg"] < 0.2
 
@@ -358,7 +358,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
     """The device's own duty: nothing tells it to stop."""
     port = motor("--hand", "sweep")
     process = subprocess.Popen(
-        [*PLAY, "--input", f"serial:{port}", *FORCE],
+        [*PLAY, "--input", f"serial:{port},{FORCE}"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])},
     )  # fmt: skip
@@ -381,7 +381,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
 @needs_pty
 def test_a_motor_that_falls_silent_is_let_go(motor):
     port = motor("--mute", 4)
-    lines, said = played("--input", f"serial:{port}", *FORCE, "--seconds", 9)
+    lines, said = played("--input", f"serial:{port},{FORCE}", "--seconds", 9)
     force = lines[-1]["summary"]["input"]["force"]
     assert force["silences"] >= 1
     assert not force["alive"]
@@ -393,11 +393,12 @@ def test_a_motor_that_falls_silent_is_let_go(motor):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("--force",),
-        ("--force", "--input", "sweep:2"),
-        ("--force", "--input", "serial:/dev/null"),
-        ("--force", "--input", "serial:/dev/null", "--sensor", "imu"),
-        ("--force", "--input", "serial:/dev/no-such-port", "--sensor", "simplefoc"),
+        ("--input", "pad:,force"),
+        ("--input", "sweep:2,force"),
+        ("--input", "serial:/dev/null,force"),
+        ("--input", "serial:/dev/null,force=yes,sensor=simplefoc"),
+        ("--input", "serial:/dev/null,sensor=imu,force"),
+        ("--input", "serial:/dev/no-such-port,sensor=simplefoc,force"),
     ],
 )
 def test_wrong_options_are_one_line(arguments):

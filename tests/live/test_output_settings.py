@@ -282,8 +282,8 @@ def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembe
     given = refusal()
     assert given == (
         "output device 'Pad' (Pad): Invalid number of channels [PaErrorCode -9998]; it has 2 "
-        "channels, 4 are asked for; `overview play` with --click-channel 1 --tactor-channel 2 (or "
-        "`channels 1 2` while it plays) changes that"
+        "channels, 4 are asked for; `overview play` with --set click.channel=1 --set "
+        "tactor.channel=2 (or `channels 1 2` while it plays) changes that"
     )
     save_settings("Pad (ALSA)", PAD)
     assert refusal() == given.replace("asked for;", f"asked for, as {path} remembers;")

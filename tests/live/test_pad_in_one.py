@@ -67,7 +67,7 @@ def process(frames):
 with client:
     playing = subprocess.run(
         [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--input", "pad:",
-         "--device", "pad", "--seconds", "12", "--json"], capture_output=True, text=True)
+         "--device", "pad", "--seconds", "12", "--screen", "json"], capture_output=True, text=True)
     devices = subprocess.run(
         [sys.executable, "-m", "overview_dsp", "devices", "--listen", "0"],
         capture_output=True, text=True)

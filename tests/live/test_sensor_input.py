@@ -453,7 +453,7 @@ def test_noise_on_the_wire_is_counted_and_does_not_stop_it(device):
 @needs_pty
 def test_devices_says_what_a_port_speaks(device):
     told = device("--format", "json")
-    found = overview("devices", "--json", "--port", told, "--port", "/dev/no-such-port")
+    found = overview("devices", "--json", "--serial", told, "--serial", "/dev/no-such-port")
     ports = {one["device"]: one["speaks"] for one in json.loads(found.out)["serial_ports"]}
     assert ports[str(told)] == "JSON lines"
     assert "no such port" in ports["/dev/no-such-port"]
@@ -475,10 +475,10 @@ def test_a_port_is_held_by_one_program(device):
     [
         ("--input", "serial:/dev/no-such-port"),
         ("--input", "serial:"),
-        ("--sensor", "imu"),
-        ("--baud", "9600"),
-        ("--input", "serial:/dev/null", "--sensor", "imy"),
-        ("--input", "serial:/dev/null", "--sensor", "nowhere.toml"),
+        ("--input", "pad:,force"),
+        ("--input", "serial:/dev/null,baud=96"),
+        ("--input", "serial:/dev/null,sensor=imy"),
+        ("--input", "serial:/dev/null,sensor=nowhere.toml"),
     ],
 )
 def test_wrong_options_are_one_line(arguments):

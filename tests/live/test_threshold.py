@@ -118,7 +118,7 @@ def test_pressing_enter_keeps_the_level_and_it_is_used_from_then_on(tmp_path, mo
     for variable in ("XDG_CONFIG_HOME", "APPDATA", "HOME"):
         monkeypatch.setenv(variable, str(tmp_path))
     process = subprocess.Popen(
-        [*CALIBRATE, "--device", "none", "--times", "1", "--rise", "10", "--json"],
+        [*CALIBRATE, "--device", "none", "--repeats", "1", "--ramp", "10", "--json"],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert process.stdin is not None and process.stderr is not None  # noqa: PT018

@@ -192,7 +192,7 @@ def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch
     monkeypatch.setattr(tuning, "TRIES", 6)
     (tmp_path / "child.toml").write_text(CHILD)
     done = overview(
-        *("presets", "tune", "child.toml", MATCH, "--target", "goal>yellow_card>foul"),
+        *("presets", "tune", "child.toml", MATCH, "--order", "goal>yellow_card>foul"),
         *("-o", "out.toml", "--json"),
     )
     assert done.code == 0, done.err

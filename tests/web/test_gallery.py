@@ -18,7 +18,7 @@ ADDRESS = "https://example.org/matches"
 @pytest.fixture(scope="module")
 def gallery(tmp_path_factory):
     folder = tmp_path_factory.mktemp("gallery") / "site"
-    given = ("--to", "web", "--zooms", 0, "--address", ADDRESS, "-o", folder)
+    given = ("--to", "web", "--zoom-levels", 0, "--base-url", ADDRESS, "-o", folder)
     assert overview("export", *MATCHES, *given).code == 0
     return folder
 
@@ -71,10 +71,10 @@ def test_where_the_folder_will_be_makes_pictures_addresses_whole(gallery):
 def test_a_gallery_is_replaced_by_one_and_no_other_folder_is(gallery, tmp_path):
     os.makedirs(tmp_path / "own")
     (tmp_path / "own" / "thesis.txt").write_text("years")
-    told = overview("export", *MATCHES, "--to", "web", "--zooms", 0, "-o", tmp_path / "own")
+    told = overview("export", *MATCHES, "--to", "web", "--zoom-levels", 0, "-o", tmp_path / "own")
     assert told.code != 0
     assert "other files" in told.err
-    assert overview("export", *MATCHES, "--to", "web", "--zooms", 0, "-o", gallery).code == 0
+    assert overview("export", *MATCHES, "--to", "web", "--zoom-levels", 0, "-o", gallery).code == 0
     assert "og:url" not in (gallery / "index.html").read_text()
 
 
@@ -83,9 +83,9 @@ def test_a_gallery_is_replaced_by_one_and_no_other_folder_is(gallery, tmp_path):
     [
         ((*MATCHES, "--to", "ahap"), "only --to web takes several"),
         ((*MATCHES, "--to", "c"), "only --to web takes several"),
-        ((MATCHES[0], "--to", "web", "--address", "example.org"), "no address of a folder"),
-        ((MATCHES[0], "--to", "web", "--address", "https://["), "no address of a folder"),
-        ((MATCHES[0], "--to", "ahap", "--address", ADDRESS), "--address is for --to web"),
+        ((MATCHES[0], "--to", "web", "--base-url", "example.org"), "no address of a folder"),
+        ((MATCHES[0], "--to", "web", "--base-url", "https://["), "no address of a folder"),
+        ((MATCHES[0], "--to", "ahap", "--base-url", ADDRESS), "--base-url is for --to web"),
     ],
 )
 def test_what_cant_be_exported_is_one_clear_line(given, words):

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import click
 
-from overview_dsp.cli.actuators import calibrate, inspect, sweep
+from overview_dsp.cli.actuators.calibrate import calibrate
+from overview_dsp.cli.actuators.sweep import sweep
+from overview_dsp.cli.common import list_profiles
+from overview_dsp.cli.common import show as show_report
+from overview_dsp.cli.options.groups import JSON, cli_command
 
 
 @click.group(name="actuators", epilog="Example: overview actuators show c2")
@@ -12,5 +16,36 @@ def command() -> None:
     """Show, measure and calibrate what the tactor's signal drives."""
 
 
-for _one in (inspect.list_, inspect.show, sweep.sweep, calibrate.calibrate):
-    command.add_command(_one)
+@cli_command("actuators list", group=command)
+def list_(*, as_json: bool = JSON) -> None:
+    """List the bundled actuators and your own."""
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.library import actuator_names
+
+    list_profiles(
+        actuator_names(),
+        calibrated_actuator,
+        lambda actuator: {
+            "name": actuator.name,
+            "title": actuator.title,
+            "description": actuator.description,
+            "calibration_db": actuator.gain_db,
+            "file": actuator.source,
+        },
+        as_json,
+        lambda one: f" (calibrated {one.gain_db:+.1f} dB)" if one.gain_db else "",
+    )
+
+
+@cli_command("actuators show c2", group=command)
+def show(name: str, *, as_json: bool = JSON) -> None:
+    """Show every value of the actuator NAME (or its .toml file), and what they amount to."""
+    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.describe import describe, describe_json
+
+    actuator = calibrated_actuator(name)
+    show_report(as_json, describe_json(actuator), describe(actuator))
+
+
+command.add_command(sweep)
+command.add_command(calibrate)

@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.common import announce_compile, print_json
-from overview_dsp.cli.options.output import channels_given
-from overview_dsp.live.output.portaudio_library import SILENT, device_named
+import overview_dsp as ov
+from overview_dsp.cli.common import announce_compile, note, show
+from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.output import DEVICE
+from overview_dsp.errors import InputError
+from overview_dsp.live.output.portaudio_library import SILENT
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,29 +35,20 @@ SPREAD_DB = 6.0
 """Answers further apart than this deserve a word."""
 
 
-@click.command(epilog="Example: overview actuators calibrate c2 --device 2")
-@click.argument("name")
-@click.option("--device", help="Output: a name or number of `overview devices`, pad, none.")
-@click.option("--channel", callback=channels_given, metavar="N[+N]",
-              help="Its channel, from 1, or several (3+4); as remembered if left out.")  # fmt: skip
-@click.option("--frequency", type=float, help="Hz; the actuator's resonance if left out.")
-@click.option("--rise", default=3.0, show_default=True, help="dB a second.")
-@click.option(
-    "--times", type=click.IntRange(1, 20), default=3, show_default=True, help="Tones to answer."
-)
-@click.option("--threshold", type=float, metavar="DB", help="Keep this one, without a tone.")
-@click.option("--forget", is_flag=True, help="Forget the threshold; presets are as they were made.")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("actuators calibrate c2 --device 2")
 def calibrate(
     name: str,
-    device: str | None,
-    channel: int | tuple[int, ...] | None,
-    frequency: float | None,
-    rise: float,
-    times: int,
-    threshold: float | None,
-    forget: bool,
-    as_json: bool,
+    *,
+    device: str | None = DEVICE,
+    channel: str | None = option(
+        "Output channel, from 1, or several (3+4).  [default: as remembered]", metavar="N[+N]"
+    ),
+    frequency: float | None = option("Hz.  [default: the actuator's resonance]"),
+    ramp: float = option("Rise of the tone, dB per second.", default=3.0),
+    repeats: int = option("Tones to answer.", type=click.IntRange(1, 20), default=3),
+    threshold: float | None = option("Store this threshold, without a tone.", metavar="DB"),
+    reset_threshold: bool = option("Remove the stored threshold: presets play as made."),
+    as_json: bool = JSON,
 ) -> None:
     """Find the level at which you begin to feel the actuator NAME, and keep a gain for it.
 
@@ -62,62 +56,55 @@ def calibrate(
     --actuator NAME drives it so much more, or less, that what presets do is as far above your
     threshold as they mean it.
     """
-    from overview_dsp.errors import InputError
     from overview_dsp.signal.actuators.calibration import (
         calibration_file,
         forget_threshold,
         gain_for,
         save_threshold,
     )
-    from overview_dsp.signal.actuators.library import load_actuator
 
-    actuator = load_actuator(name)
-    if forget:
+    actuator = ov.load_actuator(name)
+    if reset_threshold:
         if threshold is not None:
-            raise InputError("--threshold and --forget ask for opposite things; give one of them")
+            raise InputError("--threshold and --reset-threshold are opposites; give one of them")
         known = forget_threshold(actuator)
         click.echo(f"{actuator.name}: {'forgotten' if known else 'was not calibrated'}")
         return
     levels = []
     if threshold is None:
-        levels = _answers(actuator, device, channel, frequency, rise, times)
+        levels = _answers(actuator, device, channel, frequency, ramp, repeats)
         threshold = statistics.median(levels)
         if max(levels) - min(levels) > SPREAD_DB:
-            click.echo(
-                f"note: your answers lie {max(levels) - min(levels):.0f} dB apart; calibrate again "
-                "in quiet, held the same way",
-                err=True,
+            note(
+                f"your answers lie {max(levels) - min(levels):.0f} dB apart; calibrate again in "
+                "quiet, held the same way"
             )
     threshold = round(threshold, 2)
     save_threshold(actuator, threshold)
     gain = gain_for(threshold)
-    if as_json:
-        print_json(
-            {
-                "actuator": actuator.name,
-                "threshold_db": threshold,
-                "gain_db": gain,
-                "levels_db": [round(level, 2) for level in levels],
-                "file": str(calibration_file()),
-            }
-        )
-        return
-    click.echo(
+    report = {
+        "actuator": actuator.name,
+        "threshold_db": threshold,
+        "gain_db": gain,
+        "levels_db": [round(level, 2) for level in levels],
+        "file": str(calibration_file()),
+    }
+    line = (
         f"{actuator.name}: felt from {threshold:.1f} dB of its nominal drive on, gain "
         f"{gain:+.1f} dB, kept in {calibration_file()}"
     )
+    show(as_json, report, line)
 
 
 def _answers(
     actuator: Actuator,
     device: str | None,
-    channel: int | tuple[int, ...] | None,
+    channel: str | None,
     frequency: float | None,
     db_per_s: float,
-    times: int,
+    repeats: int,
 ) -> list[float]:
     """The levels at which a person pressed, dB of the nominal drive."""
-    from overview_dsp.errors import InputError
     from overview_dsp.live.output.threshold import SILENCE_S, Rise, felt_at
 
     settings, name, rate, index = _output(device, channel)
@@ -134,10 +121,10 @@ def _answers(
         "use; press Enter as soon as you feel it.",
         err=True,
     )
-    while len(levels) < times:
+    while len(levels) < repeats:
         rise = Rise(hertz, db_per_s, random.uniform(*SILENCE_S))
         samples = rise.drive(actuator, out, channels, rate)
-        click.echo(f"tone {len(levels) + 1} of {times} ...", err=True)
+        click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
         keys.forget()
         level = felt_at(rise, _playback(device, index, samples, rate), keys.pressed)
         if math.isfinite(level):
@@ -157,22 +144,23 @@ def _answers(
 
 
 def _output(
-    device: str | None, channel: int | tuple[int, ...] | None
+    device: str | None, channel: str | None
 ) -> tuple[OutputSettings, str, float, int | None]:
-    """The tactor's way out alone, and the device's name, rate (Hz) and index."""
-    from overview_dsp.errors import InputError
+    """Return the tactor's output alone, and the device's name, rate (Hz) and index."""
+    from overview_dsp.live.output.devices import find_device
+    from overview_dsp.live.output.portaudio_library import device_named
     from overview_dsp.live.output.saved_settings import load_settings
-    from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
     else:
-        from overview_dsp.live.output.devices import find_device
-
         found = find_device(device_named(device))
         name, rate, index = found.full_name, found.sample_rate, found.index
         settings = load_settings(name, found.channels)
-    tactor = settings.tactor if channel is None else replace(settings.tactor, channel=channel)
+    tactor = settings.tactor
+    if channel is not None:
+        tactor = replace(tactor, channel=channels_in(channel))
     if not tactor.channels:
         raise InputError(f"the tactor is on no channel of {name}; give one with --channel")
     return OutputSettings(SignalSettings(0), tactor), name, rate, index
@@ -211,8 +199,6 @@ class _Keys:
 
     def pressed(self) -> bool:
         """Whether Enter was pressed, after a little wait; InputError if nobody can any more."""
-        from overview_dsp.errors import InputError
-
         try:
             if self._lines.get(timeout=self.WAIT_S):
                 return True

@@ -2,38 +2,27 @@
 
 from __future__ import annotations
 
-import click
-
-from overview_dsp.cli.common import announce_compile, print_json
+import overview_dsp as ov
+from overview_dsp.cli.common import announce_compile, note, show
+from overview_dsp.cli.options.groups import JSON, cli_command, option
 
 SAGS_DB = 0.1
 """What protection may take off a sweep before it says so."""
 
 
-@click.command(epilog="Example: overview actuators sweep c2 -o sweep.wav --from 100 --to 500")
-@click.argument("name")
-@click.option("-o", "--out", default="sweep.wav", show_default=True, help="WAV, FLAC, ...")
-@click.option("--from", "low", default=20.0, show_default=True, help="Hz.")
-@click.option("--to", "high", default=1000.0, show_default=True, help="Hz.")
-@click.option("--seconds", default=20.0, show_default=True, help="How long it takes.")
-@click.option(
-    "--level", default=-9.0, show_default=True, help="dB of the tactor's full signal, -80 to 0."
-)
-@click.option("--shaped", is_flag=True, help="Sharpened and weighted, as presets are driven.")
-@click.option("--sample-rate", default=48_000.0, show_default=True, help="Hz.")
-@click.option("--subtype", help="How samples are stored: PCM_16, PCM_24, FLOAT, ...")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
+@cli_command("actuators sweep c2 -o sweep.wav --low-frequency 100 --high-frequency 500")
 def sweep(
     name: str,
-    out: str,
-    low: float,
-    high: float,
-    seconds: float,
-    level: float,
-    shaped: bool,
-    sample_rate: float,
-    subtype: str | None,
-    as_json: bool,
+    *,
+    output: str = option("WAV, FLAC, ...", default="sweep.wav"),
+    low_frequency: float = option("Lowest frequency, Hz.", default=20.0),
+    high_frequency: float = option("Highest frequency, Hz.", default=1000.0),
+    duration: float = option("Duration, s.", default=20.0),
+    level: float = option("dB of the tactor's full signal, -80 to 0.", default=-9.0),
+    apply_shaping: bool = option("Sharpen and weight it, as presets are driven."),
+    sample_rate: float = option("Hz.", default=48_000.0),
+    subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
+    as_json: bool = JSON,
 ) -> None:
     """Write a sine that rises through the frequencies, to measure the actuator NAME with.
 
@@ -42,42 +31,36 @@ def sweep(
     import numpy as np
 
     from overview_dsp.files.sound import save_sound
-    from overview_dsp.signal.actuators.library import load_actuator
     from overview_dsp.signal.actuators.stage import ActuatorStage, protected_report
-    from overview_dsp.signal.actuators.tones import log_sweep
 
-    actuator = load_actuator(name)
-    if not shaped:
+    actuator = ov.load_actuator(name)
+    if not apply_shaping:
         actuator = actuator.unshaped
-    tone = log_sweep(low, high, seconds, level, sample_rate)
+    tone = ov.actuators.log_sweep(low_frequency, high_frequency, duration, level, sample_rate)
     stage = ActuatorStage(actuator, sample_rate)
     announce_compile("drive_block")
     samples = np.zeros((len(tone), 2), dtype=np.float32)
     samples[:, 1] = tone
     stage.process(samples, 1)
-    save_sound(out, samples, sample_rate, subtype)
+    save_sound(output, samples, sample_rate, subtype)
     done = stage.protected
     if done.taken_db > SAGS_DB:
-        click.echo(
-            f"note: up to {done.taken_db:.1f} dB were taken back for its rating: the sweep is not "
-            "even; take a lower --level",
-            err=True,
+        note(
+            f"up to {done.taken_db:.1f} dB were taken back for its rating: the sweep is not even; "
+            "take a lower --level"
         )
-    if as_json:
-        print_json(
-            {
-                "file": out,
-                "from_hz": low,
-                "to_hz": high,
-                "seconds": seconds,
-                "drive_rms": round(float(np.sqrt(np.mean(np.square(samples[:, 1], dtype=float))))
-                                   * actuator.full_scale, 6),
-                "unit": actuator.values["drive.unit"],
-                "actuator": protected_report(actuator, done),
-            }
-        )  # fmt: skip
-        return
-    click.echo(
-        f"{out}: {low:g} to {high:g} Hz in {seconds:g} s, {level:g} dB of the full signal of "
-        f"{actuator.title}, on the right"
+    rms = float(np.sqrt(np.mean(np.square(samples[:, 1], dtype=float)))) * actuator.full_scale
+    report = {
+        "file": output,
+        "from_hz": low_frequency,
+        "to_hz": high_frequency,
+        "seconds": duration,
+        "drive_rms": round(rms, 6),
+        "unit": actuator.values["drive.unit"],
+        "actuator": protected_report(actuator, done),
+    }
+    line = (
+        f"{output}: {low_frequency:g} to {high_frequency:g} Hz in {duration:g} s, {level:g} dB of "
+        f"the full signal of {actuator.title}, on the right"
     )
+    show(as_json, report, line)

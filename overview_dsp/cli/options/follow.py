@@ -1,118 +1,138 @@
-"""The options of a timeline that grows: what it is followed from, its map, how it is told."""
+"""Options of a timeline that grows: its source, its layout, how new events are announced."""
 
 from __future__ import annotations
 
-import functools
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
-import click
-
-from overview_dsp.cli.options.timeline import open_timeline
+import overview_dsp as ov
+from overview_dsp.cli.options.groups import option, refuse_options
+from overview_dsp.cli.options.timeline import Reading, Window, open_timeline, preset_for
+from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
+    from starlette.routing import BaseRoute
+
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.live.session.growing import Growth
+    from overview_dsp.web.media import Media
 
 FIRST_WITHIN_S = 3.0
-"""So long something is waited for, as the preset is chosen by what it is."""
-
-_NAMES = ("follow", "expect", "tell", "update_after")
+"""Longest wait for the first data, as the preset is chosen by what they are."""
 
 
-def follow_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options for `followed`; the command gets them as `following`."""
+@dataclass(frozen=True)
+class Feed:
+    """Options of a live source."""
 
-    @functools.wraps(function)
-    def collected(*arguments: Any, **named: Any) -> Any:
-        following = {name: named.pop(name) for name in _NAMES}
-        return function(*arguments, following=following, **named)
+    heading: ClassVar[str] = "Live data"
 
-    options = (
-        click.option("--follow", metavar="SOURCE", help="In place of TIMELINE, one that grows: "
-                     "a file, - (standard input), http://, ws://, audio:DEVICE, pcm:RATE[:CH]."),
-        click.option("--expect", metavar="LENGTH", help="How long it will be: 95m, 1:35:00."),
-        click.option("--tell", metavar="KIND", help="Tell of new events as strong as KIND and "
-                     "more by a pattern; none never.  [default: own_goal; none in company]"),
-        click.option("--update-after", type=float, metavar="S", help="A hand that holds on gets "
-                     "what is new after so long.  [default: when it lets go]"),
-    )  # fmt: skip
-    for option in reversed(options):
-        collected = option(collected)
-    return collected
+    follow: str | None = option(
+        "Live source replacing TIMELINE: a file, - (standard input), http://, ws://, "
+        "audio:DEVICE, pcm:RATE[:CH].",
+        metavar="SOURCE",
+    )
+    expected_duration: str | None = option(
+        "Expected length of the timeline: 95m, 1:35:00.", metavar="LENGTH"
+    )
+    layout: str | None = option(
+        "Positions over the whole expected length, or over the data so far: whole, so-far.  "
+        "[default: the preset's]",
+        metavar="LAYOUT",
+    )
+    announce: str | None = option(
+        "Announce new events at least as strong as KIND; none: never.  "
+        "[default: own_goal; none in presets for use in company]",
+        metavar="KIND",
+    )
+    update_held_after: float | None = option(
+        "Apply new data to a held disk after S seconds.  [default: on release]", metavar="S"
+    )
+
+    @contextmanager
+    def opened(self, timeline: str | None, reading: Reading) -> Iterator[Growth | None]:
+        """Follow the source meanwhile; None where TIMELINE is a finished one.
+
+        Raises
+        ------
+        InputError
+            No timeline or two, a source, layout or length that can't be, options of files.
+        """
+        if self.follow is None:
+            refuse_options("is for --follow; give that too", Feed)
+            if timeline is None:
+                raise InputError("name a TIMELINE, or a live source with --follow")
+            yield None
+            return
+        if timeline is not None:
+            raise InputError(f"--follow {self.follow} is the timeline; leave {timeline} out")
+        refuse_options("is for a file that is read, not for --follow", Reading)
+        from overview_dsp.data.feeds.follower import Follower
+        from overview_dsp.data.feeds.sources import Sound
+        from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
+        from overview_dsp.live.session.growing import Growth
+
+        after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
+        if after_s is not None and not after_s >= 0.0:
+            raise InputError(f"--update-held-after {after_s:g}; it is 0 s or more")
+        live = ov.LiveTimeline(
+            expect_s=None if length is None else expected_s(length),
+            map=None if layout is None else map_named(layout),
+        )
+        source = source_named(self.follow, sys.stdin.buffer)
+        follower = Follower(live, source).start()
+        try:
+            until = time.monotonic() + FIRST_WITHIN_S
+            while live.revision == 0 and not follower.over and time.monotonic() < until:
+                time.sleep(0.02)
+            if live.revision == 0 and follower.over:
+                raise InputError("; ".join(follower.take_messages()) or f"{self.follow}: no data")
+            preset = "crowd" if isinstance(source, Sound) else None  # it is silent at first
+            yield Growth(live, follower, after_s, self.announce, layout is not None, preset)
+        finally:
+            follower.close()
+
+
+@dataclass(frozen=True)
+class OpenedData:
+    """Timeline that is played, its first window (start_s, end_s), and its preset's name or path."""
+
+    timeline: Timeline
+    window: tuple[float, float] | None
+    preset: str
+    growth: Growth | None
+
+    def routes(self, audio: str, linear: bool, media: Media | None = None) -> list[BaseRoute]:
+        """Return what a page gets of it."""
+        from overview_dsp.web.data import data_routes
+
+        live = None if self.growth is None else self.growth.live
+        return data_routes(
+            self.timeline, self.preset, audio=audio, first=self.window, media=media, live=live,
+            linear=linear,
+        )  # fmt: skip
 
 
 @contextmanager
-def followed(
-    timeline: str | None, following: dict[str, Any], load: dict[str, Any]
-) -> Iterator[Growth | None]:
-    """What the options follow; None where TIMELINE is a finished one.
-
-    Raises
-    ------
-    InputError
-        No timeline or two, a source, map or length that can't be, options of files.
-    """
-    from overview_dsp.errors import InputError
-
-    source = following["follow"]
-    if source is None:
-        for name in _NAMES:
-            if following[name] is not None:
-                raise InputError(f"--{name.replace('_', '-')} is for --follow; give that too")
-        if timeline is None:
-            raise InputError("name a TIMELINE, or one that grows with --follow")
-        yield None
-        return
-    if timeline is not None:
-        raise InputError(f"--follow {source} is the timeline; leave {timeline} out")
-    from overview_dsp.data.feeds.follower import Follower
-    from overview_dsp.data.feeds.live_timeline import LiveTimeline
-    from overview_dsp.data.feeds.sources import Sound
-    from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
-    from overview_dsp.live.session.growing import Growth
-
-    map = load.pop("map", None)
-    for name in load:
-        raise InputError(f"--{name.replace('_', '-')} is for a file that is read, not for --follow")
-    after_s = following["update_after"]
-    if after_s is not None and not after_s >= 0.0:
-        raise InputError(f"--update-after {after_s:g}; it is 0 s or more")
-    expect = following["expect"]
-    live = LiveTimeline(
-        expect_s=None if expect is None else expected_s(expect),
-        map=None if map is None else map_named(map),
-    )
-    named = source_named(source, sys.stdin.buffer)
-    follower = Follower(live, named).start()
-    try:
-        until = time.monotonic() + FIRST_WITHIN_S
-        while live.revision == 0 and not follower.over and time.monotonic() < until:
-            time.sleep(0.02)
-        if live.revision == 0 and follower.over:
-            raise InputError("; ".join(follower.take_messages()) or f"{source}: nothing in it")
-        fits = "crowd" if isinstance(named, Sound) else None  # it is silent at first
-        yield Growth(live, follower, after_s, following["tell"], map is not None, fits)
-    finally:
-        follower.close()
-
-
-def laid_out(data: Timeline, growth: Growth | None, preset: str) -> Timeline:
-    """What `open_growing` gave, as the preset (a name or a path) lays it unless an option does."""
-    if growth is None:
-        return data
-    from overview_dsp.design.presets.library import load_preset
-
-    growth.lay_out(load_preset(preset))
-    return growth.live.felt()
-
-
-def open_growing(timeline: str | None, load: dict[str, Any], growth: Growth | None) -> Timeline:
-    """The timeline as it is now, or the finished one that was named; errors as `open_timeline`."""
-    if growth is not None:
-        return growth.live.felt()
-    assert timeline is not None
-    return open_timeline(timeline, load)
+def opened_data(
+    timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
+) -> Iterator[OpenedData]:
+    """Open a finished timeline, or follow one that grows meanwhile; errors as they."""
+    with feed.opened(timeline, reading) as growth:
+        if growth is None:
+            assert timeline is not None
+            data = open_timeline(timeline, reading)
+        else:
+            data, preset = growth.live.felt(), preset or growth.preset
+        shown = window.of(data)
+        if shown is not None and window.window and growth is None:
+            data, shown = data.window(*shown), None
+        name = preset_for(data, preset)
+        if growth is not None:
+            growth.lay_out(ov.load_preset(name))
+            data = growth.live.felt()
+        yield OpenedData(data, shown, name, growth)

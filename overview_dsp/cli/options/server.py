@@ -1,18 +1,20 @@
-"""The options of a server, and its start: address, QR code, certificate."""
+"""Options of a server, and its start: address, QR code, certificate."""
 
 from __future__ import annotations
 
-import functools
 import importlib.util
-from collections.abc import Callable, Collection, Iterator
+import re
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 import click
 
 from overview_dsp.cli.common import note
+from overview_dsp.cli.options.groups import option
+from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -20,60 +22,44 @@ if TYPE_CHECKING:
     from overview_dsp.web.control import Session
 
 NEEDED = ("starlette", "uvicorn", "websockets", "cryptography", "segno")
-_NAMES = ("host", "port", "cert", "key", "token_file")
+HOST, PORT = "127.0.0.1", 8765
 
 
-def server_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Where a server listens, for `open_server`; the command gets them as `server`."""
+@dataclass(frozen=True)
+class Server:
+    """Options of where a server listens, and who may connect."""
 
-    @functools.wraps(function)
-    def collected(*arguments: Any, **named: Any) -> Any:
-        server = {name: named.pop(name) for name in _NAMES}
-        return function(*arguments, server=server, **named)
+    heading: ClassVar[str] = "Server"
 
-    options = (
-        click.option("--host", default="127.0.0.1", show_default=True,
-                     help="Where the server listens; 0.0.0.0 for a phone in the network."),
-        click.option("--port", default=8765, show_default=True, type=click.IntRange(0, 65535),
-                     help="Its port, 0 for a free one."),
-        click.option("--cert", metavar="FILE.pem", help="A certificate in place of its own."),
-        click.option("--key", metavar="FILE.pem", help="The key of --cert, if in another file."),
-        click.option("--token-file", metavar="FILE",
-                     help="Keep the address's token there: pages connect again after a restart."),
-    )  # fmt: skip
-    for option in reversed(options):
-        collected = option(collected)
-    return collected
+    host: str = option("Address to listen on; 0.0.0.0 for a phone in the network.", default=HOST)
+    port: int = option("TCP port; 0 for a free one.", default=PORT, type=click.IntRange(0, 65535))
+    cert: str | None = option("Certificate in place of its own.", metavar="FILE.pem")
+    key: str | None = option("Key of --cert, if in another file.", metavar="FILE.pem")
+    token_file: str | None = option(
+        "File that keeps the address's token: pages connect again after a restart.", metavar="FILE"
+    )
+
+
+def server_at(text: str) -> Server:
+    """Return the server at `[HOST][:PORT]`, "" for the usual one; InputError."""
+    found = re.fullmatch(r"(\[[^\]]+\]|[^:\s]*)(?::(\d{1,5}))?", text)
+    port = int(found[2] or PORT) if found else -1
+    if found is None or not 0 <= port <= 65535:
+        raise InputError(
+            f"--remote {text}: must be HOST:PORT, HOST or :PORT (0 to 65535), such as 0.0.0.0:8765"
+        )
+    return Server(found[1].strip("[]") or HOST, port)
 
 
 def require_server() -> None:
     """InputError, with how to install it, if a package that a server needs is missing."""
-    from overview_dsp.errors import InputError
-
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         raise InputError(f"the page needs {', '.join(missing)}: pip install 'overview-dsp[web]'")
 
 
-def refuse_given(names: Collection[str], why: str) -> None:
-    """InputError if an option was given that has no effect here."""
-    from click.core import ParameterSource
-
-    from overview_dsp.errors import InputError
-
-    context = click.get_current_context()
-    for name in names:
-        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
-            raise InputError(f"--{name.replace('_', '-')} {why}")
-
-
-def refuse_server_options() -> None:
-    """InputError if a server's options were given where there is none."""
-    refuse_given(_NAMES, "is for the server that --remote opens; give that too")
-
-
 @dataclass(frozen=True)
-class Opened:
+class ServerAddress:
     """Where a server is: `address` holds the token, `qr` is it as a picture for phones."""
 
     address: str
@@ -82,7 +68,7 @@ class Opened:
 
     @property
     def text(self) -> str:
-        """For a person: the address first."""
+        """Lines to display, the address first."""
         lines = [f"open {self.address}"]
         if self.fingerprint_sha256 is not None:
             lines.append(f"certificate SHA-256 {self.fingerprint_sha256}")
@@ -93,12 +79,12 @@ class Opened:
 
 @contextmanager
 def open_server(
-    server: dict[str, Any],
+    server: Server,
     session: Session | None = None,
     more: Collection[BaseRoute] = (),
     crowd: bool = False,
     public: Collection[str] | None = None,
-) -> Iterator[Opened]:
+) -> Iterator[ServerAddress]:
     """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
 
     `crowd`: to hundreds of pages; `public`: as in `make_app`.
@@ -110,35 +96,35 @@ def open_server(
     InputError
         The address or the certificate can't be used.
     """
-    from overview_dsp.errors import InputError
     from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
     from overview_dsp.web.security.auth_token import Access, kept_token
     from overview_dsp.web.server import WebServer, listen
 
-    host, port, cert, key, kept = (server[name] for name in _NAMES)
+    host = server.host
     near = address.is_loopback(host)
     reached = address.reached_at(host)
-    if key is not None and cert is None:
+    if server.key is not None and server.cert is None:
         raise InputError("--key belongs to a --cert; give both")
     secure, certificate = None, None
-    if cert is not None:
-        certificate = Path(cert)
+    if server.cert is not None:
+        certificate = Path(server.cert)
     elif not near:
         own = sorted(address.own_names())
         certificate = own_certificate([reached, "localhost", "127.0.0.1", "::1", *own])
     if certificate is not None:
-        secure = secure_context(certificate, None if key is None else Path(key))
+        secure = secure_context(certificate, None if server.key is None else Path(server.key))
     names = address.own_names() | ({host.lower()} if reached == host else set())
-    access = Access() if kept is None else Access(token=kept_token(kept))
+    token_file = server.token_file
+    access = Access() if token_file is None else Access(token=kept_token(token_file))
     app = make_app(access, names, note, session, more, public)
-    socket = listen(host, port)
+    socket = listen(host, server.port)
     scheme = "http" if secure is None else "https"
     where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)
     running = WebServer(app, [socket], secure, note, crowd)
     try:
-        opened = Opened(
+        opened = ServerAddress(
             where,
             None if certificate is None else fingerprint(certificate),
             None if near else address.qr_text(where),

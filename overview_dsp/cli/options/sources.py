@@ -1,15 +1,16 @@
-"""`--input`: which control sources play, and how they are opened."""
+"""`--input`: which sources of control events play, with their parts, and how they are opened."""
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from overview_dsp.cli.common import read_gesture
+from overview_dsp.cli.options.groups import option
+from overview_dsp.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
     from overview_dsp.live.inputs.controllers import Reader
@@ -17,57 +18,50 @@ if TYPE_CHECKING:
     from overview_dsp.live.inputs.lines import LineInput
     from overview_dsp.live.session.player import Player
 
-DEVICES = ("serial", "osc", "midi", "pad", "http", "post", "ble")
-SENSORS = {"serial", "pad", "http", "post", "ble"}
-"""Of those, what is turned in the hand: one of them, as they are one source."""
+PARTS: dict[str, tuple[str, ...]] = {
+    "serial": ("sensor", "baud", "force"),
+    "pad": ("sensor",),
+    "http": ("sensor",),
+    "post": ("sensor",),
+    "ble": ("sensor",),
+    "osc": ("map",),
+    "midi": ("map",),
+}
+"""Each kind of device, and the parts that may follow its port."""
+
+MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
 BATCHES_S = 2.0
 """An app that posts what it measured in batches is silent between them."""
 
 SILENT_OSC_S = 5.0
-"""UDP knows no connection: who holds on by it and says nothing for so long has let go."""
+"""UDP knows no connection: a sender that touches and is silent for so long has released."""
 
 FORCE_BLOCK = 128
 """Frames: the torque changes with each block, 375 times a second at 48 kHz."""
 
-_OF = {
-    "sensor": "serial:PORT",
-    "baud": "serial:PORT",
-    "midi_map": "midi:NAME",
-    "osc_map": "osc:PORT",
-    "force": "serial:PORT",
-}
 
+@dataclass(frozen=True)
+class Controls:
+    """Options of inputs and of what is sent back to them."""
 
-def input_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options of control sources, for `parse_sources`."""
-    options = (
-        click.option("--input", "sources", multiple=True, help="serial:PORT, a sensor; pad:, "
-                     "a DualSense or Joy-Con; http://PHONE:8080 (phyphox); post:PORT (Sensor "
-                     "Logger); ble:NAME; osc:PORT or osc:HOST:PORT; midi:NAME; - for lines of "
-                     "standard input: theta2 (rad) and touching (0 or 1); several together. Or a "
-                     "gesture or take to play."),
-        click.option("--sensor", help="What is on the serial port: a name (imu, roll, encoder, "
-                     "potentiometer, simplefoc) or a TOML file; left out: detected by content."),
-        click.option("--baud", type=click.IntRange(300, 4_000_000), help="Of the serial port, "
-                     "instead of the sensor file's (115200)."),
-        click.option("--force", is_flag=True, help="Brake the motor on the serial port as the "
-                     "surface brakes the disk (docs/guide/force.md); blocks are of 128 frames if "
-                     "no size is given."),
-        click.option("--midi-map", metavar="FILE.toml", help="What the controls of a MIDI "
-                     "controller do; `overview midi learn` writes one."),
-        click.option("--osc-map", metavar="NAME", help="What other messages do: gyrosc, zigsim, "
-                     "touchosc or a TOML file; `overview osc learn` writes one."),
-        click.option("--osc-out", metavar="[HOST:]PORT", help="Send cursor, torque and events."),
-    )  # fmt: skip
-    for option in reversed(options):
-        function = option(function)
-    return function
+    heading: ClassVar[str] = "Input"
+
+    input: tuple[str, ...] = option(
+        "Input; may be repeated. serial:PORT[,sensor=NAME][,baud=N][,force]: a sensor (imu, roll, "
+        "encoder, potentiometer, simplefoc, a TOML file; else detected), force drives its motor. "
+        "pad:, a DualSense or Joy-Con; http://PHONE:8080 (phyphox); post:PORT (Sensor Logger); "
+        "ble:NAME; each with [,sensor=NAME]. osc:[HOST:]PORT[,map=NAME]: gyrosc, zigsim, touchosc "
+        "or a TOML file. midi:NAME[,map=FILE.toml]. -: lines of standard input, theta2 (rad) and "
+        "touching (0 or 1). Or a gesture or take.",
+        metavar="SOURCE",
+    )
+    osc_out: str | None = option("Send cursor, torque and events as OSC.", metavar="[HOST:]PORT")
 
 
 @dataclass
 class Sources:
-    """What `--input` asks for, checked; `opened` opens it.
+    """Inputs that `--input` names, checked; `opened` opens them.
 
     Attributes
     ----------
@@ -76,6 +70,7 @@ class Sources:
     """
 
     openers: dict[str, Callable[[Player], Input]]
+    force: bool = False
     lines: LineInput | None = None
 
     @property
@@ -84,7 +79,7 @@ class Sources:
         return "lines" in self.openers
 
     def opened(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
-        """The sources, begun, as one; `closing` receives what closes each. InputError as they."""
+        """Open the sources as one input; `closing` receives what closes each. Errors as they."""
         from overview_dsp.live.inputs.input import SeveralInputs
         from overview_dsp.live.inputs.lines import LineInput
 
@@ -99,56 +94,53 @@ class Sources:
         return next(iter(inputs.values()), None)
 
 
-def parse_sources(
-    sources: tuple[str, ...],
-    sensor: str | None,
-    baud: int | None,
-    midi_map: str | None,
-    osc_map: str | None,
-    force: bool = False,
-) -> Sources:
-    """The sources that the options name; nothing is opened.
+def parse_sources(sources: tuple[str, ...]) -> Sources:
+    """Return the sources that --input names; nothing is opened.
 
     Raises
     ------
     InputError
-        Not a source, two of one kind, or an option of one that isn't there.
+        Not a source, two of one kind, or a part that this kind doesn't have.
     """
-    from overview_dsp.errors import InputError
-
-    openers: dict[str, Callable[[Player], Input]] = {}
+    found = Sources({})
     for source in sources:
-        kind, colon, where = source.partition(":")
-        open_one: Callable[[Player], Input]
+        kind, colon, rest = source.partition(":")
+        opener: Callable[[Player], Input]
         if source == "-":
-            name, open_one = "lines", _open_lines
-        elif colon and kind in DEVICES:
+            name, opener = "lines", _open_lines
+        elif colon and kind in PARTS:
+            where, parts = _parts(source, kind, rest)
             if not where and kind != "pad":
                 raise InputError(f"--input {source} names no port; `overview devices` lists them")
-            name = "serial" if kind in SENSORS else kind
-            if kind == "osc":
-                open_one = _osc(where, osc_map)
-            elif kind == "midi":
-                open_one = _midi(where, midi_map)
-            elif kind == "serial":
-                open_one = _serial(where, sensor, baud, force)
-            else:
-                open_one = _named(kind, where, sensor)
-        else:
-            name, open_one = "take", _take(source)
-        if name in openers:
-            raise InputError(f"--input {source}: one of a kind; there is one before it")
-        openers[name] = open_one
-    if "take" in openers and len(openers) > 1:
-        raise InputError("--input: a gesture or take plays alone; leave it or the others out")
-    options = {"sensor": sensor, "baud": baud, "midi_map": midi_map, "osc_map": osc_map,
-               "force": force or None}  # fmt: skip
-    for option, value in options.items():
-        if value is not None and _OF[option].partition(":")[0] not in openers:
-            raise InputError(
-                f"--{option.replace('_', '-')} is for --input {_OF[option]}, and that isn't given"
+            # what is turned in the hand is one source: one of them
+            name = "serial" if "sensor" in PARTS[kind] else kind
+            opener = {"serial": _serial, "osc": _osc, "midi": _midi}.get(kind, _named)(
+                kind, where, parts
             )
-    return Sources(openers)
+            found.force = found.force or "force" in parts
+        else:
+            name, opener = "take", _take(source)
+        if name in found.openers:
+            raise InputError(f"--input {source}: one of a kind; there is one before it")
+        found.openers[name] = opener
+    if "take" in found.openers and len(found.openers) > 1:
+        raise InputError("--input: a gesture or take plays alone; leave it or the others out")
+    return found
+
+
+def _parts(source: str, kind: str, rest: str) -> tuple[str, dict[str, str]]:
+    """Split the parts from a port's name, which may hold commas itself."""
+    parts: dict[str, str] = {}
+    while (last := re.fullmatch(r"(.*?),(force|[a-z_]+=[^,]*)", rest)) is not None:
+        rest, (key, equals, value) = last[1], last[2].partition("=")
+        takes = PARTS[kind]
+        if key not in takes or bool(equals) == (key == "force"):
+            whose = [f"{one}:" for one, keys in PARTS.items() if key in keys]
+            why = f"{key} is for {', '.join(whose)}" if whose else f"unknown part {key!r}"
+            near = "" if whose else did_you_mean(key, takes)
+            raise InputError(f"--input {source}: {why}{near}; {kind}: takes {', '.join(takes)}")
+        parts.setdefault(key, value)
+    return rest, parts
 
 
 def _open_lines(player: Player) -> Input:
@@ -164,23 +156,30 @@ def _take(source: str) -> Callable[[Player], Input]:
     return lambda player: TakeInput(gesture)
 
 
-def _serial(
-    where: str, sensor: str | None, baud: int | None, force: bool
-) -> Callable[[Player], Input]:
+def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.force_feedback.loop import require_motor
     from overview_dsp.devices.sensors.profile import Sensor, load_sensor
     from overview_dsp.live.inputs.motors import MotorInput
     from overview_dsp.live.inputs.sensors import SensorInput
 
-    profile = Sensor() if sensor is None else load_sensor(sensor)
-    if force:
+    baud = None
+    if "baud" in parts:
+        text = parts["baud"]
+        baud = int(text) if text.isdecimal() else 0
+        if not MIN_BAUD <= baud <= MAX_BAUD:
+            raise InputError(
+                f"--input {kind}:{where}: baud={text} is out of range; it is {MIN_BAUD} to "
+                f"{MAX_BAUD}"
+            )
+    profile = load_sensor(parts["sensor"]) if "sensor" in parts else Sensor()
+    if "force" in parts:
         require_motor(profile)
         return lambda player: MotorInput(player.engine, where, profile, baud)
     return lambda player: SensorInput(player.engine, where, profile, baud)
 
 
-def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Input]:
-    """A pad, a phone's app or a radio."""
+def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
+    """Return what opens a pad, a phone's app or a radio."""
     from overview_dsp.devices.sensors.profile import load_sensor
     from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput
     from overview_dsp.live.ports.port import Port
@@ -204,11 +203,11 @@ def _named(kind: str, where: str, sensor: str | None) -> Callable[[Player], Inpu
         from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
 
         kind, where = "phyphox", f"http:{where}"
-    profile = load_sensor(usual if sensor is None else sensor)
+    profile = load_sensor(parts.get("sensor", usual))
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
 
 
-def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
+def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.osc_map import load_osc_map
     from overview_dsp.devices.controllers.osc_messages import OscReader
@@ -216,17 +215,17 @@ def _osc(where: str, osc_map: str | None) -> Callable[[Player], Input]:
     from overview_dsp.live.ports.osc import OscPort, parse_address
 
     parse_address(where)
-    controls = () if osc_map is None else load_osc_map(osc_map)
+    controls = load_osc_map(parts["map"]) if "map" in parts else ()
 
     def reader(counters: Counters) -> Reader:
         return OscReader(counters, controls)
 
     return lambda player: ControllerInput(
-        player.engine, "osc", lambda: OscPort(where), reader, SILENT_OSC_S, player.ask
+        player.engine, kind, lambda: OscPort(where), reader, SILENT_OSC_S, player.ask
     )
 
 
-def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
+def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.midi_map import DEFAULT, load_map
     from overview_dsp.devices.controllers.midi_messages import MidiReader
@@ -234,22 +233,13 @@ def _midi(where: str, midi_map: str | None) -> Callable[[Player], Input]:
     from overview_dsp.live.inputs.controllers import ControllerInput
     from overview_dsp.live.ports.midi import MidiPort
 
-    controls = DEFAULT if midi_map is None else load_map(midi_map)
+    controls = load_map(parts["map"]) if "map" in parts else DEFAULT
 
     def reader(counters: Counters) -> Reader:
         return MidiReader(controls, counters)
 
     def opened(player: Player) -> Input:
         require_parameters(controls, player.engine.preset)
-        return ControllerInput(player.engine, "midi", lambda: MidiPort(where), reader)
+        return ControllerInput(player.engine, kind, lambda: MidiPort(where), reader)
 
     return opened
-
-
-def choose_force_block(live: dict[str, Any]) -> None:
-    """Blocks that renew a motor's torque often enough, unless the command line names a size."""
-    from click.core import ParameterSource
-
-    given = click.get_current_context().get_parameter_source("block_size")
-    if given is ParameterSource.DEFAULT:
-        live["block_size"] = FORCE_BLOCK

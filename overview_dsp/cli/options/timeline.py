@@ -1,100 +1,140 @@
-"""The options that say how a file becomes a timeline, the same on every command that takes one."""
+"""Options for how a file becomes a timeline, which window of it is shown, and by which preset."""
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import click
-
-from overview_dsp.cli.common import keep_input, part_of, progress_bar
+import overview_dsp as ov
+from overview_dsp.cli.common import keep_input, progress_bar
+from overview_dsp.cli.options.groups import option, parse_pairs
+from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
+    from overview_dsp.design.presets.model import Preset
 
-# name of the option: (name in load_timeline, type, what stands for the value, help)
-_OPTIONS: dict[str, tuple[str, type, str, str]] = {
-    "--value": (
-        "value",
-        str,
-        "COLUMN",
-        "The column of values; COLUMN:share, :price or :plain says what.",
-    ),
-    "--time": ("time", str, "COLUMN", "The column of times; COLUMN:dmy, :hhmm, :s ... says how."),
-    "--kind": ("kind", str, "COLUMN", "The column of kinds, in an event list."),
-    "--label": ("label", str, "COLUMN", "The column of labels, in an event list."),
-    "--map": (
-        "map",
-        str,
-        "WHAT",
-        "Felt: level, change, activity, volatility, count, a column (--follow: whole, so-far).",
-    ),
-    "--rate": ("rate", float, "HZ", "Samples a second, for a file without times."),
-    "--match": ("match", str, "WORDS", "Which match of a file: its number, or 'France Croatia'."),
-    "--duration": ("duration_s", float, "S", "Length, for an event list that doesn't give it."),
-    "--max-mb": ("max_mb", float, "MB", "Read files up to so large."),
-    "--max-depth": ("max_depth", int, "LEVELS", "Read JSON nested so deep."),
+DATA, PRESET = "Data", "Preset"
+
+READ_KEYS: dict[str, tuple[str, Any]] = {
+    "kind": ("kind", str),
+    "label": ("label", str),
+    "rate": ("rate", float),
+    "duration": ("duration_s", float),
+    "max-mb": ("max_mb", float),
+    "max-depth": ("max_depth", int),
 }
+"""Each key of --read: the argument of `load_timeline`, and its type."""
 
 
-def timeline_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options to a command, which gets what was given as the one argument `load`.
+@dataclass(frozen=True)
+class Reading:
+    """Options of `load_timeline`."""
 
-    It opens its file with `open_timeline(path, load)`.
-    """
+    heading: ClassVar[str] = DATA
 
-    @functools.wraps(function)
-    def collected(*arguments: Any, **named: Any) -> Any:
-        load = {name: named.pop(name) for name, *_ in _OPTIONS.values()}
-        given = {name: value for name, value in load.items() if value is not None}
-        return function(*arguments, load=given, **named)
+    value_column: str | None = option(
+        "Column of values; COLUMN:share, :price or :plain sets what they are.", metavar="COLUMN"
+    )
+    time_column: str | None = option(
+        "Column of times; COLUMN:dmy, :hhmm, :s ... sets their format.", metavar="COLUMN"
+    )
+    map: str | None = option(
+        "Intensity: level, change, activity, volatility, count, or a column.", metavar="WHAT"
+    )
+    select: str | None = option(
+        "One of several matches or series: its number, its words, or COLUMN=VALUE.", metavar="WHICH"
+    )
+    read: tuple[str, ...] = option(
+        "kind=COLUMN, label=COLUMN (event lists), rate=HZ (files without times), duration=S "
+        "(event lists), max-mb=MB, max-depth=LEVELS (limits). May be repeated.",
+        metavar="KEY=VALUE",
+    )
 
-    for option, (name, kind, metavar, text) in reversed(_OPTIONS.items()):
-        collected = click.option(option, name, type=kind, metavar=metavar, help=text)(collected)
-    return collected
+    def load_options(self) -> dict[str, Any]:
+        """Return the arguments of `load_timeline` that were given."""
+        keys = {key: convert for key, (_, convert) in READ_KEYS.items()}
+        read = {
+            READ_KEYS[key][0]: value
+            for key, value in parse_pairs("--read", self.read, keys).items()
+        }
+        columns = {"value": self.value_column, "time": self.time_column}
+        given = {**columns, "map": self.map, "match": self.select, **read}
+        return {name: value for name, value in given.items() if value is not None}
 
 
-def preset_option(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The option --preset, for `preset_for`."""
-    return click.option(
-        "--preset", help="A name or a .toml file.  [default: the one that fits the data]"
-    )(function)
+@dataclass(frozen=True)
+class Window:
+    """Options --window and --zoom-to."""
+
+    heading: ClassVar[str] = DATA
+
+    window: tuple[str, str] | None = option(
+        "Only this window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.", metavar="START END"
+    )
+    zoom_to: str | None = option(
+        "Window about an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"
+    )
+
+    def of(self, timeline: Timeline) -> tuple[float, float] | None:
+        """Return the window (start_s, end_s); None for the whole timeline.
+
+        Raises
+        ------
+        InputError
+            Both are given, or one that names no window; the line begins with the option.
+        """
+        from overview_dsp.data.timeline.moments import window_of, zoom_window
+        from overview_dsp.validation import located
+
+        if self.window and self.zoom_to is not None:
+            raise InputError("--window and --zoom-to both name a window; give one of them")
+        if self.window:
+            with located("--window: "):
+                return window_of(timeline, *self.window)
+        if self.zoom_to is not None:
+            with located("--zoom-to: "):
+                return zoom_window(timeline, self.zoom_to)
+        return None
 
 
-def linear_option(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The option --linear, which leaves a preset's angle map out."""
-    return click.option(
-        "--linear", is_flag=True, help="Keep positions proportional to time: no angle map."
-    )(function)
+PRESET_OPTION = option("Name or .toml file.  [default: the one that fits the data]")
+
+
+@dataclass(frozen=True)
+class PresetChoice:
+    """Options --preset and --linear."""
+
+    heading: ClassVar[str] = PRESET
+
+    preset: str | None = PRESET_OPTION
+    linear: bool = option("Keep positions proportional to time: no angle map.")
+
+    def load(self, name: str) -> Preset:
+        """Load a preset, without its angle map where that is asked for."""
+        from overview_dsp.signal.surface.angle_map import without_map
+
+        preset = ov.load_preset(name)
+        return without_map(preset) if self.linear else preset
 
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
-    """The preset that was asked for, or the bundled one that fits the data."""
+    """Return the preset that was given, or the bundled one that fits the data."""
     from overview_dsp.design.presets.library import fitting_preset
 
     return preset if preset is not None else fitting_preset(timeline)
 
 
-def open_part(
-    path: str, load: dict[str, Any], window: tuple[str, str] | None, zoom_to: str | None
-) -> Timeline:
-    """The part of a timeline that --window or --zoom-to names, or the whole; errors as they."""
-    whole = open_timeline(path, load)
-    part = part_of(whole, window, zoom_to)
+def open_window(path: str, reading: Reading, window: Window) -> Timeline:
+    """Load the window of a timeline that was given, or the whole; errors as they."""
+    whole = open_timeline(path, reading)
+    part = window.of(whole)
     return whole if part is None else whole.window(*part)
 
 
-def open_timeline(path: str, load: dict[str, Any]) -> Timeline:
-    """Load a timeline with the given options, with a progress bar where that takes long.
-
-    Raises
-    ------
-    InputError
-        As `load_timeline`.
-    """
-    from overview_dsp.data.readers import load_timeline
-
+def open_timeline(path: str, reading: Reading) -> Timeline:
+    """Load a timeline, with a progress bar where that takes long; errors as `load_timeline`."""
     keep_input(path)
+    options = reading.load_options()
     with progress_bar(f"reading {path}") as progress:
-        return load_timeline(path, progress=progress, **load)
+        return ov.load_timeline(path, progress=progress, **options)

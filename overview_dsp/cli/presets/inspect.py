@@ -4,24 +4,29 @@ from __future__ import annotations
 
 import click
 
+import overview_dsp as ov
 from overview_dsp.cli.common import list_profiles, print_json
+from overview_dsp.cli.common import show as show_report
+from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
+from overview_dsp.cli.presets.group import command
+from overview_dsp.errors import InputError
 
 
-@click.command(name="list", epilog="Example: overview presets list --for football --tag energy=1")
-@click.option(
-    "--tag",
-    "tags",
-    multiple=True,
-    metavar="TAG",
-    help="Only those with it: a use (discreet listening: 'in company') or a scale, energy=4, "
-    "tempo<3, roughness>2. May be given several times.",
-)
-@click.option(
-    "--for", "use", metavar="USE", help="Only those for it: football, stocks, weather, ..."
-)
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
-    """The bundled presets and your own, and what each is for."""
+@cli_command("presets list --for football --tag energy=1", group=command)
+def list_(
+    *,
+    tags: tuple[str, ...] = option(
+        "Only those with it: a use (discreet listening: 'in company') or a scale, energy=4, "
+        "tempo<3, roughness>2. May be repeated.",
+        "--tag",
+        metavar="TAG",
+    ),
+    use: str | None = option(
+        "Only those for it: football, stocks, weather, ...", "--for", metavar="USE"
+    ),
+    as_json: bool = JSON,
+) -> None:
+    """List the bundled presets and your own, and what each is for."""
     from overview_dsp.design.presets.library import (
         LIBRARY,
         load_preset,
@@ -57,34 +62,23 @@ def list_(tags: tuple[str, ...], use: str | None, as_json: bool) -> None:
         click.echo("no preset is like that; overview presets list has all, with --json their tags")
 
 
-@click.command(epilog="Example: overview presets show football")
-@click.argument("preset")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def show(preset: str, as_json: bool) -> None:
-    """Every parameter of PRESET with its value, range and meaning, and its event kinds."""
+@cli_command("presets show football", group=command)
+def show(preset: str, *, as_json: bool = JSON) -> None:
+    """Show every parameter of PRESET with its value, range and meaning, and its event kinds."""
     from overview_dsp.design.presets.describe import describe, describe_json
-    from overview_dsp.design.presets.library import load_preset
 
-    loaded = load_preset(preset)
-    if as_json:
-        print_json(describe_json(loaded))
-    else:
-        click.echo(describe(loaded))
+    loaded = ov.load_preset(preset)
+    show_report(as_json, describe_json(loaded), describe(loaded))
 
 
-@click.command(epilog="Example: overview presets check my-preset.toml")
-@click.argument("presets", nargs=-1, required=True)
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def check(presets: tuple[str, ...], as_json: bool) -> None:
+@cli_command("presets check my-preset.toml", group=command)
+def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool = JSON) -> None:
     """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
-    from overview_dsp.design.presets.library import load_preset
-    from overview_dsp.errors import InputError
-
     faults = []
     report = []
     for name in presets:
         try:
-            preset = load_preset(name)
+            preset = ov.load_preset(name)
         except InputError as error:
             faults.append(str(error))
             report.append({"preset": name, "valid": False, "error": str(error)})
@@ -100,37 +94,26 @@ def check(presets: tuple[str, ...], as_json: bool) -> None:
         raise InputError(faults[-1])
 
 
-@click.command(epilog="Example: overview presets diff football my-preset.toml")
-@click.argument("first")
-@click.argument("second")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def diff(first: str, second: str, as_json: bool) -> None:
-    """What differs between two presets, value by value."""
-    from overview_dsp.design.presets.comparing import differences
-    from overview_dsp.design.presets.library import load_preset
-
-    found = differences(load_preset(first), load_preset(second))
-    if as_json:
-        print_json([vars(one) for one in found])
-        return
-    if not found:
-        click.echo("no difference")
-        return
+@cli_command("presets diff football my-preset.toml", group=command)
+def diff(first: str, second: str, *, as_json: bool = JSON) -> None:
+    """Compare two presets, value by value."""
+    found = ov.presets.differences(ov.load_preset(first), ov.load_preset(second))
     rows = [(one.id, _shown(one.first), _shown(one.second), one.unit) for one in found]
-    widths = [max(len(row[i]) for row in rows) for i in range(3)]
-    for id, before, after, unit in rows:
-        line = f"{id:<{widths[0]}}  {before:>{widths[1]}}  {after:>{widths[2]}}  {unit}"
-        click.echo(line.rstrip())
+    widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
+    lines = [
+        f"{id:<{widths[0]}}  {before:>{widths[1]}}  {after:>{widths[2]}}  {unit}".rstrip()
+        for id, before, after, unit in rows
+    ]
+    show_report(as_json, [vars(one) for one in found], *(lines or ["no difference"]))
 
 
 def _shown(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else "-" if value is None else str(value)
 
 
-@click.command(epilog="Example: overview presets docs > parameters.md")
-@click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
-def docs(as_json: bool) -> None:
-    """The parameter reference, as Markdown."""
+@cli_command("presets docs > parameters.md", group=command)
+def docs(*, as_json: bool = JSON) -> None:
+    """Print the parameter reference, as Markdown."""
     from overview_dsp.design.presets.reference import reference, reference_json
 
     if as_json:
@@ -139,10 +122,9 @@ def docs(as_json: bool) -> None:
         click.echo(reference(), nl=False)
 
 
-@click.command(epilog="Example: overview presets schema > preset.schema.json")
-@click.option("--json", "as_json", is_flag=True, help="It is JSON already.")
-def schema(as_json: bool) -> None:
-    """The JSON Schema of preset files, for completion in TOML editors.
+@cli_command("presets schema > preset.schema.json", group=command)
+def schema() -> None:
+    """Print the JSON Schema of preset files, for completion in TOML editors.
 
     With it beside a preset, the preset's first line "#:schema ./preset.schema.json" is all that
     editors with Taplo need; `overview presets new` writes both.

@@ -133,8 +133,8 @@ def _write(path: Path, parts: Iterable[bytes], limit_mb: float, beyond: str) -> 
             size += len(part)
             if size > limit_mb * 2**20:
                 raise InputError(
-                    f"{beyond}; raise the limit with max_mb (--max-mb) if that is what it should "
-                    "hold"
+                    f"{beyond}; raise the limit with max_mb (--read max-mb=MB) if that is what it "
+                    "should hold"
                 )
             target.write(part)
     return size

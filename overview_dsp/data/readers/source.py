@@ -223,7 +223,7 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
     if found.depth > allowed:
         raise InputError(
             f"{where}: JSON nested too deep (more than {allowed} levels); a timeline needs four: "
-            "correct the file, or raise the limit with max_depth (--max-depth), to "
+            "correct the file, or raise the limit with max_depth (--read max-depth=LEVELS), to "
             f"{MOST_DEPTH} at most"
         )
     budget = max(PARSED_MB, limit_mb * PARSED_TIMES)
@@ -231,7 +231,7 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
         raise InputError(
             f"{where}: what it holds would take about {found.parsed_bytes / 2**20:.0f} MB of "
             f"memory, more than {budget:.0f} MB; cut it into parts, or raise the limit with max_mb "
-            f"(--max-mb), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
+            f"(--read max-mb=MB), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
         )
 
 
@@ -401,7 +401,7 @@ class Source:
             raise InputError(
                 f"{self.where}: {self.size / 2**20:.0f} MB, more than the {limit_mb:g} MB that "
                 "are read; cut it into parts, keep fewer points, or raise the limit with max_mb "
-                "(--max-mb)"
+                "(--read max-mb=MB)"
             )
         try:
             with open(self.path, "rb") as stream:

@@ -376,6 +376,6 @@ def require_motor(sensor: Sensor) -> None:
     where = sensor.source or sensor.name
     if sensor.values["motor.protocol"] == "none":
         raise InputError(
-            f"{where}: motor.protocol is none, and --force needs a motor; choose --sensor "
-            'simplefoc, or a file with [motor] and protocol = "simplefoc"'
+            f"{where}: motor.protocol is none, and force needs a motor; choose "
+            'sensor=simplefoc, or a file with [motor] and protocol = "simplefoc"'
         )

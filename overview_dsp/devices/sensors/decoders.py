@@ -62,9 +62,9 @@ _LIKELY: dict[int, tuple[tuple[str, ...], tuple[str, ...]]] = {
 def noise(count: int) -> str:
     """Of bytes that are no lines."""
     return (
-        f"{count} bytes, and no frame or line that is understood; is the speed (--baud) the "
+        f"{count} bytes, and no frame or line that is understood; is the speed (baud=) the "
         "device's? bare bytes without a check can't be told from noise: let it print lines; "
-        "its format can be said with --sensor FILE.toml"
+        "its format can be said with sensor=FILE.toml"
     )
 
 
@@ -78,7 +78,7 @@ def one_number(line: str) -> str:
     """Of lines of a number that could be several things."""
     return (
         f"lines of one number ({shown(line)}): degrees, an encoder's count or a potentiometer? "
-        "say it with --sensor roll, --sensor encoder or --sensor potentiometer"
+        "say it with sensor=roll, sensor=encoder or sensor=potentiometer"
     )
 
 
@@ -88,7 +88,7 @@ def ambiguous(line: str) -> str:
     numeric = [numbers_of(cell) is not None for cell in cells]
     count = sum(numeric)
     if not count:
-        return f"lines like {shown(line)} have no number: is the speed (--baud) the device's?"
+        return f"lines like {shown(line)} have no number: is the speed (baud=) the device's?"
     rest = max(0, count - len(_SIX))
     first, second = _LIKELY.get(
         count,
@@ -97,7 +97,7 @@ def ambiguous(line: str) -> str:
     one, other = (_written(columns, numeric) for columns in (first, second))
     return (
         f"lines like {shown(line)}: which number is which? [stream] columns = {one} or columns = "
-        f"{other}, say? write it in a file for --sensor FILE.toml"
+        f"{other}, say? write it in a file for sensor=FILE.toml"
     )
 
 

@@ -74,7 +74,7 @@ class ByTurning:
         except ImportError:
             raise InputError(
                 "a gyroscope needs the filter VQF: pip install 'overview-dsp[sensors]', or give "
-                "--sensor FILE.toml with angular_velocity.use = false to go by gravity alone"
+                "sensor=FILE.toml with angular_velocity.use = false to go by gravity alone"
             ) from None
         self._filter: Any = VQF(period_s, biasClip=HIGHEST_BIAS_DEG_S)
         self._period = period_s

@@ -189,7 +189,7 @@ class ThreeAngles:
                 self.twist = most
                 self.words = (
                     f'angle {most + 1} of three is the twist (angles.twist = "{most + 1}" in '
-                    "--sensor FILE.toml keeps it)"
+                    "sensor=FILE.toml keeps it)"
                 )
         if self.twist is None:
             return None

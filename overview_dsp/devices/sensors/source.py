@@ -161,7 +161,7 @@ class SensorSource:
             self._say('this sensor feels no taps: choose twist.release = "rest"')
         if isinstance(angle, InertialAngle):
             if angle.complaint:
-                self._say(f"{angle.complaint} (--sensor FILE.toml, [angular_velocity], [axes])")
+                self._say(f"{angle.complaint} (sensor=FILE.toml, [angular_velocity], [axes])")
             if angle.frozen:
                 self._say(
                     "the sensor says the very same for 2 s: it has stopped; the disk is let go"
@@ -177,7 +177,7 @@ class SensorSource:
 
 
 LINES = {
-    "damaged": "frames or lines come damaged: a loose cable, noise or another speed (--baud)?",
+    "damaged": "frames or lines come damaged: a loose cable, noise or another speed (baud=)?",
     "lost": "samples are missing by their numbers: the device or its port is overloaded",
     "implausible": "samples beyond what a hand does were dropped",
     "disordered": "samples came out of order and were dropped",

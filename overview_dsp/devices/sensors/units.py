@@ -95,7 +95,7 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
         if not near:
             raise InputError(
                 f"the acceleration at rest is {size:.4g}; gravity is 9.81 m/s², 1 g or 1000 mg. "
-                "Hold it still, or give --sensor FILE.toml with acceleration.unit and "
+                "Hold it still, or give sensor=FILE.toml with acceleration.unit and "
                 "acceleration.scale (g for 1 of the sensor, say)"
             )
         unit = near[0]

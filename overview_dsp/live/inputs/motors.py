@@ -91,7 +91,7 @@ class MotorInput(SensorInput):
         if rate is not None and rate < SLOWEST_HZ:
             self._say_once(
                 f"the motor reports less than {SLOWEST_HZ} times a second, which makes its force "
-                "weak (motor.downsample, --baud)"
+                "weak (motor.downsample, baud=)"
             )
         if sent and self._port is not None:
             self._sent += 1

@@ -191,6 +191,6 @@ def _too_many(full_name: str, has: int, channels: int) -> str:
     if has < 2:
         return f"{advice}; choose another output"
     return (
-        f"{advice}; `overview play` with --click-channel 1 --tactor-channel 2 (or `channels 1 2` "
-        "while it plays) changes that"
+        f"{advice}; `overview play` with --set click.channel=1 --set tactor.channel=2 (or "
+        "`channels 1 2` while it plays) changes that"
     )

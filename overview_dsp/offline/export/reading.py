@@ -169,7 +169,7 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     place = Path(path)
     if not place.is_dir():
         if kind is None:
-            raise InputError(f"{place}: for which kind of event? give --kind")
+            raise InputError(f"{place}: for which kind of event? give --as KIND")
         return {kind: place}
     found: dict[str, Path] = {}
     for one in sorted(place.iterdir()):
@@ -190,7 +190,7 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     if kind is None:
         return found
     if len(found) > 1:
-        raise InputError(f"{place}: {len(found)} clips for one kind; leave --kind out, or give one")
+        raise InputError(f"{place}: {len(found)} clips for one kind; leave --as out, or give one")
     (only,) = found.values()
     return {kind: only}
 

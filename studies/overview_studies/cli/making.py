@@ -9,7 +9,12 @@ from overview_dsp.cli.extensions import announce_compile, progress_bar, show
 
 @click.command(name="check", epilog="Example: overview study check study.toml")
 @click.argument("study")
-@click.option("--levels", is_flag=True, help="Measure how strong each stimulus is felt, too.")
+@click.option(
+    "--measure-levels",
+    "levels",
+    is_flag=True,
+    help="Measure how strong each stimulus is felt, too.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def check(study: str, levels: bool, as_json: bool) -> None:
     """Say what STUDY (a TOML file) makes: lists, trials, minutes, balance, felt levels."""
@@ -25,7 +30,9 @@ def check(study: str, levels: bool, as_json: bool) -> None:
 
 @click.command(name="lists", epilog="Example: overview study lists study.toml -o lists")
 @click.argument("study")
-@click.option("-o", "--out", required=True, metavar="DIR", help="The folder of the lists.")
+@click.option(
+    "-o", "--output", "out", required=True, metavar="DIR", help="The folder of the lists."
+)
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def lists(study: str, out: str, as_json: bool) -> None:
     """Write each participant's trials in their order, a CSV file each."""
@@ -45,7 +52,7 @@ def lists(study: str, out: str, as_json: bool) -> None:
 
 @click.command(name="build", epilog="Example: overview study build study.toml -o folder")
 @click.argument("study")
-@click.option("-o", "--out", required=True, metavar="DIR", help="The folder of the page.")
+@click.option("-o", "--output", "out", required=True, metavar="DIR", help="The folder of the page.")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def build(study: str, out: str, as_json: bool) -> None:
     """Write the page with its stimuli and lists into a folder, for any web host or none.

@@ -34,15 +34,17 @@ def _effects(context: Any, option: Any, given: tuple[str, ...]) -> dict[tuple[st
 @click.option("-n", "count", type=click.IntRange(1, 10_000), help="Observers.  [default: planned]")
 @click.option("--d-prime", type=click.FloatRange(0.05, 10.0), default=1.5, show_default=True,
               help="Their sensitivity.")  # fmt: skip
-@click.option("--spread", type=click.FloatRange(0.0, 10.0), default=0.3, show_default=True,
-              help="Standard deviation of it between them.")  # fmt: skip
+@click.option("--d-prime-sd", "spread", type=click.FloatRange(0.0, 10.0), default=0.3,
+              show_default=True, help="Standard deviation of it between them.")  # fmt: skip
 @click.option("--lapse", type=click.FloatRange(0.0, 1.0), default=0.02, show_default=True,
               help="Part of the trials that they answer blindly.")  # fmt: skip
 @click.option("--effect", "effects", multiple=True, callback=_effects, metavar="FACTOR.LEVEL=D",
               help="What a level adds to d': mapping.static=-0.5.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of chance.")
-@click.option("-o", "--out", metavar="FILE", help="Keep their answers, as a server would.")
-@click.option("--power", type=click.IntRange(2, 10_000), metavar="RUNS",
+@click.option(
+    "-o", "--output", "out", metavar="FILE", help="Keep their answers, as a server would."
+)
+@click.option("--power-runs", "power", type=click.IntRange(2, 10_000), metavar="RUNS",
               help="Run the whole study so often: how often is each effect found?")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def simulate(
@@ -100,7 +102,9 @@ def simulate(
 @click.argument("answers", nargs=-1, required=True)
 @click.option("--study", "folder", metavar="FOLDER",
               help="The built folder, for the CSVs of offline pages.")  # fmt: skip
-@click.option("-o", "--out", metavar="DIR", help="A report: pictures, methods.txt, tables.")
+@click.option(
+    "-o", "--output", "out", metavar="DIR", help="A report: pictures, methods.txt, tables."
+)
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def analyse(answers: tuple[str, ...], folder: str | None, out: str | None, as_json: bool) -> None:
     """Estimate what ANSWERS (SQLite files, offline CSVs) say, with intervals, and report it."""
@@ -119,7 +123,9 @@ def analyse(answers: tuple[str, ...], folder: str | None, out: str | None, as_js
 @click.command(name="export", epilog="Example: overview study export responses.sqlite -o dataset")
 @click.argument("answers", nargs=-1)
 @click.option("--to", type=click.Choice(TO), default=TO[0], show_default=True, help="The format.")
-@click.option("-o", "--out", required=True, metavar="DIR", help="The folder it is written to.")
+@click.option(
+    "-o", "--output", "out", required=True, metavar="DIR", help="The folder it is written to."
+)
 @click.option("--study", metavar="STUDY", help="The study's file, for psychopy, takes and wav; its "
               "built folder, for the CSVs of offline pages.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")

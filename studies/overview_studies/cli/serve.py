@@ -3,45 +3,42 @@
 from __future__ import annotations
 
 import json
-import time
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 
 from overview_dsp.cli.extensions import (
+    SECONDS,
+    Server,
+    cli_command,
     ended_by_signals,
     exit_if_stopped,
     note,
     open_server,
+    option,
     require_server,
-    seconds_given,
-    server_options,
     show,
+    wait_for_end,
 )
 
-LOOK_EVERY_S = 0.1
 
-
-@click.command(
-    name="serve",
-    epilog="Example: overview study serve folder --db responses.sqlite --host 0.0.0.0",
-)
-@click.argument("folder")
-@click.option("--db", "database", default="responses.sqlite", show_default=True, metavar="FILE",
-              help="Where answers are kept; it goes on where it was.")  # fmt: skip
-@click.option("--give-again", type=click.IntRange(1, 999), metavar="LIST",
-              help="Hand out an abandoned list again; then end.")  # fmt: skip
-@click.option("--seconds", type=float, callback=seconds_given, help="Stop after so long.")
-@click.option("--json", "as_json", is_flag=True, help="The address as a line of JSON.")
-@server_options
+@cli_command("study serve folder --db responses.sqlite --host 0.0.0.0")
 def serve(
     folder: str,
-    database: str,
-    give_again: int | None,
-    seconds: float | None,
-    as_json: bool,
-    server: dict[str, Any],
+    *,
+    database: str = option(
+        "SQLite file for answers; resumed if it exists.",
+        "--db",
+        default="responses.sqlite",
+        metavar="FILE",
+    ),
+    reissue: int | None = option(
+        "Hand out an abandoned list again; then end.", type=click.IntRange(1, 999), metavar="LIST"
+    ),
+    seconds: float | None = SECONDS,
+    as_json: bool = option("Report the address as a line of JSON.", "--json"),
+    server: Server,
 ) -> None:
     """Serve the study in FOLDER (of `overview study build`) until Ctrl-C.
 
@@ -58,13 +55,13 @@ def serve(
     study, lists = read_study(folder)
     store = Store(database, study, lists)
     try:
-        if give_again is not None:
-            code = store.abandon(give_again)
-            report = {"list": give_again, "was": code}
-            show(as_json, report, f"list {give_again}, which {code} had, is handed out again")
+        if reissue is not None:
+            code = store.abandon(reissue)
+            report = {"list": reissue, "was": code}
+            show(as_json, report, f"list {reissue}, which {code} had, is handed out again")
             return
         root = Path(folder)
-        server["token_file"] = server["token_file"] or f"{database}.token"
+        server = replace(server, token_file=server.token_file or f"{database}.token")
         with (
             ended_by_signals() as received,
             open_server(
@@ -75,9 +72,7 @@ def serve(
             note(f"{begun} of {study['lists']} lists are handed out; answers go to {database}")
             if as_json:
                 print(json.dumps({"address": opened.address}), flush=True)
-            until = None if seconds is None else time.monotonic() + seconds
-            while not received and (until is None or time.monotonic() < until):
-                time.sleep(LOOK_EVERY_S)
+            wait_for_end(received, seconds)
     finally:
         store.close()
     exit_if_stopped(received)

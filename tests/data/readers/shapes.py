@@ -184,7 +184,7 @@ def event_files() -> Iterator[Shape]:
     lone = [["time", "event"], *([clock(ZERO_MIN + at), kind] for at, kind in HAPPENED)]
     yield shape(
         "a lone HH:MM", table(lone), seconds=tuple(ZERO_MIN + at for at, _ in HAPPENED),
-        note="time='time:hhmm' (--time) reads them as hours:minutes",
+        note="time='time:hhmm' (--time-column) reads them as hours:minutes",
     )  # fmt: skip
     yield shape("a lone HH:MM, told", table(lone), options={"time": "time:hhmm"})
     teams = [["minute", "event", "player"], *([f"{at}", k, "Ann"] for at, k in HAPPENED)]
@@ -266,7 +266,7 @@ def refused_files() -> Iterator[Shape]:
                 json.dumps([{"time": "0:30", "person": "Ann"}] * 3).encode(), no_words)  # fmt: skip
     for header in ("index", "id", "patient", "row"):
         rows = [[header, "level"], *([str(i), value] for i, value in enumerate(values))]
-        yield shape(f"a series by {header}", table(rows), "with time (--time COLUMN:FORMAT")
+        yield shape(f"a series by {header}", table(rows), "with time (--time-column COLUMN:FORMAT")
 
 
 def all_shapes() -> list[Shape]:

@@ -77,7 +77,9 @@ def test_a_sparse_file_of_10_gb_is_refused_before_it_is_read(text: str, tmp_path
     # spaces: after them a file of holes is text as far as its head can tell
     path.write_bytes(text.encode().ljust(source.HEAD_BYTES))
     os.truncate(path, 10 * 2**30)
-    refused(path, r"big: 10240 MB, more than the 64 MB that are read; .*max_mb \(--max-mb\)")
+    refused(
+        path, r"big: 10240 MB, more than the 64 MB that are read; .*max_mb \(--read max-mb=MB\)"
+    )
     refused(path, r"more than the 5 MB that are read", max_mb=5.0)
 
 
@@ -93,7 +95,7 @@ def test_the_limit_of_size_is_lowered_and_raised_by_an_option(text: str, tmp_pat
     size_mb = len(text.encode()) / 2**20
     whole = load_timeline(tmp_path / "x")
     assert load_timeline(tmp_path / "x", max_mb=size_mb) == whole
-    refused(tmp_path / "x", "MB that are read; .*--max-mb", max_mb=size_mb * 0.99)
+    refused(tmp_path / "x", "MB that are read; .*--read max-mb", max_mb=size_mb * 0.99)
 
 
 def test_a_large_file_is_read_with_the_option(
@@ -101,7 +103,7 @@ def test_a_large_file_is_read_with_the_option(
 ) -> None:
     monkeypatch.setattr(source, "MAX_WHOLE_BYTES", 20)
     (tmp_path / "x").write_text(NATIVE)
-    refused(tmp_path / "x", "--max-mb")
+    refused(tmp_path / "x", "--read max-mb")
     assert load_timeline(tmp_path / "x", max_mb=1.0).duration_s == 9.0
 
 
@@ -128,7 +130,10 @@ def test_deep_json_is_refused_before_it_is_parsed(
 
     monkeypatch.setattr(source, "parse_json", parse)
     (tmp_path / "deep").write_text(text)
-    refused(tmp_path / "deep", r"deep: .*more than 64 levels.*max_depth \(--max-depth\), to 500")
+    refused(
+        tmp_path / "deep",
+        r"deep: .*more than 64 levels.*max_depth \(--read max-depth=LEVELS\), to 500",
+    )
 
 
 def test_deep_json_is_read_with_the_option(tmp_path: Path) -> None:
@@ -180,7 +185,7 @@ def test_the_depth_is_that_of_the_parsed_document(
 def test_values_by_the_million_are_refused_before_they_are_made(unit: str, tmp_path: Path) -> None:
     size = 40 * 2**20
     (tmp_path / "x").write_text("[" + unit * (size // len(unit)) + "0]")
-    refused(tmp_path / "x", r"would take about \d+ MB of memory, more than 576 MB; .*--max-mb")
+    refused(tmp_path / "x", r"would take about \d+ MB of memory, more than 576 MB; .*--read max-mb")
 
 
 @pytest.mark.parametrize("unit", ['{"":0},', "[],", "{},", '"ab",', "300,", "0.5,", '[{"a":{}}],'])
@@ -236,7 +241,7 @@ def test_a_bomb_is_refused_at_the_limit_with_the_option(suffix: str, tmp_path: P
     (tmp_path / "bomb").write_bytes(bomb)
     refused(
         tmp_path / "bomb",
-        r"bomb: unpacks to more than the 8 MB that are read; .*max_mb \(--max-mb\)",
+        r"bomb: unpacks to more than the 8 MB that are read; .*max_mb \(--read max-mb=MB\)",
         max_mb=8.0,
     )
     assert not list(Path(opening.tempfile.gettempdir()).glob("overview-*/bomb"))

@@ -201,7 +201,10 @@ def test_a_file_too_large_is_refused_before_it_is_read(
             stream.write(content.encode())
             stream.truncate(source.MAX_WHOLE_BYTES + 1)  # sparse: takes no space
         monkeypatch.setattr(source, "HEAD_BYTES", len(content))
-        refused(tmp_path / "big", r"big: 64 MB, more than the 64 MB that are read; .*\(--max-mb\)")
+        refused(
+            tmp_path / "big",
+            r"big: 64 MB, more than the 64 MB that are read; .*\(--read max-mb=MB\)",
+        )
 
 
 def test_a_name_that_is_not_utf8_is_printable(tmp_path: Path) -> None:

@@ -115,7 +115,7 @@ def test_a_match_is_chosen_by_number_or_words(match: str, teams: str) -> None:
 @pytest.mark.parametrize(
     ("match", "words"),
     [
-        (None, r"holds 4 matches; .*--match.*1 to 4.*'france croatia'.*timeline show"),
+        (None, r"holds 4 matches; .*--select.*1 to 4.*'france croatia'.*timeline show"),
         ("Brazil", "none of the 4 matches has 'Brazil'"),
         ("0", "there is no match 0; give a number, 1 to 4"),
         ("5", "there is no match 5"),

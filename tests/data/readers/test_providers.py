@@ -196,7 +196,7 @@ def test_a_file_too_large_for_a_match_is_refused(tmp_path: Path) -> None:
     path = copied(tmp_path, "opta")
     text = path.read_text()
     path.write_text(text.replace("</Game>", "<Event type_id='1'/>" * 900_000 + "</Game>"))
-    with pytest.raises(InputError, match=r"17 MB, more than the 16 MB a match has.*--max-mb"):
+    with pytest.raises(InputError, match=r"17 MB, more than the 16 MB a match has.*--read max-mb"):
         load_timeline(path)
 
 

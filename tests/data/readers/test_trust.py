@@ -142,7 +142,7 @@ def test_clocks_under_a_time_of_day_are_hours(tmp_path: Path, header: str) -> No
     rows = "".join(f"{8 + i // 2:02d}:{30 * (i % 2):02d},{i % 5}.5\n" for i in range(22))
     timeline = load_timeline(write(tmp_path, f"{header},load\n{rows}"))
     assert timeline.duration_s == 10.5 * 3600.0
-    assert any(":clock' (--time)" in note for note in timeline.notes)
+    assert any(":clock' (--time-column)" in note for note in timeline.notes)
 
 
 def test_a_lone_clock_says_how_it_was_read_and_what_reads_it_otherwise(tmp_path: Path) -> None:

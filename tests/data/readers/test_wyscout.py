@@ -141,7 +141,7 @@ SEASON = [
 
 def test_one_match_of_a_season_is_chosen_by_number_id_or_words(tmp_path: Path) -> None:
     path = write(tmp_path, SEASON)
-    with pytest.raises(InputError, match=r"holds 2 matches; .*--match"):
+    with pytest.raises(InputError, match=r"holds 2 matches; .*--select"):
         load_timeline(path)
     assert load_timeline(path, match="1").duration_s == 50.0
     assert load_timeline(path, match="2499773").duration_s == 70.0

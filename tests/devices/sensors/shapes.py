@@ -163,7 +163,7 @@ def nine(s: State) -> list[float]:
     return [*s.a, *(s.g * RAD), *s.m]
 
 
-GRAVITY, DO_SAY, FILE = "without gravity", "which number is which", "--sensor"
+GRAVITY, DO_SAY, FILE = "without gravity", "which number is which", "sensor="
 
 SHAPES = (
     # --- i2cdevlib
@@ -343,7 +343,7 @@ REASONS = {
     GRAVITY: "it lacks gravity, so that up can't be known",
     "bare bytes": "no check and no frame, as noise",
     DO_SAY: "shown with its two best readings",
-    FILE: "degrees, counts or a wiper: `--sensor` says it",
+    FILE: "degrees, counts or a wiper: `sensor=` says it",
     "no check": "no check: its serial protocol has one",
     "no number": "no number in it",
 }

@@ -157,7 +157,7 @@ def test_the_command_watches_a_port_and_writes_a_file_that_is_read(tmp_path):
     )
     threading.Thread(target=os.write, args=(ours, sent), daemon=True).start()
     path = tmp_path / "mine.toml"
-    outcome = overview("sensor", "setup", os.ttyname(theirs), "-o", path, "--seconds", 60)
+    outcome = overview("sensor", "setup", os.ttyname(theirs), "-o", path, "--timeout", 60)
     assert outcome.code == 0, outcome.err
     assert "face down and back" in outcome.err
     assert 'x = "x"' in path.read_text(encoding="utf-8")

@@ -228,7 +228,7 @@ def test_an_image_is_the_engines_memory(folders, library, match, kind):
 def test_what_c_would_ignore_is_refused(tmp_path):
     for option in (
         ("--gesture", "tap:0.5"),
-        ("--zooms", "1"),
+        ("--zoom-levels", "1"),
         ("--actuator", "c2"),
         ("--to", "web"),
     ):

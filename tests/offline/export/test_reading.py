@@ -315,11 +315,11 @@ def test_a_folder_is_read_by_the_names_of_its_clips(tmp_path, result):
     made = ov.load_preset(out)
     for kind in ("goal", "foul"):
         assert len(made.kinds[kind].points) == 64
-    refused = overview("presets", "import", str(folder), "--kind", "goal", "-o", str(out))
+    refused = overview("presets", "import", str(folder), "--as", "goal", "-o", str(out))
     assert refused.code == 2
     assert "2 clips for one kind" in refused.errors[0]
     (folder / "foul.haptic").unlink()
-    done = overview("presets", "import", str(folder), "--kind", "red_card", "-o", str(out))
+    done = overview("presets", "import", str(folder), "--as", "red_card", "-o", str(out))
     assert done.code == 0, done.err
     assert len(ov.load_preset(out).kinds["red_card"].points) == 64
     for empty in (tmp_path / "empty", tmp_path / "nowhere.ahap"):

@@ -142,7 +142,7 @@ SHORT = ("--gesture", "tap:0.3:0.3", "--sample-rate", "8000", "--tail", "0.2")
 def test_render_writes_transcripts_cues_and_stems(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = overview(
-        *("render", MATCH, *SHORT, "-o", "a.wav", "--stems", "--cues"),
+        *("render", MATCH, *SHORT, "-o", "a.wav", "--stems", "--cue-points"),
         *("--transcript", "a.vtt", "--transcript", "a.json", "--transcript", "-"),
     )
     assert done.code == 0, done.err
@@ -202,9 +202,12 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
     [
         (("--normalize", "3"), "3 LUFS is out of range; it is -60 to 0"),
         (("--normalize", "nan"), "nan LUFS is out of range"),
-        (("--lufs", "--sample-rate", "2000"), "loudness is measured at whole rates of 4000 Hz"),
+        (
+            ("--measure-loudness", "--sample-rate", "2000"),
+            "loudness is measured at whole rates of 4000 Hz",
+        ),
         (("--transcript", "a.srt"), "a.srt: a transcript is"),
-        (("--cues", "-o", "a.flac"), "a.flac: --cues is for .wav files"),
+        (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points is for .wav files"),
         (("--stems", "--transcript", "nowhere/a.txt"), "nowhere"),
     ],
 )

@@ -118,7 +118,7 @@ def timeline_of(listed: Sequence[Listed], about: About) -> Timeline:
     if not duration_s > 0.0:
         raise InputError(
             "all events are at one moment, so the duration is unknown; give it with duration_s "
-            "(--duration)"
+            "(--read duration=S)"
         )
     late = max(listed, key=lambda one: one.time_s)
     if late.time_s - zero > duration_s:

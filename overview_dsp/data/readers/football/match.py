@@ -252,7 +252,7 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
         if len(lines) == 1:
             return 0
         raise InputError(
-            f"holds {len(lines)} matches; choose one with match (--match): its number, 1 to "
+            f"holds {len(lines)} matches; choose one with match (--select): its number, 1 to "
             f"{len(lines)}, or words such as {_example(lines[-1])}; {listing}"
         )
     words = plain(match).split()

@@ -193,7 +193,7 @@ def _bytes(source: Source) -> bytes:
     if source.size > limit:
         raise InputError(
             f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit / 2**20:g} MB a "
-            "match has; is it one match? raise the limit with max_mb (--max-mb)"
+            "match has; is it one match? raise the limit with max_mb (--read max-mb=MB)"
         )
     if source.looks_like_json:
         _ = source.json  # its limits and errors

@@ -84,7 +84,7 @@ def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
         if store.count > MAX_ROWS:
             raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
     if not store.count:
-        raise InputError("no row has a time; name another column with time (--time)")
+        raise InputError("no row has a time; name another column with time (--time-column)")
     first, last = float(low), float(high)
     if not np.isfinite(last - first) or last - first > 1e15:
         raise InputError("the times span more than 30 million years; check their unit")

@@ -3,7 +3,7 @@
 Whether a column is a price, and of a share, is told by header, symbol, currency or option.
 Per cent fit prices only, and splits are a share's. Nothing is guessed from the numbers: what isn't
 called a price is plain, and what was decided is said, with the option that decides otherwise
-(`--value COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
+(`--value-column COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
 
 A share's is a close beside an adjusted close, or a close in a table with volume or a ticker symbol
 (a column `symbol`, or the file's name). A symbol or name of a commodity, a currency, an index or a
@@ -168,7 +168,7 @@ def _style(table: Table, head: Head, columns: Sequence[int]) -> Style:
 
 
 def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
-    """Return the column and the kind of a `--value` value, None where it isn't asked for.
+    """Return the column and the kind of a `--value-column` value, None where it isn't asked for.
 
     Raises
     ------
@@ -229,7 +229,8 @@ def _said(kind: str, column: Column, why: str) -> Worth:
     return Worth(
         kind,
         f"{header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
-        f"value='{column.header}:{other}' or '{column.header}:plain' (--value) says otherwise",
+        f"value='{column.header}:{other}' or '{column.header}:plain' (--value-column) says "
+        "otherwise",
     )
 
 

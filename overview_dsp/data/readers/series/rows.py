@@ -100,7 +100,8 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     if not name:
         raise InputError(
             f"column {header}: {shown(example)} may be day/month or month/day, no row shows "
-            f"which; say it with time (--time): '{column.header}:dmy' or '{column.header}:mdy'"
+            f"which; say it with time (--time-column): '{column.header}:dmy' or "
+            f"'{column.header}:mdy'"
         )
     words = Format(name).words
     evidence = (

@@ -401,7 +401,7 @@ def _split_notes(
     adjusted = price_columns(plan.table.columns).get("adjusted")
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
-        advice = f"take {header} with value (--value), which is"
+        advice = f"take {header} with value (--value-column), which is"
     else:
         advice = "the table has no adjusted column; get prices that are"
     examples = []

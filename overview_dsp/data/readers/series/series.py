@@ -36,7 +36,8 @@ def reading(open_table: Callable[[Source], Table]) -> Callable[[Source, LoadOpti
         if source.size > limit * 2**20:
             raise InputError(
                 f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that "
-                "are read; keep fewer columns or rows, or raise the limit with max_mb (--max-mb)"
+                "are read; keep fewer columns or rows, or raise the limit with max_mb "
+                "(--read max-mb=MB)"
             )
         with validation.located(f"{source.where}: "):
             return series_of(open_table(source), options, source.stem)

@@ -112,7 +112,7 @@ def open_npz(source: Source) -> ColumnTable:
                         if limit < 0:
                             raise InputError(
                                 "unpacks to more than what is read; raise the limit with max_mb "
-                                "(--max-mb) if that is what it should hold"
+                                "(--read max-mb=MB) if that is what it should hold"
                             )
                         data = stream.read(size)
                         if len(data) != size:

@@ -165,8 +165,8 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
             return parts
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one with time "
-            "(--time COLUMN:FORMAT; numbers that only count rows are no times), or give the "
-            "samples a second of evenly spaced rows with rate (--rate)"
+            "(--time-column COLUMN:FORMAT; numbers that only count rows are no times), or give the "
+            "samples a second of evenly spaced rows with rate (--read rate=HZ)"
         )
     index, form = found
     if written:
@@ -207,7 +207,7 @@ def _form_of(column: Column, cells: Sequence[Any], written: str, asked: bool) ->
         raise InputError(
             f"column {header} holds {shown(first) if first is not None else 'no values'}, which "
             "isn't a time in any known way; name another column, or say how times are written "
-            "with time (--time COLUMN:FORMAT)"
+            "with time (--time-column COLUMN:FORMAT)"
         )
     return form
 
@@ -345,7 +345,7 @@ def choose_value(
     if not numeric:
         raise InputError(
             f"no column of numbers besides the times; columns are {listed(columns)}: name the "
-            "values with value (--value)"
+            "values with value (--value-column)"
         )
     offered = [columns[i] for i in numeric]
     price = preferred_price(offered)
@@ -369,7 +369,7 @@ def choose_value(
     offered = [columns[i] for i in series]
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
-        f"with value (--value), such as {shown(offered[0].header)}"
+        f"with value (--value-column), such as {shown(offered[0].header)}"
     )
 
 
@@ -577,7 +577,7 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
         if found is None:
             raise InputError(
                 f"no column is called time, date, start or minute; columns are {listed(columns)}: "
-                "name one with time (--time)"
+                "name one with time (--time-column)"
             )
         time = found
     form = _form_of(columns[time], head[time], written, asked is not None)
@@ -591,7 +591,7 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
     if kind is None and label is None:
         raise InputError(
             "no column says what happened (event, what, kind, type, name); columns are "
-            f"{listed(columns)}: name one with kind or label (--kind, --label)"
+            f"{listed(columns)}: name one with kind or label (--read kind=COLUMN, label=COLUMN)"
         )
     return Roles(
         time,

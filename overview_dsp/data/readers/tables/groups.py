@@ -88,7 +88,7 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
     if found:
         names = ", ".join(shown(table.columns[i].header) for i in found)
         raise InputError(
-            f"match {shown(wish)}: columns {names} hold it; give match (--match) as "
+            f"match {shown(wish)}: columns {names} hold it; give match (--select) as "
             f"'COLUMN={wanted}'"
         )
     there = f"; it holds {', '.join(examples)}" if examples else ""
@@ -136,5 +136,5 @@ def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
     header = table.columns[column].header
     raise InputError(
         f"column {shown(header)} distinguishes {len(texts)} series ({names_shown}{more}); choose "
-        f"one with match (--match), such as {shown(texts[0])}"
+        f"one with match (--select), such as {shown(texts[0])}"
     )

@@ -1,6 +1,7 @@
 """Columns of times: how they are written, detected or given, and their seconds, chunk by chunk.
 
-`--time COLUMN`, `--time COLUMN:FORMAT` or `--time :FORMAT`, where FORMAT is one of `FORMATS`.
+`--time-column COLUMN`, `--time-column COLUMN:FORMAT` or `--time-column :FORMAT`, where FORMAT is
+one of `FORMATS`.
 """
 
 from __future__ import annotations
@@ -119,7 +120,7 @@ class Format:
 
 
 def asked_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
-    """Return the column and the format of a `--time` value: None and "" where it says neither.
+    """Return the column and the format of a `--time-column` value, else None and "".
 
     Raises
     ------
@@ -187,7 +188,7 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
     return Format(
         form,
         f"times such as {example} are read as {as_read}; "
-        f"time='{column.header}:{other}' (--time) reads them as {reads}",
+        f"time='{column.header}:{other}' (--time-column) reads them as {reads}",
     )
 
 
@@ -284,7 +285,9 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         return Format(unit)
     if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
         note = f"whole numbers from {low:g} to {size:g} are read as years"
-        return Format("year", f"{note}; time='{column.header}:s' (--time) reads them as seconds")
+        return Format(
+            "year", f"{note}; time='{column.header}:s' (--time-column) reads them as seconds"
+        )
     bare = re.fullmatch(r"column\d+", name)
     if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
         return Format("s")
@@ -341,7 +344,7 @@ class TimeColumn:
                 raise place(i).error(
                     as_list(cells)[i],
                     "is a time outside the years 1 to 9999; say how times are written with time "
-                    "(--time COLUMN:FORMAT)",
+                    "(--time-column COLUMN:FORMAT)",
                 )
         return seconds
 
@@ -437,7 +440,7 @@ class TimeColumn:
         return place.error(
             cell,
             f"isn't a time as the column's others ({self.format.words}); correct it, or say how "
-            f"times are written with time (--time COLUMN:FORMAT; {', '.join(FORMATS)})",
+            f"times are written with time (--time-column COLUMN:FORMAT; {', '.join(FORMATS)})",
         )
 
     def _of_datetimes(

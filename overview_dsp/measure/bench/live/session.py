@@ -66,7 +66,7 @@ def measure_session(
     if device is not None:
         arguments += ["--device", str(device)]
     if not screen:
-        arguments += ["--headless"]
+        arguments += ["--screen", "json"]
     with closing(_Session(arguments)) as session:
         session.wait_for(SCREEN_SAYS if screen else b"{")
         session.move(moving, SETTLE_S)

@@ -84,7 +84,7 @@ def test_an_archive_that_claims_or_holds_too_much_is_refused(tmp_path: Path) -> 
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             for member in ("a.npy", "b.npy"):
                 archive.writestr(member, header((10**9 if not content else 3 * 2**17,)) + content)
-        with pytest.raises(InputError, match=r"'[ab]': unpacks to more than .*--max-mb"):
+        with pytest.raises(InputError, match=r"'[ab]': unpacks to more than .*--read max-mb"):
             load_timeline(path, max_mb=5.0)
 
 

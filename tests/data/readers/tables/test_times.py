@@ -110,7 +110,7 @@ def test_a_date_that_fits_both_is_asked_about_and_can_be_given(
     text = series(["01/02/2020", "02/02/2020", "03/03/2020"])
     words = refusal(lambda: load(tmp_path, text))
     assert "'01/02/2020' may be day/month or month/day" in words
-    assert "say it with time (--time): 'date:dmy' or 'date:mdy'" in words
+    assert "say it with time (--time-column): 'date:dmy' or 'date:mdy'" in words
     for wish in (f"date:{told}", f":{told}"):
         assert load(tmp_path, text, time=wish).start == start
 

@@ -1,0 +1,102 @@
+"""Signals that ask a command to end: SIGTERM and SIGHUP are as Ctrl-C, so nothing stays behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from overview_dsp.files.atomic import remove_temporaries
+
+END_WITHIN_S = 2.0
+LOOK_EVERY_S = 0.1
+
+_received: list[int] = []
+
+
+def signals_that_end() -> list[int]:
+    """Return those of this platform; one that is ignored stays so (nohup)."""
+    wanted = [
+        getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+    ]
+    return [number for number in wanted if signal.getsignal(number) is not signal.SIG_IGN]
+
+
+@contextmanager
+def _handled(receive: Callable[[int, Any], None]) -> Iterator[None]:
+    before = {number: signal.signal(number, receive) for number in signals_that_end()}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def stopped_by_signals() -> Iterator[None]:
+    """Raise KeyboardInterrupt for the first of them; what comes later disturbs no cleaning up."""
+    _received.clear()
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    with _handled(_stop):
+        yield
+
+
+def _stop(number: int, frame: Any) -> None:
+    if not _received:
+        _received.append(number)
+        raise KeyboardInterrupt
+
+
+def stop_code() -> int:
+    """Return the exit code of a command that was stopped."""
+    return 128 + (_received[0] if _received else signal.SIGINT)
+
+
+@contextmanager
+def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[int]]:
+    """Collect the signals that ask for an end instead of obeying them.
+
+    A process that hasn't ended `END_WITHIN_S` after the first one (a terminal that takes nothing
+    more, a device that doesn't answer) is ended then, after `save`.
+    """
+    received: list[int] = []
+
+    def receive(number: int, frame: Any) -> None:
+        received.append(number)
+        if len(received) == 1:
+            threading.Thread(target=end_anyway, name="end", daemon=True).start()
+
+    def end_anyway() -> None:
+        time.sleep(END_WITHIN_S)
+        try:
+            if save is not None:
+                save()
+            remove_temporaries()
+        finally:
+            os._exit(128 + received[0])
+
+    with _handled(receive):
+        yield received
+
+
+def wait_for_end(received: list[int], seconds: float | None) -> None:
+    """Wait for a signal, or so many seconds."""
+    until = None if seconds is None else time.monotonic() + seconds
+    while not received and (until is None or time.monotonic() < until):
+        time.sleep(LOOK_EVERY_S)
+
+
+def exit_if_stopped(received: list[int]) -> None:
+    """End the program as signals do, if one came."""
+    if received:
+        from overview_dsp.cli.common import say
+
+        say(f"stopped by {signal.Signals(received[0]).name}")
+        sys.exit(128 + received[0])
