@@ -24,8 +24,8 @@ import re
 from dataclasses import dataclass
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import Happening, MatchEvents, touches
-from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
+from overview_dsp.data.readers.football.match import SHOOT_OUT, Happening, Touch, match_timeline
+from overview_dsp.data.readers.football.minutes import STARTS
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
@@ -122,15 +122,15 @@ def decode(text: str, default_title: str = "") -> Timeline:
             f"{third.place}, column 'Team': {shown(names[2])} is a third team after "
             f"{shown(names[0])} and {shown(names[1])}; keep one match a file"
         )
-    happenings = []
-    others = []
+    happenings: list[Happening] = []
+    touches: list[Touch] = []
     for i, row in enumerate(played):
         kind, team, detail = _happened(i, row, played, teams, notes)
+        time_s = row.start_s + shift[row.period]
         if kind:
-            time_s = row.start_s + shift[row.period]
             happenings.append(Happening(time_s, kind, team, row.player, detail, "", row.place))
         elif row.type in _TOUCHES:
-            others.append((row.start_s + shift[row.period], row.type.lower(), row.player))
+            touches.append((time_s, row.type.lower(), row.player))
     begins = {
         period: min(row.start_s for row in played if row.period == period) + shift[period]
         for period in sorted(shift)
@@ -138,10 +138,15 @@ def decode(text: str, default_title: str = "") -> Timeline:
     end_s = max(max(row.start_s, row.end_s) + shift[row.period] for row in played)
     if end_s <= 0.0:
         raise InputError("no time passes: every action is at 0 s; is the file complete?")
-    periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
-    periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return MatchEvents(teams, happenings, periods, end_s).timeline(
-        PROVENANCE, notes, default_title=default_title, details=touches(others)
+    return match_timeline(
+        teams,
+        begins,
+        end_s,
+        happenings,
+        PROVENANCE,
+        notes,
+        default_title=default_title,
+        touches=touches,
     )
 
 

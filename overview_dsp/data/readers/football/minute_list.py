@@ -36,9 +36,10 @@ from dataclasses import dataclass, replace
 from overview_dsp import validation
 from overview_dsp.data.readers.football.match import (
     GOALS,
+    SHOOT_OUT,
     Happening,
-    MatchEvents,
     choose,
+    match_timeline,
     plain,
     short_name,
     team_index,
@@ -46,7 +47,6 @@ from overview_dsp.data.readers.football.match import (
 from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import (
     ENDS,
-    SHOOT_OUT,
     Clock,
     Minute,
     check_minute,
@@ -308,8 +308,15 @@ class _Match:
             if exact
             else PROVENANCE_MINUTES
         )
-        return MatchEvents(self.teams, happenings, clock.periods(), clock.duration_s).timeline(
-            provenance, self.notes, default_title=default_title, about=[first.get("date")]
+        return match_timeline(
+            self.teams,
+            clock.begins_s,
+            clock.duration_s,
+            happenings,
+            provenance,
+            self.notes,
+            default_title=default_title,
+            about=[first.get("date")],
         )
 
     def _meaning(self, row: _Row) -> tuple[str, str]:

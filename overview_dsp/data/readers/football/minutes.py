@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from overview_dsp.data.readers.football.match import SHOOT_OUT, lay_end_to_end
 from overview_dsp.data.readers.tables.table import Location
 from overview_dsp.data.timeline.times import match_minute
 from overview_dsp.errors import InputError, shown
@@ -20,10 +21,6 @@ STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
 ENDS = {1: 45, 2: 90, 3: 105, 4: 120}
 """Minute of the clock at which a period ends, without stoppage time."""
 
-SHOOT_OUT = 5
-"""The period of a shoot-out."""
-
-START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
 MAX_ADDED = 60
@@ -157,11 +154,7 @@ class Clock:
             into = rough._into(minute, period) - (_MIDDLE_S if bare else 0.0)
             if into > 0.0:
                 lengths[period] = into
-        begins: dict[int, float] = {}
-        at = 0.0
-        for period in sorted(lengths):
-            begins[period] = at
-            at += lengths[period]
+        begins, _ = lay_end_to_end(lengths)
         return cls(begins, lengths, extra_time, back_s, restarts)
 
     def period_of(self, minute: Minute) -> int:
@@ -186,11 +179,6 @@ class Clock:
     def duration_s(self) -> float:
         """Length of the match, s."""
         return sum(self.lengths_s.values())
-
-    def periods(self) -> list[tuple[float, str]]:
-        """Return (time_s, label) of kick-off, each boundary once, and the end."""
-        starts = [(begin_s, START_LABELS[period]) for period, begin_s in self.begins_s.items()]
-        return [*starts, (self.duration_s, "full time")]
 
     def _into(self, minute: Minute, period: int) -> float:
         start = 0 if self.restarts else STARTS[period]

@@ -22,7 +22,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import Happening, MatchEvents, choose, short_name
+from overview_dsp.data.readers.football.match import (
+    Happening,
+    choose,
+    match_timeline,
+    short_name,
+)
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
@@ -171,25 +176,28 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
         )
         for team, minute, entry, place in goals
     ]
-    notes = [STOPPAGE_NOTE]
+    notes, about = [STOPPAGE_NOTE], [competition, match.round, match.date]
     if not goals and final != (0, 0):
         notes.append("the file lists no goals of this match")
-        final_counted = None
-    else:
-        final_counted = final
+        if final is not None:
+            about.insert(0, f"final score {final[0]}-{final[1]}")
+        final = None
     shoot_out = match.score("p", "p")
+    teams = [match.team(1), match.team(2)]
     if shoot_out is not None:
         notes.append(
-            f"the shoot-out is left out: {match.team(1)} {shoot_out[0]}, "
-            f"{match.team(2)} {shoot_out[1]}"
+            f"the shoot-out is left out: {teams[0]} {shoot_out[0]}, {teams[1]} {shoot_out[1]}"
         )
-    teams = [match.team(1), match.team(2)]
-    events = MatchEvents(teams if all(teams) else [], happenings, clock.periods(), clock.duration_s)
-    about = [competition, match.round, match.date]
-    if final is not None and final_counted is None:
-        about = [f"final score {final[0]}-{final[1]}", *about]
-    return events.timeline(
-        PROVENANCE, notes, default_title=default_title, about=about, final=final_counted
+    return match_timeline(
+        teams if all(teams) else [],
+        clock.begins_s,
+        clock.duration_s,
+        happenings,
+        PROVENANCE,
+        notes,
+        default_title=default_title,
+        about=about,
+        final=final,
     )
 
 

@@ -31,21 +31,21 @@ from overview_dsp import validation
 from overview_dsp.data.readers.events.listing import repeated_ids
 from overview_dsp.data.readers.football.match import (
     GOALS,
+    MAX_PERIOD_S,
+    SHOOT_OUT,
     Happening,
-    MatchEvents,
+    Touch,
     choose,
+    lay_end_to_end,
+    match_timeline,
+    shoot_out_note,
     short_name,
-    touches,
 )
-from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 PROVENANCE = "events: a Wyscout v2 event file"
-MAX_PERIOD_S = 7200.0
-"""Latest time in a period, s: no half lasts two hours."""
-
 SAME_GOAL_S = 10.0
 """Two tags of one team's goal within this time are one goal: no match restarts sooner."""
 
@@ -193,71 +193,60 @@ def _timeline(
     played = [event for event in events if event.period != SHOOT_OUT]
     played.sort(key=lambda event: (event.period, event.sec))
     notes = [*said, *repeated_ids([event.id for event in events])]
-    begins: dict[int, float] = {}
-    end_s = 0.0
-    for period in sorted({event.period for event in played}):
-        begins[period] = end_s
-        end_s += max(event.sec for event in played if event.period == period)
-    if end_s <= 0.0:
-        raise InputError("no time passes in periods 1H to E2; is the file complete?")
-    ids, names = _teams(document, played, companion, notes)
+    begins, end_s = lay_end_to_end({event.period: event.sec for event in played})
+    teams = _teams(document, played, companion, notes)
     players = _players(document)
     happenings: list[Happening] = []
-    others: list[tuple[float, str, str]] = []
+    touches: list[Touch] = []
     for event in played:
-        happened = _happened(event)
-        if not happened and event.event in _TOUCHES:
+        time_s, who = begins[event.period] + event.sec, players.get(event.player, "")
+        found = _happened(event)
+        if not found and event.event in _TOUCHES:
             what = "shot" if _is_attempt(event) else _TOUCHES[event.event]
-            others.append((begins[event.period] + event.sec, what, players.get(event.player, "")))
-        for kind, own, detail in happened:
-            team = _team(event, ids, needed=kind in ("goal", "own_goal"))
-            if own and team is not None:
+            touches.append((time_s, what, who))
+        for kind, detail in found:
+            team = _team(event, list(teams), needed=kind in GOALS)
+            if kind == "own_goal" and team is not None:
                 team = 1 - team
-            time_s = begins[event.period] + event.sec
-            who = players.get(event.player, "")
             happenings.append(Happening(time_s, kind, team, who, detail, "", event.place))
     happenings = _single_goals(happenings, notes)
-    kicks = [e for e in events if e.period == SHOOT_OUT and _is_attempt(e)]
-    if any(event.period == SHOOT_OUT for event in events):
-        scored = [event.team for event in kicks if _GOAL in event.tags]
-        tally = ", ".join(
-            f"{name} {scored.count(team)}" for team, name in zip(ids, names, strict=False)
-        )
-        notes.append(f"the shoot-out is left out: {len(kicks)} kicks; scored: {tally}")
-    periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
-    periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return MatchEvents(names, happenings, periods, end_s).timeline(
+    if len(played) < len(events):
+        kicks = [e for e in events if e.period == SHOOT_OUT and _is_attempt(e)]
+        scored = [(event.team, _GOAL in event.tags) for event in kicks]
+        notes.append(f"the shoot-out {shoot_out_note(scored, teams)}")
+    return match_timeline(
+        list(teams.values()),
+        begins,
+        end_s,
+        happenings,
         PROVENANCE,
         notes,
         default_title=default_title,
         about=[companion.date] if companion else [],
         final=companion.score if companion else None,
-        details=touches(others),
+        touches=touches,
     )
 
 
-def _happened(event: _Event) -> list[tuple[str, bool, str]]:
-    """Return (kind, whether the other team gets the score, detail) of what happens in an event."""
-    found: list[tuple[str, bool, str]] = []
-    tags = event.tags
+def _happened(event: _Event) -> list[tuple[str, str]]:
+    """Return (kind, detail) of what happens in an event."""
+    found: list[tuple[str, str]] = []
+    tags, is_penalty = event.tags, event.sub_event == _PENALTY
     if event.event == _FOUL:
-        found.append(("foul", False, ""))
-    for tag, (kind, detail) in _CARDS.items():
-        # a second yellow may be tagged as a yellow and a red card too
-        if tag in tags and (tag == 1703 or 1703 not in tags):
-            found.append((kind, False, detail))
+        found.append(("foul", ""))
+    # a second yellow may be tagged as a yellow and a red card too
+    found += [_CARDS[tag] for tag in _CARDS if tag in tags and (tag == 1703 or 1703 not in tags)]
     if _OWN_GOAL in tags:
-        found.append(("own_goal", True, ""))
+        found.append(("own_goal", ""))
     elif _GOAL in tags and event.event != _SAVE:
-        found.append(("goal", False, "pen" if event.sub_event == _PENALTY else ""))
+        found.append(("goal", "pen" if is_penalty else ""))
     elif _is_attempt(event):
         if tags & _POST:
-            found.append(("near_miss", False, "on the post"))
+            found.append(("near_miss", "on the post"))
         elif _BLOCKED not in tags and (tags & _FRAME or _ACCURATE in tags):
-            penalty = "penalty " if event.sub_event == _PENALTY else ""
-            found.append(("near_miss", False, f"{penalty}saved"))
-        elif event.sub_event == _PENALTY:
-            found.append(("near_miss", False, "penalty missed"))
+            found.append(("near_miss", "penalty saved" if is_penalty else "saved"))
+        elif is_penalty:
+            found.append(("near_miss", "penalty missed"))
     return found
 
 
@@ -295,22 +284,20 @@ def _team(event: _Event, ids: Sequence[str], *, needed: bool) -> int | None:
 
 def _teams(
     document: object, played: Sequence[_Event], companion: Companion | None, notes: list[str]
-) -> tuple[list[str], list[str]]:
-    """Return ids and names of the two teams, the home team first where it is known."""
-    named = _named(document, "teams")
+) -> dict[str, str]:
+    """Return the names of the two teams by id, the home team first where it is known."""
     seen = list(dict.fromkeys(event.team for event in played if event.team))
     if companion is not None and set(companion.teams) >= set(seen):
-        ids = list(companion.teams)
-        names = [name or named.get(id_, "") for id_, name in companion.teams.items()]
+        teams = companion.teams
     else:
-        ids = seen[:2]
-        names = [named.get(id_, "") for id_ in ids]
-        if len(ids) == 2:
+        teams = dict.fromkeys(seen[:2], "")
+        if len(teams) == 2:
             notes.append(
                 "the file doesn't say who played at home (matches_*.json beside it would): the "
                 "team with the first event comes first"
             )
-    return ids, [name or f"team {id_}" for id_, name in zip(ids, names, strict=True)]
+    named = _named(document, "teams")
+    return {id_: name or named.get(id_) or f"team {id_}" for id_, name in teams.items()}
 
 
 def _named(document: object, key: str) -> dict[str, str]:
