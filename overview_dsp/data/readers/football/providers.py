@@ -54,17 +54,10 @@ _CARDS = {
 }
 _NEAR = {"SAVED": "saved", "POST": "on the post"}
 _TOUCHES = {
-    "PASS": "pass",
-    "DUEL": "duel",
-    "TAKE_ON": "take-on",
-    "CARRY": "carry",
-    "CLEARANCE": "clearance",
-    "INTERCEPTION": "interception",
-    "RECOVERY": "recovery",
-    "MISCONTROL": "miscontrol",
-    "GOALKEEPER": "goalkeeper",
-    "SHOT": "shot",
-}
+    "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
+    "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
+    "MISCONTROL": "miscontrol", "GOALKEEPER": "goalkeeper",
+}  # fmt: skip
 _OWN_GOAL_OF_DATAFACTORY = 10
 
 
@@ -307,8 +300,10 @@ def _happened(event: Any) -> Iterator[tuple[str, str]]:
     raw = event.raw_event if isinstance(event.raw_event, Mapping) else {}
     if kind == "FOUL_COMMITTED":
         yield "foul", ""
-        for card in {"yellow_card", "red_card"} & set(_listed(raw.get("type"), "secondary")):
-            yield card, ""  # Wyscout v3
+        secondary = _table(raw.get("type")).get("secondary")
+        for card in ("yellow_card", "red_card"):  # Wyscout v3
+            if isinstance(secondary, list) and card in secondary:
+                yield card, ""
     elif kind == "CARD":
         # Wyscout v3 has it at its foul already, should kloppy give it too
         if event.card_type is not None and "primary" not in _table(raw.get("type")):
@@ -332,11 +327,6 @@ def _happened(event: Any) -> Iterator[tuple[str, str]]:
 
 def _table(value: object) -> Mapping[str, object]:
     return value if isinstance(value, Mapping) else {}
-
-
-def _listed(value: object, key: str) -> list[str]:
-    listed = _table(value).get(key)
-    return [name for name in listed if isinstance(name, str)] if isinstance(listed, list) else []
 
 
 def _subtypes(raw: Mapping[str, object]) -> list[object]:

@@ -58,24 +58,12 @@ MAX_OWN_GOALS = 1000
 PROVENANCE = "events: a StatsBomb open-data event file"
 
 TOUCHES = {
-    "Pass": "pass",
-    "Ball Receipt*": "receipt",
-    "Carry": "carry",
-    "Pressure": "pressure",
-    "Ball Recovery": "recovery",
-    "Duel": "duel",
-    "Dribble": "dribble",
-    "Dribbled Past": "dribbled past",
-    "Clearance": "clearance",
-    "Block": "block",
-    "Interception": "interception",
-    "Goal Keeper": "goalkeeper",
-    "Miscontrol": "miscontrol",
-    "Dispossessed": "dispossessed",
-    "50/50": "fifty-fifty",
-    "Shield": "shield",
-    "Shot": "shot",
-}
+    "Ball Receipt*": "receipt", "Ball Recovery": "recovery", "Goal Keeper": "goalkeeper",
+    "50/50": "fifty-fifty", "Pass": "pass", "Carry": "carry", "Pressure": "pressure",
+    "Duel": "duel", "Dribble": "dribble", "Dribbled Past": "dribbled past", "Block": "block",
+    "Clearance": "clearance", "Interception": "interception", "Miscontrol": "miscontrol",
+    "Dispossessed": "dispossessed", "Shield": "shield", "Shot": "shot",
+}  # fmt: skip
 
 _NEAR_MISSES = {
     **dict.fromkeys(("Saved", "Saved to Post", "Saved Off Target"), "saved"),

@@ -57,26 +57,12 @@ _POST = frozenset(range(1217, 1224))
 _CARDS = {1701: ("red_card", ""), 1702: ("yellow_card", ""), 1703: ("red_card", "second yellow")}
 _PERIODS = {"1H": 1, "2H": 2, "E1": 3, "E2": 4, "P": SHOOT_OUT}
 _EVENTS = {
-    "duel": 1,
-    "foul": 2,
-    "free kick": 3,
-    "goalkeeper leaving line": 4,
-    "interruption": 5,
-    "offside": 6,
-    "others on the ball": 7,
-    "pass": 8,
-    "save attempt": 9,
-    "shot": 10,
-}
+    "duel": 1, "foul": 2, "free kick": 3, "goalkeeper leaving line": 4, "interruption": 5,
+    "offside": 6, "others on the ball": 7, "pass": 8, "save attempt": 9, "shot": 10,
+}  # fmt: skip
 _TOUCHES = {
-    1: "duel",
-    3: "free kick",
-    4: "goalkeeper",
-    7: "touch",
-    8: "pass",
-    9: "save",
-    10: "shot",
-}
+    1: "duel", 3: "free kick", 4: "goalkeeper", 7: "touch", 8: "pass", 9: "save", 10: "shot",
+}  # fmt: skip
 _SUB_EVENTS = {"free kick shot": 33, "penalty": 35}
 _SNIFFED = 50
 
@@ -87,7 +73,6 @@ class _Event:
 
     place: str
     id: str
-    match: str
     period: int
     sec: float
     team: str
@@ -113,7 +98,6 @@ class _Event:
             return cls(
                 place,
                 _id(raw.get("id")),
-                _id(raw.get("matchId")),
                 _PERIODS[period],
                 sec,
                 _id(raw.get("teamId")),
@@ -296,20 +280,16 @@ def _teams(
                 "the file doesn't say who played at home (matches_*.json beside it would): the "
                 "team with the first event comes first"
             )
-    named = _named(document, "teams")
-    return {id_: name or named.get(id_) or f"team {id_}" for id_, name in teams.items()}
+    listed = document.get("teams") if isinstance(document, dict) else None
+    entries = listed if isinstance(listed, dict) else {}
+    return {id_: name or _name_of(entries.get(id_)) or f"team {id_}" for id_, name in teams.items()}
 
 
-def _named(document: object, key: str) -> dict[str, str]:
-    """Return the names of an object's `teams` by id; empty where there are none."""
-    table = document.get(key) if isinstance(document, dict) else None
-    found: dict[str, str] = {}
-    for id_, entry in table.items() if isinstance(table, dict) else ():
-        inner = entry.get("team", entry) if isinstance(entry, dict) else None
-        name = inner.get("name") if isinstance(inner, dict) else None
-        if isinstance(name, str) and isinstance(id_, str):
-            found[id_] = name
-    return found
+def _name_of(entry: object) -> str:
+    """Return the name in an entry of an object's `teams`, "" where there is none."""
+    inner = entry.get("team", entry) if isinstance(entry, dict) else None
+    name = inner.get("name") if isinstance(inner, dict) else None
+    return name if isinstance(name, str) else ""
 
 
 def _players(document: object) -> dict[str, str]:
@@ -343,9 +323,8 @@ def _grouped(document: object) -> dict[str, list[tuple[int, object]]]:
 
 
 def _listed(document: object) -> list[object]:
-    if isinstance(document, dict):
-        document = document.get("events")
-    return document if isinstance(document, list) else []
+    listed = document.get("events") if isinstance(document, dict) else document
+    return listed if isinstance(listed, list) else []
 
 
 def _lines(ids: Sequence[str], known: dict[str, Companion]) -> list[str]:
@@ -364,9 +343,8 @@ def _id(value: object) -> str:
 
 def _number(raw: dict[str, object], name: str, words: dict[str, int]) -> int:
     """Return the number of an event's kind: `eventId`, or `eventName` as number or words."""
-    for key in (f"{name}Id", f"{name}Name"):
-        value = raw.get(key)
-        if isinstance(value, int) and not isinstance(value, bool):
+    for value in (raw.get(f"{name}Id"), raw.get(f"{name}Name")):
+        if type(value) is int:
             return value
         if isinstance(value, str):
             if value.isascii() and value.isdigit():
@@ -378,11 +356,9 @@ def _number(raw: dict[str, object], name: str, words: dict[str, int]) -> int:
 
 def _tags(value: object) -> frozenset[int]:
     """Return the numbers of the tags; what isn't a list of them is none."""
-    numbers = [
-        entry.get("id") if isinstance(entry, dict) else entry
-        for entry in (value if isinstance(value, list) else [])
-    ]
-    return frozenset(n for n in numbers if isinstance(n, int) and not isinstance(n, bool))
+    listed = value if isinstance(value, list) else []
+    numbers = (entry.get("id") if isinstance(entry, dict) else entry for entry in listed)
+    return frozenset(n for n in numbers if type(n) is int)
 
 
 MAX_FILES = 20
@@ -419,12 +395,8 @@ class Companion:
     def line(self) -> str:
         """What a list of matches says about it."""
         result = f"{self.score[0]}-{self.score[1]}" if self.score else "-"
-        return "  ".join(part for part in (self.date, f" {result} ".join(self.names)) if part)
-
-    @property
-    def names(self) -> list[str]:
-        """Names, the numbers where there are none."""
-        return [name or f"team {id_}" for id_, name in self.teams.items()]
+        names = [name or f"team {id_}" for id_, name in self.teams.items()]
+        return "  ".join(part for part in (self.date, f" {result} ".join(names)) if part)
 
 
 def companions(
@@ -477,8 +449,5 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
 
 def _goals(side: dict[str, object]) -> int | None:
     """Return a team's goals: `scoreET` holds those after extra time, 0 without one."""
-    regular, extra = side.get("score"), side.get("scoreET")
-    numbers = [
-        n for n in (regular, extra) if isinstance(n, int) and not isinstance(n, bool) and n >= 0
-    ]
+    numbers = [n for n in (side.get("score"), side.get("scoreET")) if type(n) is int and n >= 0]
     return max(numbers) if numbers else None
