@@ -53,13 +53,11 @@ def gaps_of(
     silent: Spans, noisy: Spans, rate: float, duration_s: float
 ) -> tuple[Gaps, tuple[str, ...]]:
     """Return stretches of samples as gaps, in order, and why each is one."""
-    known: list[tuple[float, float, str]] = []
-    for (first, end), why in (
-        *((span, NO_SIGNAL) for span in silent),
-        *((span, TOO_NOISY) for span in _outside(noisy, silent)),
-    ):
-        known.append((first / rate, min(end / rate, duration_s), why))
-    known.sort()
+    known = sorted(
+        (first / rate, min(end / rate, duration_s), why)
+        for spans, why in ((silent, NO_SIGNAL), (_outside(noisy, silent), TOO_NOISY))
+        for first, end in spans
+    )
     return tuple((start, end) for start, end, _ in known), tuple(why for *_, why in known)
 
 
@@ -94,7 +92,9 @@ def heart_timeline(
     """
     count = len(beats.time_s)
     spans, reasons = gaps
-    noisy_s = _length(spans, reasons, TOO_NOISY)
+    noisy_s = sum(
+        end - start for (start, end), why in zip(spans, reasons, strict=True) if why == TOO_NOISY
+    )
     if count == 0:
         noise = f" ({noisy_s:.0f} s of it are {TOO_NOISY})" if noisy_s else ""
         raise InputError(
@@ -120,9 +120,3 @@ def heart_timeline(
     if timeline.intensity is None:
         return timeline
     return replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
-
-
-def _length(gaps: Gaps, reasons: Sequence[str], reason: str) -> float:
-    return sum(
-        end - start for (start, end), why in zip(gaps, reasons, strict=True) if why == reason
-    )

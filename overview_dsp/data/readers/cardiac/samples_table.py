@@ -32,7 +32,7 @@ from overview_dsp.data.readers.cardiac.build import (
     gaps_of,
     heart_timeline,
 )
-from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal
+from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, name_or_number
 from overview_dsp.data.readers.source import MAX_TEXT_BYTES, LoadOptions, Source
 from overview_dsp.data.readers.tables.cells import TOKENS, Style, detected_style, parse
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
@@ -112,20 +112,8 @@ class _Layout:
 
     def heart_columns(self) -> list[int]:
         """Return the columns called like an ECG lead or a pulse wave."""
-        return [
-            i
-            for i, name in enumerate(self.names)
-            if self.headed and self.numeric[i] and _HEART.search(name)
-        ]
-
-    def column(self, wanted: str) -> int | None:
-        """Return the column of a name, or of a number from 1."""
-        low = [name.lower() for name in self.names]
-        if wanted.strip().lower() in low:
-            return low.index(wanted.strip().lower())
-        if re.fullmatch(r"[1-9]\d{0,5}", wanted, re.ASCII) and int(wanted) <= len(low):
-            return int(wanted) - 1
-        return None
+        found = (i for i, name in enumerate(self.names) if self.headed and _HEART.search(name))
+        return [i for i in found if self.numeric[i]]
 
 
 def sniff(source: Source) -> bool:
@@ -233,14 +221,17 @@ def _head_table(source: Source, dialect: Dialect) -> DelimitedTable:
 
 
 def _is_numeric(cells: Sequence[str | None], style: Style) -> bool:
-    known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
+    known = _known(cells)
     return bool(known) and all(_number(cell, style) is not None for cell in known)
 
 
 def _are_times(cells: Sequence[str | None]) -> bool:
     """Return whether cells are clock times and dates, missing ones aside."""
-    known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
-    return all(_moment_of(cell) is not None for cell in known)
+    return all(_moment_of(cell) is not None for cell in _known(cells))
+
+
+def _known(cells: Sequence[str | None]) -> list[str]:
+    return [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
 
 
 def _bare(cell: str | None) -> str:
@@ -255,7 +246,7 @@ def _number(text: str, style: Style) -> float | None:
 
 def _time_column(layout: _Layout, options: LoadOptions) -> int | None:
     if options.time is not None:
-        found = layout.column(options.time)
+        found = name_or_number(layout.names, options.time)
         if found is None or not (layout.numeric[found] or layout.holds_times(found)):
             raise InputError(
                 f"no column of times is called {shown(options.time)}; there is "
@@ -268,7 +259,7 @@ def _time_column(layout: _Layout, options: LoadOptions) -> int | None:
 def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> int:
     numeric = [i for i, is_numeric in enumerate(layout.numeric) if is_numeric]
     if options.value is not None:
-        found = layout.column(options.value)
+        found = name_or_number(layout.names, options.value)
         if found is None or found not in numeric or found == time:
             raise InputError(
                 f"no column of samples is called {shown(options.value)}; there is "
@@ -294,7 +285,6 @@ def _columns(
     value: int,
     time: int | None,
     progress: Callable[[float], None],
-    most: int = MAX_ROWS,
 ) -> tuple[NDArray[np.float32], NDArray[np.float64] | None, datetime | None]:
     """Read a column of values and one of times.
 
@@ -324,8 +314,8 @@ def _columns(
             else:
                 times.append(clock.read(chunk.cells[1], place))
         count += len(chunk)
-        if count > most:
-            raise InputError(f"more than {most} rows; cut the file into parts")
+        if count > MAX_ROWS:
+            raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
         progress(chunk.part)
     start = clock.start.to_datetime() if clock.start is not None else None
     return (
