@@ -31,6 +31,7 @@ A list of which half are football kinds gets a crowd-excitement curve (`crowd_ex
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -41,10 +42,9 @@ import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.data.readers.events.listing import (
-    PLAIN_KIND,
     About,
     Listed,
-    are_kinds,
+    kinds_or_labels,
     timeline_of,
 )
 from overview_dsp.data.readers.series.rows import settled
@@ -71,7 +71,13 @@ from overview_dsp.data.readers.tables.table import (
     first_rows,
     location,
 )
-from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
+from overview_dsp.data.readers.tables.time_column import (
+    CLOCKS,
+    Format,
+    TimeColumn,
+    as_number,
+    detected_format,
+)
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
@@ -80,9 +86,7 @@ from overview_dsp.files.atomic import whole_file
 COLUMNS = ("time_s", "kind", "label", "weight")
 """The columns an event list may have; the first two it must have."""
 
-# Python's float() also takes "1_000" and other scripts' digits; a file means neither
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
-_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity|\d+\.?\d*e\+?\d+)", re.ASCII | re.IGNORECASE)
 _SPECIAL = re.compile(r'[",\r\n]')
 _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
 
@@ -205,11 +209,8 @@ class _Reader:
 
     def timeline(self, title: str, duration_s: float | None) -> Timeline:
         listed = list(self._listed())
-        if self.roles.kind is None and not are_kinds([one.words for one in listed]):
-            listed = [
-                Listed(o.time_s, PLAIN_KIND, o.words, o.place, o.end_s, o.weight, o.id)
-                for o in listed
-            ]
+        if self.roles.kind is None:
+            listed = kinds_or_labels(listed)
         notes = [*self.table.notes, *self.choice.notes, *self.roles.notes]
         if self.timeless:
             notes.append(f"{self.timeless} rows without a time were left out")
@@ -275,19 +276,15 @@ class _Reader:
         self, chunk: Any, others: Sequence[int], count: int, seconds: Any
     ) -> list[float | None]:
         """When each ends, as far as the table says and it can be read."""
-        nothing: list[float | None] = [None] * len(seconds)
         column = self.roles.end if self.roles.end is not None else self.roles.length
-        if column is None or self.choice.format.calendar:
-            return nothing
-        cells = list(chunk.cells[count + others.index(column)])
-        form = detected_format(Column.of("time"), cells)
-        if form is None:
-            return nothing
-        same = self.choice.format.name if form.name not in CLOCKS else form.name
-        try:
-            found = TimeColumn(Format(same)).seconds(cells, Location)
-        except InputError:
-            return nothing
+        found = np.full(len(seconds), np.nan)
+        if column is not None and not self.choice.format.calendar:
+            cells = list(chunk.cells[count + others.index(column)])
+            form = detected_format(Column.of("time"), cells)
+            if form is not None:
+                same = self.choice.format.name if form.name not in CLOCKS else form.name
+                with contextlib.suppress(InputError):
+                    found = TimeColumn(Format(same)).seconds(cells, Location)
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
@@ -454,12 +451,13 @@ def _listed_row(row: dict[str, str], line: int) -> Listed:
 def _number(text: str, place: Location, hint: str) -> float:
     if not text:
         raise place.missing(hint)
-    if _NOT_FINITE.fullmatch(text):
-        raise place.error(text, f"isn't a finite number; {hint}")
-    if not _NUMBER.fullmatch(text):
+    number = as_number(text)
+    if number is None:
+        if _NOT_FINITE.fullmatch(text):
+            raise place.error(text, f"isn't a finite number; {hint}")
         comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", text) else ""
         raise place.error(text, f"isn't a number{comma}; {hint}")
-    return validation.number(float(text), str(place), hint)
+    return float(number)
 
 
 # --- lines of clock and words
@@ -483,12 +481,9 @@ def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
     with validation.located(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
         seconds = times.seconds([clock for _, clock, _ in found], lambda i: Location(found[i][0]))
-        words = [text for _, _, text in found]
-        few = are_kinds(words)
         listed = [
-            Listed(second, text if few else PLAIN_KIND, "" if few else text, f"line {line}")
+            Listed(second, text, place=f"line {line}")
             for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
         ]
-        return timeline_of(
-            listed, About(source.stem, "events: lines of clock and words", (), options.duration_s)
-        )
+        about = About(source.stem, "events: lines of clock and words", (), options.duration_s)
+        return timeline_of(kinds_or_labels(listed), about)
