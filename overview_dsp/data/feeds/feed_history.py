@@ -57,8 +57,7 @@ class KeptEvents:
     def last_s(self) -> float:
         """The latest event's or detail's time, s; 0 of none."""
         if self._last_s is None:
-            both = (*self.events, *self.details)
-            self._last_s = max((key[0] for key in both), default=0.0)
+            self._last_s = max((key[0] for key in (*self.events, *self.details)), default=0.0)
         return self._last_s
 
     def put(self, event: Event, name: str | None) -> list[tuple[What, Event]] | None:
@@ -169,19 +168,13 @@ class KeptSamples:
 
     def put(self, time_s: float, value: float) -> bool:
         """Keep a sample; whether it is new."""
-        times = self._time_s
-        if not times or time_s > times[-1]:
-            times.append(time_s)
-            self._value.append(value)
-        else:
-            place = bisect_left(times, time_s)
-            if times[place] == time_s:
-                if self._value[place] == value:
-                    return False
-                self._value[place] = value
-                return True
-            times.insert(place, time_s)
-            self._value.insert(place, value)
+        times, place = self._time_s, bisect_left(self._time_s, time_s)
+        if place < len(times) and times[place] == time_s:
+            is_new = self._value[place] != value
+            self._value[place] = value
+            return is_new
+        times.insert(place, time_s)
+        self._value.insert(place, value)
         if len(times) > MAX_SAMPLES:
             self._halve()
         return True

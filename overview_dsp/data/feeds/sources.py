@@ -12,6 +12,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
 from typing import Any, BinaryIO, Protocol
 
 import numpy as np
@@ -71,17 +72,16 @@ def is_feed(head: bytes) -> bool:
     return isinstance(document, dict) and not document.keys().isdisjoint(KEYS)
 
 
+@dataclass
 class GrowingFile:
-    """A file that grows: a feed is read on, anything else that can be read is read anew.
+    """A file that grows, by its path: a feed is read on, anything else is read again.
 
     One that isn't there yet is waited for; one that is replaced or cut begins again, which
     changes nothing where it says the same.
     """
 
-    ends_within_s = ENDS_WITHIN_S
-
-    def __init__(self, path: str) -> None:
-        self.name = path
+    name: str
+    ends_within_s: float = ENDS_WITHIN_S
 
     def come(self) -> Iterator[Came]:
         """What is there, and then what comes."""
@@ -104,14 +104,13 @@ class GrowingFile:
                     break
                 yield head
                 yield from self._more(file)
-        yield from self._anew()
+        yield from self._again()
 
     def _more(self, file: BinaryIO) -> Iterator[Came]:
         while True:
-            data = file.read(CHUNK_BYTES)
-            yield data or None
-            if data:
-                continue
+            while data := file.read(CHUNK_BYTES):
+                yield data
+            yield None
             with contextlib.suppress(OSError):  # gone for a moment: it is replaced
                 status = os.stat(self.name)
                 if status.st_size < file.tell() or not os.path.samestat(
@@ -121,7 +120,7 @@ class GrowingFile:
                     return
             time.sleep(LOOK_EVERY_S)
 
-    def _anew(self) -> Iterator[Came]:
+    def _again(self) -> Iterator[Came]:
         seen: tuple[int, int, int] | None = None
         wait_s = 0.0
         while True:
@@ -154,18 +153,17 @@ class GrowingFile:
             return None
 
 
+@dataclass
 class Stream:
     """A stream of bytes: standard input, a pipe."""
 
-    ends_within_s = ENDS_WITHIN_S
+    stream: BinaryIO
+    name: str = "standard input"
+    ends_within_s: float = ENDS_WITHIN_S
 
-    def __init__(self, stream: BinaryIO, name: str = "standard input") -> None:
-        self._stream = stream
-        self.name = name
-
-    def come(self) -> Iterator[Came]:
+    def come(self) -> Iterator[bytes]:
         """What comes, until its end."""
-        read = getattr(self._stream, "read1", self._stream.read)
+        read = getattr(self.stream, "read1", self.stream.read)
         while data := read(CHUNK_BYTES):
             yield data
 
@@ -258,23 +256,20 @@ class Crowd:
         return timeline_of(meter.so_far(), "loudness", "", kind, ())
 
 
+@dataclass
 class Sound:
-    """A sound as blocks of samples: its loudness and cheers."""
+    """A sound as blocks of samples: its loudness and cheers.
 
-    def __init__(
-        self,
-        name: str,
-        open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]],
-        ends_within_s: float = ENDS_WITHIN_S,
-    ) -> None:
-        """`open_blocks` gives a rate (Hz), the number of channels and float blocks of them."""
-        self.name = name
-        self.ends_within_s = ends_within_s
-        self._open = open_blocks
+    `open_blocks` gives a rate (Hz), the number of channels and float blocks of them.
+    """
+
+    name: str
+    open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]]
+    ends_within_s: float = ENDS_WITHIN_S
 
     def come(self) -> Iterator[Came]:
         """A timeline of all that was heard, now and then."""
-        rate, channels, blocks = self._open()
+        rate, channels, blocks = self.open_blocks()
         told: list[Timeline] = []
         crowd = Crowd(rate, channels, told.append)
         try:
@@ -296,14 +291,12 @@ def pcm_blocks(
     """Raw samples, 16 bits each, little-endian, channels interleaved, for `Sound`."""
 
     def blocks() -> Iterator[np.ndarray | None]:
-        rest = b""
-        read = getattr(stream, "read1", stream.read)
-        frame = 2 * channels
-        while data := read(CHUNK_BYTES):
-            data = rest + data
-            whole = len(data) // frame * frame
-            rest = data[whole:]
-            samples = np.frombuffer(data[:whole], "<i2").reshape(-1, channels)
+        rest, frame = b"", 2 * channels
+        for data in Stream(stream).come():
+            rest += data
+            whole = len(rest) // frame * frame
+            data, rest = rest[:whole], rest[whole:]
+            samples = np.frombuffer(data, "<i2").reshape(-1, channels)
             yield samples.astype(np.float32) / 32_768.0
 
     return rate, channels, blocks()
