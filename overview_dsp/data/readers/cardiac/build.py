@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from overview_dsp.data.analysis import rhythm
-from overview_dsp.data.analysis.heart_signal import Spans
+from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.analysis.series_events import rules_of
@@ -82,8 +82,9 @@ def heart_timeline(
     gaps: tuple[Gaps, tuple[str, ...]],
     others: Sequence[Event],
     options: LoadOptions,
+    signal: Signal | None = None,
 ) -> Timeline:
-    """Make the Timeline; `gaps` as `gaps_of` gives them.
+    """Make the Timeline; `gaps` as `gaps_of` gives them, `signal` where there is one.
 
     Raises
     ------
@@ -117,6 +118,6 @@ def heart_timeline(
         notes=(f"{count} beats{rate}", *left_out, *about.notes),
         start=about.start,
     )
-    if timeline.intensity is None:
-        return timeline
-    return replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
+    if timeline.intensity is not None:
+        timeline = replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
+    return timeline if signal is None else replace(timeline, signal=recorded(signal))
