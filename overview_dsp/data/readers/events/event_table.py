@@ -63,6 +63,7 @@ from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
+    Cells,
     Column,
     ColumnTable,
     Location,
@@ -102,7 +103,8 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a table of events, or lines of clock and words."""
     if source.head_text is None or any(getattr(source.options, o) for o in _SERIES_OPTIONS):
         return False
-    return _has_table(source) or bool(_chapters(source.head_text))
+    found = _json_table(source) if source.looks_like_json else detect(source, _accepting(source))
+    return found is not None or bool(_chapters(source.head_text))
 
 
 def sniff_lines(source: Source) -> bool:
@@ -124,20 +126,19 @@ def read(source: Source, options: LoadOptions) -> Timeline:
 
     Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
     """
-    if not _has_table(source):
-        return _read_chapters(source, options)
     with validation.located(f"{source.where}: "):
-        return _read(_table(source), source.stem, options)
+        table = _table(source)
+        if table is not None:
+            return _read(table, source.stem, options)
+    return _read_chapters(source, options)
 
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
     head = first_rows(table, _HEAD)
     roles = roles_of(table.columns, head, options)
     _refuse_beats(table, head[roles.time])
-    choice = TimeChoice(
-        (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
-    )
-    choice = settled(table, choice)
+    columns = (roles.time,) if roles.clock is None else (roles.time, roles.clock)
+    choice = settled(table, TimeChoice(columns, roles.format, " "))
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
 
@@ -149,12 +150,6 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
             f"markers by measures and beats ({shown(texts[0])}), which are no times",
             "set REAPER's ruler to minutes and seconds, and export them again",
         )
-
-
-def _has_table(source: Source) -> bool:
-    if source.looks_like_json:
-        return _json_table(source) is not None
-    return detect(source, _accepting(source)) is not None
 
 
 def _accepting(source: Source) -> Accepts:
@@ -185,16 +180,15 @@ def _json_table(source: Source) -> ColumnTable | None:
     return found
 
 
-def _table(source: Source) -> Table:
+def _table(source: Source) -> Table | None:
+    """The file's table of events, None if there is none."""
     if source.looks_like_json:
         found = _json_table(source)
-        assert found is not None  # sniffed
-        return found.checked()
-    layout = detect(source, _accepting(source))
-    assert layout is not None  # sniffed
-    if layout.header == ("column 1", "column 2"):
-        layout = replace(layout, header=("time", "event"))
-    return DelimitedTable(source, layout)
+        return None if found is None else found.checked()
+    dialect = detect(source, _accepting(source))
+    if dialect is not None and dialect.header == ("column 1", "column 2"):
+        dialect = replace(dialect, header=("time", "event"))  # a table without a header
+    return None if dialect is None else DelimitedTable(source, dialect)
 
 
 class _Reader:
@@ -204,7 +198,6 @@ class _Reader:
         self.table, self.roles, self.choice = table, roles, choice
         zoned = any(table.columns[i].zoned for i in choice.columns)
         self.times = TimeColumn(choice.format, offset_min=0 if zoned else None)
-        self.ends = TimeColumn(choice.format)
         self.timeless = 0
 
     def timeline(self, title: str, duration_s: float | None) -> Timeline:
@@ -215,79 +208,69 @@ class _Reader:
         if self.timeless:
             notes.append(f"{self.timeless} rows without a time were left out")
         form = self.choice.format
-        dated = form.calendar or form.name == "hhmm"
-        start = self.times.start(min((one.time_s for one in listed), default=0.0))
         about = About(
             title,
             f"events: a {self.table.kind} list, times from column "
             f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
             tuple(dict.fromkeys(notes)),
             duration_s,
-            start,
-            from_first=dated,
+            self.times.start(min((one.time_s for one in listed), default=0.0)),
+            from_first=form.calendar or form.name == "hhmm",
         )
         return timeline_of(listed, _about(about, self.table))
 
     def _listed(self) -> Iterator[Listed]:
         roles, count = self.roles, len(self.choice.columns)
-        others = [i for i in (roles.kind, roles.label, roles.weight, roles.end, roles.length,
-                              roles.id) if i is not None]  # fmt: skip
+        worded = (roles.kind, roles.label, roles.weight, roles.id)
+        others = [i for i in (*worded, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            cells = self.choice.cells(chunk)
-            seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
+            times = location(self.table, chunk, roles.time)
+            seconds = self.times.seconds(self.choice.cells(chunk), times)
             rows += len(chunk)
             if rows > MAX_EVENTS:
                 raise InputError(
                     f"more than the {MAX_EVENTS} events that are read; cut the file into parts, or "
                     "make a curve of them (--map count)"
                 )
-            ends = self._ends(chunk, others, count, seconds)
+            cells = dict(zip(others, chunk.cells[count:], strict=True))
+            ends = self._ends(cells, seconds)
             for i, second in enumerate(seconds.tolist()):
-                got = {o: chunk.cells[count + others.index(o)][i] for o in others}
-                yield from self._one(got, second, ends[i], chunk.number(i))
-
-    def _one(
-        self, got: dict[int, Any], second: float, end: float | None, line: int
-    ) -> Iterator[Listed]:
-        roles = self.roles
-
-        def words(column: int | None) -> str:
-            cell = got.get(column) if column is not None else None
-            return "" if is_missing(cell) else " ".join(str(cell).split())
-
-        if np.isnan(second):
-            self.timeless += 1
-            return
-        weight = 1.0
-        if words(roles.weight):
-            at = Location(line, "weight", self.table.row_word)
-            number = parse(words(roles.weight), Style())
-            if number is None:
-                raise at.error(
-                    words(roles.weight), "isn't a number; weights are above 0, 1 = ordinary"
+                if np.isnan(second):
+                    self.timeless += 1
+                    continue
+                kind, label, weight, id_ = (
+                    "" if c is None else _words(cells[c][i]) for c in worded
                 )
-            weight = validation.positive(number[0], str(at), "weights are above 0")
-        kind = words(roles.kind) or words(roles.label)
-        place = str(Location(line, word=self.table.row_word))
-        yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
+                place = Location(chunk.number(i), word=self.table.row_word)
+                strength = _weight(weight, replace(place, column="weight")) if weight else 1.0
+                yield Listed(second, kind or label, label, str(place), ends[i], strength, id_)
 
-    def _ends(
-        self, chunk: Any, others: Sequence[int], count: int, seconds: Any
-    ) -> list[float | None]:
+    def _ends(self, cells: dict[int, Cells], seconds: Any) -> list[float | None]:
         """When each ends, as far as the table says and it can be read."""
         column = self.roles.end if self.roles.end is not None else self.roles.length
         found = np.full(len(seconds), np.nan)
         if column is not None and not self.choice.format.calendar:
-            cells = list(chunk.cells[count + others.index(column)])
-            form = detected_format(Column.of("time"), cells)
+            texts = list(cells[column])
+            form = detected_format(Column.of("time"), texts)
             if form is not None:
                 same = self.choice.format.name if form.name not in CLOCKS else form.name
                 with contextlib.suppress(InputError):
-                    found = TimeColumn(Format(same)).seconds(cells, Location)
+                    found = TimeColumn(Format(same)).seconds(texts, Location)
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
+
+
+def _words(cell: Any) -> str:
+    return "" if is_missing(cell) else " ".join(str(cell).split())
+
+
+def _weight(text: str, place: Location) -> float:
+    number = parse(text, Style())
+    if number is None:
+        raise place.error(text, "isn't a number; weights are above 0, 1 = ordinary")
+    return validation.positive(number[0], str(place), "weights are above 0")
 
 
 # --- strict lists
