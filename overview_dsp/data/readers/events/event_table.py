@@ -41,12 +41,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.readers.events.listing import (
-    About,
-    Listed,
-    kinds_or_labels,
-    timeline_of,
-)
+from overview_dsp.data.readers.events.listing import About, Listed, kinds_or_labels, timeline_of
 from overview_dsp.data.readers.series.rows import settled
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables import json

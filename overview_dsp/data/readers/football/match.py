@@ -186,15 +186,7 @@ def match_timeline(
 
 
 def shoot_out_note(kicks: Sequence[tuple[str, bool]], names: Mapping[str, str]) -> str:
-    """Return the note on a shoot-out that is left out.
-
-    Parameters
-    ----------
-    kicks
-        The team of each kick, and whether it was scored.
-    names
-        What each team is called.
-    """
+    """Return what is noted of a shoot-out: `kicks` are the team of each and whether it scored."""
     scored = [team for team, is_goal in kicks if is_goal]
     tally = ", ".join(f"{name} {scored.count(team)}" for team, name in names.items())
     return f"is left out: {len(kicks)} kicks; scored: {tally}"
@@ -291,7 +283,11 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
     asked = shown(match)
     if not words:
         raise InputError(f"match is {asked}; give a number, 1 to {len(lines)}, or words")
-    found = _having(lines, words)
+    texts = [plain(line) for line in lines]
+    # whole words first, parts of words if there is none
+    found = [i for i, text in enumerate(texts) if set(words) <= set(text.split())] or [
+        i for i, text in enumerate(texts) if all(word in text for word in words)
+    ]
     if not found:
         raise InputError(
             f"none of the {len(lines)} matches has {asked}; give a number, 1 to {len(lines)}, or "
@@ -304,13 +300,6 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
             f"{len(found)} matches have {asked} ({first}{more}); give more words or its number"
         )
     return found[0]
-
-
-def _having(lines: Sequence[str], words: Sequence[str]) -> list[int]:
-    """Return which lines have all words; whole words first, parts of words if there is none."""
-    texts = [plain(line) for line in lines]
-    whole = [i for i, text in enumerate(texts) if set(words) <= set(text.split())]
-    return whole or [i for i, text in enumerate(texts) if all(word in text for word in words)]
 
 
 def _example(line: str) -> str:

@@ -151,25 +151,25 @@ def decode(text: str, default_title: str = "") -> Timeline:
 
 
 def _row(fields: dict[str, str], line: int) -> _Row:
-    period_text = fields["period"]
-    if period_text not in ("1", "2", "3", "4", "5", "1.0", "2.0", "3.0", "4.0", "5.0"):
+    period = fields["period"].removesuffix(".0")
+    if period not in ("1", "2", "3", "4", "5"):
         raise Location(line, "Period").error(
-            period_text, f"is no period; periods are 1 to {SHOOT_OUT}"
+            fields["period"], f"is no period; periods are 1 to {SHOOT_OUT}"
         )
     start_s = _seconds(fields["start time [s]"], Location(line, "Start Time [s]"))
-    end_text = fields.get("end time [s]", "")
-    end_s = start_s
-    if end_text and end_text.lower() != "nan":
-        end_s = _seconds(end_text, Location(line, "End Time [s]"))
+    end, player = (
+        "" if fields.get(name, "").lower() == "nan" else fields.get(name, "")
+        for name in ("end time [s]", "from")
+    )
     return _Row(
         f"line {line}",
         fields["team"],
         fields["type"].upper(),
         frozenset(word.strip() for word in fields["subtype"].upper().split("-")),
-        int(period_text[0]),
+        int(period),
         start_s,
-        end_s,
-        fields.get("from", "") if fields.get("from", "").lower() != "nan" else "",
+        _seconds(end, Location(line, "End Time [s]")) if end else start_s,
+        player,
     )
 
 
@@ -178,7 +178,7 @@ def _seconds(text: str, place: Location) -> float:
     if not _NUMBER.fullmatch(text):
         raise place.error(text, f"isn't a time; {hint}")
     value = float(text)
-    if not 0.0 <= value <= MAX_S:
+    if value > MAX_S:
         raise place.error(value, f"is out of range; {hint}")
     return value
 
@@ -245,13 +245,13 @@ def _is_penalty(i: int, played: list[_Row]) -> bool:
 
 def _kicks_off_after(i: int, played: list[_Row]) -> str | None:
     """Return the team that kicks off next in the same period."""
-    row = played[i]
-    for j in range(i + 1, len(played)):
-        later = played[j]
-        if later.period != row.period:
-            return None
-        if later.type == "SET PIECE" and "KICK OFF" in later.words:
+    for later in played[i + 1 :]:
+        if (
+            later.period == played[i].period
+            and later.type == "SET PIECE"
+            and ("KICK OFF" in later.words)
+        ):
             return later.team
-        if "GOAL" in later.words:
+        if later.period != played[i].period or "GOAL" in later.words:
             return None
     return None

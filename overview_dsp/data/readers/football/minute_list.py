@@ -358,14 +358,13 @@ def _rows(text: str) -> list[_Row]:
 
 def _columns(header: Sequence[str]) -> dict[str, list[str]]:
     """Return the columns of the header by what they are; each column is one thing."""
-    names = {name: plain(name.replace("_", " ")) for name in header if name}
-    spaceless = {name: text.replace(" ", "") for name, text in names.items()}
+    names = {name: plain(name.replace("_", " ")).replace(" ", "") for name in header if name}
     columns: dict[str, list[str]] = {}
     taken: set[str] = set()
     for what, known in COLUMNS.items():
         for alias in known:
             for name, compared in names.items():
-                same = compared == alias or spaceless[name] == alias.replace(" ", "")
+                same = compared == alias.replace(" ", "")
                 if same and name not in taken and (what not in columns or what == "details"):
                     columns.setdefault(what, []).append(name)
                     taken.add(name)

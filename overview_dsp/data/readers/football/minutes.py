@@ -131,14 +131,12 @@ class Clock:
         every = [*listed, *ends.values()]
         restarts = _restarts(every)
         if extra_time is None:
-            plain_minutes = [m.base for m in every if m.period is None]
-            plus = any(m.added is not None for m in every)
+            bases = [m.base for m in every if m.period is None]
+            longest = ENDS[2] if any(m.added is not None for m in every) else ENDS[3]
             extra_time = (
-                any(base > ENDS[3] for base in plain_minutes)
-                or (plus and any(base > ENDS[2] for base in plain_minutes))
+                any(base > longest for base in bases)
                 or any(m.added is not None and m.base in (ENDS[3], ENDS[4]) for m in every)
-                or any(m.period in (3, 4) for m in every)
-                or any(period in (3, 4) for period in ends)
+                or not {3, 4}.isdisjoint((*ends, *(m.period for m in every)))
             )
         rough = cls({}, {}, extra_time, back_s, restarts)
         lengths = {

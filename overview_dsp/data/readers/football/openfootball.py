@@ -42,12 +42,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import (
-    Happening,
-    choose,
-    match_timeline,
-    short_name,
-)
+from overview_dsp.data.readers.football.match import Happening, choose, match_timeline, short_name
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline

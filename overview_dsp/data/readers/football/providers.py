@@ -96,17 +96,13 @@ def _json(*path: str | int) -> Callable[[Source], bool]:
     def claims(source: Source) -> bool:
         if not source.looks_like_json or f'"{path[0]}"' not in source.text:
             return False
-        at = source.json
-        for step in path:
-            if isinstance(step, str) and isinstance(at, dict):
-                at = at.get(step)
-            elif isinstance(step, int) and isinstance(at, list):
-                at = at[step] if len(at) > step else None
-            else:
-                return False
-            if at is None:
-                return False
-        return True
+        at: Any = source.json
+        try:
+            for step in path:
+                at = at[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+        return at is not None
 
     return claims
 

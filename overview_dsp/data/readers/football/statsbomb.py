@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from overview_dsp import validation
 from overview_dsp.data.readers.events.listing import repeated_ids
@@ -318,31 +318,29 @@ class Record:
         """Check what every record needs; InputError names the record."""
         if not isinstance(raw, dict):
             raise InputError(f"event {position}: is {shown(raw)}, not an object {{...}}")
-        id_ = raw.get("id")
+        id_, period, kind = raw.get("id"), raw.get("period"), _name(raw, "type")
+        team, player = _name(raw, "team") or "", _name(raw, "player") or ""
         id_ = id_ if isinstance(id_, str) else ""
-        with validation.located(f"{_place(position, id_)}: "):
-            period = raw.get("period")
-            if type(period) is not int or not 1 <= period <= SHOOT_OUT:
-                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
-            kind = _name(raw, "type")
-            if kind is None:
-                raise InputError("type.name is missing; it says what the event is, such as 'Shot'")
-            clock_us = _clock_us(raw.get("timestamp"))
-        return cls(
-            position,
-            raw,
-            id_,
-            kind,
-            _name(raw, "team") or "",
-            _name(raw, "player") or "",
-            period,
-            clock_us,
-        )
+        record = cls(position, raw, id_, kind or "", team, player, 0, 0)
+        if type(period) is not int or not 1 <= period <= SHOOT_OUT:
+            raise record.error(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
+        if kind is None:
+            raise record.error("type.name is missing; it says what the event is, such as 'Shot'")
+        written = raw.get("timestamp")
+        found = _CLOCK.fullmatch(written) if isinstance(written, str) else None
+        if found is None:
+            raise record.error(
+                f"timestamp is {shown(written)}; it is the time in the period, hh:mm:ss.sss"
+            )
+        seconds = int(found[1]) * 3600 + int(found[2]) * 60 + int(found[3])
+        clock_us = seconds * 1_000_000 + int((found[4] or "").ljust(6, "0"))
+        return replace(record, period=period, clock_us=clock_us)
 
     @property
     def place(self) -> str:
         """How an error line or a note names this record."""
-        return _place(self.position, self.id)
+        named = f" (id {shown(self.id)[1:-1]})" if self.id else ""
+        return f"event {self.position}{named}"
 
     def error(self, problem: str) -> InputError:
         """Return the error of this record."""
@@ -382,19 +380,7 @@ class Record:
         return frozenset(entry for entry in value if isinstance(entry, str))
 
 
-def _place(position: int, id_: str) -> str:
-    return f"event {position} (id {shown(id_)[1:-1]})" if id_ else f"event {position}"
-
-
 def _name(table: dict[str, object], key: str) -> str | None:
     part = table.get(key)
     name = part.get("name") if isinstance(part, dict) else None
     return name if isinstance(name, str) and name.strip() else None
-
-
-def _clock_us(value: object) -> int:
-    found = _CLOCK.fullmatch(value) if isinstance(value, str) else None
-    if found is None:
-        raise InputError(f"timestamp is {shown(value)}; it is the time in the period, hh:mm:ss.sss")
-    hours, minutes, seconds = (int(found[i]) for i in (1, 2, 3))
-    return (hours * 3600 + minutes * 60 + seconds) * 1_000_000 + int((found[4] or "").ljust(6, "0"))

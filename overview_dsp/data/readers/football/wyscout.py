@@ -433,18 +433,17 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
     if not all(isinstance(side, dict) for side in sides.values()):
         return None
     ordered = sorted(sides, key=lambda team: sides[team].get("side") != "home")
-    label = raw.get("label")
+    label, date = raw.get("label"), raw.get("dateutc")
     # a label is a line; no pattern is tried on megabytes
     named = _LABEL.match(label[:_LABEL_CHARACTERS]) if isinstance(label, str) else None
     names = [named["home"].strip(), named["away"].strip()] if named else ["", ""]
-    goals = [_goals(sides[team]) for team in ordered]
-    date = raw.get("dateutc")
     day = date[:10] if isinstance(date, str) and re.match(r"\d{4}-\d\d-\d\d", date) else ""
-    with_names = dict(zip((str(team)[:18] for team in ordered), names, strict=True))
-    if len(with_names) != 2:
+    teams = dict(zip((str(team)[:18] for team in ordered), names, strict=True))
+    if len(teams) != 2:
         return None
-    score = (goals[0], goals[1]) if goals[0] is not None and goals[1] is not None else None
-    return shown(id_).strip("'"), Companion(with_names, score, day)
+    home, away = (_goals(sides[team]) for team in ordered)
+    score = (home, away) if home is not None and away is not None else None
+    return shown(id_).strip("'"), Companion(teams, score, day)
 
 
 def _goals(side: dict[str, object]) -> int | None:
