@@ -247,13 +247,13 @@ def _time_column(layout: _Layout, options: LoadOptions) -> int | None:
         return None if options.rate is not None else layout.time_column()
     columns = range(len(layout.names))
     timed = [i for i in columns if layout.numeric[i] or layout.holds_times(i)]
-    return _asked(layout, options.time, "times", timed, columns)
+    return _named_column(layout, options.time, "times", timed, columns)
 
 
 def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> int:
     numeric = [i for i, is_numeric in enumerate(layout.numeric) if is_numeric and i != time]
     if options.value is not None:
-        return _asked(layout, options.value, "samples", numeric, numeric)
+        return _named_column(layout, options.value, "samples", numeric, numeric)
     hearts = [i for i in layout.heart_columns() if i != time]
     if hearts:
         return hearts[best_signal([layout.names[i] for i in hearts])]
@@ -266,7 +266,7 @@ def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> in
     return left[0]
 
 
-def _asked(
+def _named_column(
     layout: _Layout, wanted: str, what: str, fitting: Sequence[int], listed: Sequence[int]
 ) -> int:
     """Return the column that a caller names; InputError if it isn't one of those that fit."""

@@ -216,8 +216,8 @@ class _Reader:
 
     def _listed(self) -> Iterator[Listed]:
         roles, count = self.roles, len(self.choice.columns)
-        worded = (roles.kind, roles.label, roles.weight, roles.id)
-        others = [i for i in (*worded, roles.end, roles.length) if i is not None]
+        text_columns = (roles.kind, roles.label, roles.weight, roles.id)
+        others = [i for i in (*text_columns, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
             times = location(self.table, chunk, roles.time)
@@ -235,7 +235,7 @@ class _Reader:
                     self.timeless += 1
                     continue
                 kind, label, weight, id_ = (
-                    "" if c is None else _words(cells[c][i]) for c in worded
+                    "" if c is None else _words(cells[c][i]) for c in text_columns
                 )
                 place = Location(chunk.number(i), word=self.table.row_word)
                 strength = _weight(weight, replace(place, column="weight")) if weight else 1.0

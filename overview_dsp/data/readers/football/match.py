@@ -6,6 +6,7 @@ Labels read as those of the StatsBomb reader: `1-0 Parris (pen)`, `0-1 own goal,
 
 from __future__ import annotations
 
+import itertools
 import re
 import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
@@ -31,6 +32,8 @@ MAX_PERIOD_S = 7200.0
 
 SHOT_WEIGHT = 1.5
 """Against 1 of a touch: of two too close to be distinguished, the shot is shown."""
+
+_SNIFFED = 50
 
 Touch = tuple[float, str, str]
 """Something smaller that is felt when zoomed: time, s, what (`shot`, `pass`, `duel` ...), who."""
@@ -80,6 +83,12 @@ class Happening:
             words = f"{who} ({team})" if who and team else who or team
             words = ", ".join(filter(None, (words, detail)))
         return f"{words} {self.minute}".strip()
+
+
+def has_entry(entries: Iterable[object], *keys: str) -> bool:
+    """Return whether an early entry of a JSON list is an object with these keys."""
+    early = itertools.islice(entries, _SNIFFED)
+    return any(isinstance(entry, dict) and entry.keys() >= {*keys} for entry in early)
 
 
 def lay_end_to_end(lengths: Mapping[int, Any]) -> tuple[dict[int, Any], Any]:

@@ -35,14 +35,19 @@ file of scores alone is known for what it is, and refused.
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import Happening, choose, match_timeline, short_name
+from overview_dsp.data.readers.football.match import (
+    Happening,
+    choose,
+    has_entry,
+    match_timeline,
+    short_name,
+)
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
@@ -59,7 +64,6 @@ STOPPAGE_NOTE = (
 )
 
 _MIDDLE_S = 30.0
-_SNIFFED = 50
 _LONGEST = 400
 _SCORE = (
     r"(?:(?P<pen>\d{1,2}-\d{1,2})\s*pen\.?,?\s+)?(?P<score>\d{1,2}-\d{1,2})(?P<aet>\s*a\.?e\.?t\.?)?"
@@ -136,11 +140,9 @@ def sniff(source: Source) -> bool:
     """Return whether the file is JSON whose `matches` (or `rounds`) name team1 and team2."""
     if not source.looks_like_json or '"team1"' not in source.text:
         return False
-    if not isinstance(source.json, dict):
-        return False
-    return any(
-        isinstance(raw, dict) and {"team1", "team2"} <= raw.keys()
-        for raw, _, _ in itertools.islice(_listed(source.json), _SNIFFED)
+    document = source.json
+    return isinstance(document, dict) and has_entry(
+        (raw for raw, _, _ in _listed(document)), "team1", "team2"
     )
 
 

@@ -36,6 +36,7 @@ from overview_dsp.data.readers.football.match import (
     SHOOT_OUT,
     Happening,
     Touch,
+    has_entry,
     lay_end_to_end,
     match_timeline,
     shoot_out_note,
@@ -75,7 +76,6 @@ _OUTCOMES = sorted({*_NEAR_MISSES, "Goal"})
 _CARDS = {"Yellow Card": "yellow_card", "Second Yellow": "red_card", "Red Card": "red_card"}
 _CARD_PLACES = {"Foul Committed": "foul_committed", "Bad Behaviour": "bad_behaviour"}
 _ENDS = {1: "half-time", 2: "full time", 3: "extra-time half-time", 4: "full time"}
-_SNIFFED = 50
 _CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
@@ -83,10 +83,7 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a JSON list with period, timestamp and type in an early entry."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
-    return any(
-        isinstance(entry, dict) and {"period", "timestamp", "type"} <= entry.keys()
-        for entry in source.json[:_SNIFFED]
-    )
+    return has_entry(source.json, "period", "timestamp", "type")
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:

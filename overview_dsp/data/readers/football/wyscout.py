@@ -36,6 +36,7 @@ from overview_dsp.data.readers.football.match import (
     Happening,
     Touch,
     choose,
+    has_entry,
     lay_end_to_end,
     match_timeline,
     shoot_out_note,
@@ -64,7 +65,6 @@ _TOUCHES = {
     1: "duel", 3: "free kick", 4: "goalkeeper", 7: "touch", 8: "pass", 9: "save", 10: "shot",
 }  # fmt: skip
 _SUB_EVENTS = {"free kick shot": 33, "penalty": 35}
-_SNIFFED = 50
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,7 @@ def sniff(source: Source) -> bool:
     """Return whether the file is JSON with Wyscout's matchPeriod and eventSec in an early event."""
     if not source.looks_like_json or '"matchPeriod"' not in source.text:
         return False
-    return any(
-        isinstance(entry, dict) and {"matchPeriod", "eventSec"} <= entry.keys()
-        for entry in _listed(source.json)[:_SNIFFED]
-    )
+    return has_entry(_listed(source.json), "matchPeriod", "eventSec")
 
 
 def matches(source: Source) -> list[str]:
