@@ -220,8 +220,8 @@ class _Reader:
         others = [i for i in (*text_columns, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            times = location(self.table, chunk, roles.time)
-            seconds = self.times.seconds(self.choice.cells(chunk), times)
+            locate = location(self.table, chunk, roles.time)
+            seconds = self.times.seconds(self.choice.cells(chunk), locate)
             rows += len(chunk)
             if rows > MAX_EVENTS:
                 raise InputError(
