@@ -29,8 +29,7 @@ def command(
 
     `overview play --follow` and `overview serve --follow` take it.
     """
-    from overview_dsp.data.feeds.feed_lines import encode_line
-    from overview_dsp.data.feeds.recorded_feed import feed_of
+    from overview_dsp.data.feeds.feed_lines import encode_line, feed_of
 
     data = open_timeline(timeline, reading)
     begun = time.monotonic()

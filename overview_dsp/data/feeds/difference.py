@@ -53,8 +53,7 @@ def difference(old: Timeline, new: Timeline) -> dict[str, Any]:
         parts = _parts(old, new)
         if applied(old, parts) == new:
             return parts
-    whole: dict[str, Any] = {"whole": json.loads(native.encode(new))}
-    return whole
+    return {"whole": json.loads(native.encode(new))}
 
 
 def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
@@ -71,11 +70,8 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         if "start" in change:
             start = change["start"]
             fields["start"] = None if start is None else datetime.fromisoformat(start)
-        events = _changed(old.events, change.get("gone", ()), change.get("new", ()))
-        details = _changed(
-            old.details, change.get("details_gone", ()), change.get("details_new", ())
-        )
-        fields |= {"events": events, "details": details}
+        events = _changed(old.events, change, "")
+        fields |= {"events": events, "details": _changed(old.details, change, "details_")}
         if "curve" in change:
             until = fields.get("until_s", old.until_s)
             reach = fields.get("duration_s", old.duration_s) if until is None else until
@@ -90,21 +86,17 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
 def _parts(old: Timeline, new: Timeline) -> dict[str, Any]:
     parts: dict[str, Any] = {}
     for name in (*_PLAIN, *_LISTED):
-        if getattr(old, name) != getattr(new, name):
-            value = getattr(new, name)
+        value = getattr(new, name)
+        if getattr(old, name) != value:
             parts[name] = list(value) if isinstance(value, tuple) else value
     if old.start != new.start:
         parts["start"] = None if new.start is None else new.start.isoformat()
-    for key, before, after in (
-        ("", old.events, new.events),
-        ("details_", old.details, new.details),
-    ):
-        if before != after:
-            were, are = set(before), set(after)
-            gone = [event_object(event) for event in before if event not in are]
-            came = [event_object(event) for event in after if event not in were]
-            parts |= {f"{key}gone": gone} if gone else {}
-            parts |= {f"{key}new": came} if came else {}
+    for key, name in (("", "events"), ("details_", "details")):
+        were, are = (dict.fromkeys(getattr(timeline, name)) for timeline in (old, new))
+        gone = [event_object(event) for event in were if event not in are]
+        came = [event_object(event) for event in are if event not in were]
+        parts |= {f"{key}gone": gone} if gone else {}
+        parts |= {f"{key}new": came} if came else {}
     if old.intensity != new.intensity:
         parts["curve"] = _curve_parts(old.intensity, new)
     return parts
@@ -140,11 +132,9 @@ def _curve(old: Intensity | None, change: Any, events: Iterable[Event], reach: f
     if change == EXCITEMENT:
         return _excitement(events, reach)
     keep = change["keep"]
-    before = (np.empty(0), np.empty(0))
-    if keep:
-        if old is None or old.count < keep:
-            raise InputError(f"a curve keeps {keep} points that aren't there")
-        before = np.asarray(old.time_s[:keep]), np.asarray(old.value[:keep])
+    if keep and (old is None or old.count < keep):
+        raise InputError(f"a curve keeps {keep} points that aren't there")
+    before: Any = (old.time_s[:keep], old.value[:keep]) if old is not None and keep else ([], [])
     return Intensity(
         np.concatenate((before[0], change["time_s"])),
         np.concatenate((before[1], change["value"])),
@@ -158,11 +148,12 @@ def _excitement(events: Iterable[Event], reach: float) -> Intensity | None:
     return derive_intensity(sorted(events, key=lambda event: event.kind != "period"), reach)[0]
 
 
-def _changed(events: tuple[Event, ...], gone: Iterable[Any], new: Iterable[Any]) -> Any:
-    without = {event_of(one) for one in gone}
+def _changed(events: tuple[Event, ...], change: Mapping[str, Any], key: str) -> tuple[Event, ...]:
+    """Return events without those that are gone and with those that are new."""
+    without = {event_of(one) for one in change.get(f"{key}gone", ())}
     kept = [event for event in events if event not in without]
     there = set(kept)
-    came = [event_of(one) for one in new]
+    came = [event_of(one) for one in change.get(f"{key}new", ())]
     return (*kept, *(event for event in came if event not in there))
 
 

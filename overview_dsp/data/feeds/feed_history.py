@@ -1,13 +1,15 @@
-"""The events of a feed, each once, in bounded memory; what was taken back stays away.
+"""What a feed has said, in bounded memory: its events, its samples and which times it covers.
 
-The samples of a feed, in order, in bounded memory.
+Each event is there once; what was taken back stays away. Samples are in order.
 """
 
 from __future__ import annotations
 
+import math
 from array import array
-from bisect import bisect_left
-from collections import OrderedDict
+from bisect import bisect_left, bisect_right
+from collections import Counter, OrderedDict
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.gaps import Gaps
 
 Key = tuple[float, str, str]
 What = Literal["added", "retracted"]
@@ -54,8 +57,7 @@ class KeptEvents:
     def last_s(self) -> float:
         """The latest event's or detail's time, s; 0 of none."""
         if self._last_s is None:
-            both = (*self.events, *self.details)
-            self._last_s = max((key[0] for key in both), default=0.0)
+            self._last_s = max((key[0] for key in (*self.events, *self.details)), default=0.0)
         return self._last_s
 
     def put(self, event: Event, name: str | None) -> list[tuple[What, Event]] | None:
@@ -132,9 +134,7 @@ def event_key(event: Event) -> Key:
 
 def _thin(events: dict[Key, Event]) -> int:
     """Leave out every second event of the commonest kind; how many."""
-    counts: dict[str, int] = {}
-    for _, kind, _ in events:
-        counts[kind] = counts.get(kind, 0) + 1
+    counts = Counter(kind for _, kind, _ in events)
     common = max(counts, key=lambda kind: (counts[kind], kind))
     gone = sorted(key for key in events if key[1] == common)[1::2]
     for key in gone:
@@ -168,19 +168,13 @@ class KeptSamples:
 
     def put(self, time_s: float, value: float) -> bool:
         """Keep a sample; whether it is new."""
-        times = self._time_s
-        if not times or time_s > times[-1]:
-            times.append(time_s)
-            self._value.append(value)
-        else:
-            place = bisect_left(times, time_s)
-            if times[place] == time_s:
-                if self._value[place] == value:
-                    return False
-                self._value[place] = value
-                return True
-            times.insert(place, time_s)
-            self._value.insert(place, value)
+        times, place = self._time_s, bisect_left(self._time_s, time_s)
+        if place < len(times) and times[place] == time_s:
+            is_new = self._value[place] != value
+            self._value[place] = value
+            return is_new
+        times.insert(place, time_s)
+        self._value.insert(place, value)
         if len(times) > MAX_SAMPLES:
             self._halve()
         return True
@@ -198,3 +192,69 @@ class KeptSamples:
         kept = np.unique(np.append(kept, len(times) - 1))
         self._time_s = array("d", times[kept])
         self._value = array("d", values[kept])
+
+
+class Coverage:
+    """Signs of life on a time axis, joined where they are no further apart than `reach_s`.
+
+    The same signs give the same stretches in whatever order they come. Memory is that of the
+    stretches, not of the signs.
+    """
+
+    def __init__(self, reach_s: float) -> None:
+        self.reach_s = reach_s
+        self._starts: list[float] = []
+        self._ends: list[float] = []
+
+    def add(self, time_s: float) -> bool:
+        """Note a sign; whether that changes a stretch."""
+        # stretches that end at or after the sign less the reach, and begin before it and the reach
+        first = bisect_left(self._ends, time_s - self.reach_s)
+        stop = bisect_right(self._starts, time_s + self.reach_s)
+        if first >= stop:
+            self._starts.insert(first, time_s)
+            self._ends.insert(first, time_s)
+            return True
+        start, end = self._starts[first], self._ends[stop - 1]
+        if stop - first == 1 and start <= time_s <= end:
+            return False
+        self._starts[first:stop] = [min(start, time_s)]
+        self._ends[first:stop] = [max(end, time_s)]
+        return True
+
+    @property
+    def first_s(self) -> float:
+        """When the first sign was, s; without end where there is none."""
+        return self._starts[0] if self._starts else math.inf
+
+    def gaps(self, more: Iterable[float] = ()) -> tuple[tuple[float, float], ...]:
+        """The stretches between those that were heard of.
+
+        Parameters
+        ----------
+        more
+            Further signs, which are not kept.
+        """
+        joined = Coverage(self.reach_s)
+        joined._starts, joined._ends = self._starts.copy(), self._ends.copy()
+        for time_s in more:
+            joined.add(time_s)
+        return tuple(zip(joined._ends[:-1], joined._starts[1:], strict=True))
+
+    def __bool__(self) -> bool:
+        return bool(self._starts)
+
+
+def merged_gaps(found: Iterable[tuple[float, float, str]]) -> tuple[Gaps, tuple[str, ...]]:
+    """Gaps (start_s, end_s, why) in order, those that overlap as one, and why each is there.
+
+    Of those that overlap, the first one's reason stays. Empty ones are left out.
+    """
+    merged: list[tuple[float, float, str]] = []
+    for start, end, why in sorted(one for one in found if one[0] < one[1]):
+        if merged and start < merged[-1][1]:
+            first, last, reason = merged[-1]
+            merged[-1] = (first, max(last, end), reason)
+        else:
+            merged.append((start, end, why))
+    return tuple((a, b) for a, b, _ in merged), tuple(why for *_, why in merged)

@@ -18,13 +18,17 @@ broken is passed over too, and said; what comes after it isn't lost.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
 from overview_dsp import validation
+from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.intensity import EXTREMES
+from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 VERSION = 1
@@ -36,23 +40,22 @@ MAX_LINE_BYTES = 65_536
 
 _EVENT_KEYS = frozenset({"time_s", "kind", "label", "weight"})
 _BESIDE = {
-    HEADER: frozenset(
-        (
-            "title",
-            "unit",
-            "start",
-            "provenance",
-            "notes",
-            "percentiles",
-            "silence_s",
-            "expect_s",
-            "map",
-        )
-    ),
-    "event": frozenset({"id"}),
-    "gap": frozenset({"reason"}),
-    "end": frozenset({"title", "provenance", "notes"}),
-}
+    HEADER: {
+        "title", "unit", "start", "provenance", "notes", "percentiles", "silence_s", "expect_s",
+        "map",
+    },
+    "event": {"id"},
+    "gap": {"reason"},
+    "end": {"title", "provenance", "notes"},
+}  # fmt: skip
+
+CLOCK_EVERY_S = 30.0
+"""A recorded feed tells its clock so often, s, well within what counts as silence; but in ..."""
+
+MOST_CLOCKS = 1_000
+"""... no more than so many lines, of a timeline of years."""
+
+_SCORE = re.compile(r"(?<=\S )\d+[-–]\d+(?= \S)")
 
 
 def encode_line(what: Mapping[str, Any]) -> str:
@@ -133,10 +136,10 @@ def take_line(live: LiveTimeline, line: bytes | str) -> str:
     if len(found) > 1:
         raise InputError(f"{_start(line)}: has both {found[0]} and {found[1]}; write two lines")
     key = found[0]
-    more = document.keys() - {key} - _BESIDE.get(key, frozenset())
+    more = document.keys() - {key} - _BESIDE.get(key, set())
     if more:
         raise InputError(f"{_start(line)}: {key} has no {shown(min(more))} beside it")
-    _TAKE[key](live, document[key], document)
+    _take(live, key, document[key], document)
     return key
 
 
@@ -145,14 +148,40 @@ def _start(line: bytes | str) -> str:
     return shown(text.strip()[:60])
 
 
-def _header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
+def _take(live: LiveTimeline, key: str, value: object, line: Mapping[str, Any]) -> None:
+    """Do what a line with one of `KEYS` says."""
+    if key == HEADER:
+        _take_header(live, value, line)
+    elif key == "event":
+        given = line.get("id")
+        name = None if given is None else validation.text(_as_text(given), "id")
+        live.append(events=(event_of(value),), ids=(name,))
+    elif key == "detail":
+        live.append(details=(event_of(value),))
+    elif key == "sample":
+        several = isinstance(value, list) and bool(value) and isinstance(value[0], list)
+        live.append(intensity=value if several else (value,))  # type: ignore[arg-type]  # checked there
+    elif key == "retract":
+        what = _as_text(value)
+        live.retract(what if isinstance(what, str) else event_of(what))
+    elif key == "clock":
+        live.append(clock_s=validation.number(value, "clock"))
+    elif key == "gap":
+        start_s, end_s = _pair(value, "gap")
+        live.gap(start_s, end_s, line.get("reason", ""))
+    else:
+        words = _words(line)
+        live.end(None if value is None else validation.number(value, "end"))
+        live.describe(**words)
+
+
+def _take_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
     if isinstance(version, bool) or version != VERSION:
         raise InputError(f"{HEADER} is {shown(version)}; this program follows version {VERSION}")
     start = line.get("start")
-    moment = None
     if start is not None:
         try:
-            moment = datetime.fromisoformat(validation.text(start, "start"))
+            start = datetime.fromisoformat(validation.text(start, "start"))
         except ValueError:
             raise InputError(f"start is {shown(start)}; write it as ISO 8601") from None
     percentiles = line.get("percentiles")
@@ -161,7 +190,7 @@ def _header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> Non
     live.describe(
         **_words(line),
         unit=_text(line, "unit"),
-        start=moment,
+        start=start,
         percentiles=percentiles,
         silence_s=line.get("silence_s"),
     )
@@ -186,52 +215,16 @@ def event_of(value: object) -> Event:
         raise InputError(f"an event is {shown(value)}, not an object")
     more = value.keys() - _EVENT_KEYS
     if more:
-        raise InputError(f"an event has no {shown(min(more))}; it has time_s, kind, label, "
-                         "weight")  # fmt: skip
+        raise InputError(f"an event has no {shown(min(more))}; it has time_s, kind, label, weight")
     for key in ("time_s", "kind"):
         if key not in value:
             raise InputError(f"an event lacks {key}")
-    return Event(value["time_s"], value["kind"], value.get("label", ""), value.get("weight", 1.0))
-
-
-def _event(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    given = line.get("id")
-    name = None if given is None else validation.text(_as_text(given), "id")
-    live.append(events=(event_of(value),), ids=(name,))
-
-
-def _detail(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    live.append(details=(event_of(value),))
-
-
-def _sample(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    several = isinstance(value, list) and bool(value) and isinstance(value[0], list)
-    live.append(intensity=value if several else (value,))  # type: ignore[arg-type]  # checked there
-
-
-def _retract(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    name = _as_text(value)
-    live.retract(name if isinstance(name, str) else event_of(name))
+    return Event(**value)
 
 
 def _as_text(name: object) -> object:
     """An id that is written as a number is the same as its digits."""
-    return str(name) if isinstance(name, int) and not isinstance(name, bool) else name
-
-
-def _clock(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    live.append(clock_s=validation.number(value, "clock"))
-
-
-def _gap(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    start_s, end_s = _pair(value, "gap")
-    live.gap(start_s, end_s, line.get("reason", ""))
-
-
-def _end(live: LiveTimeline, value: object, line: Mapping[str, Any]) -> None:
-    words = _words(line)
-    live.end(None if value is None else validation.number(value, "end"))
-    live.describe(**words)
+    return str(name) if type(name) is int else name
 
 
 def _pair(value: object, what: str) -> list[float]:
@@ -240,13 +233,59 @@ def _pair(value: object, what: str) -> list[float]:
     return [validation.number(one, what) for one in value]
 
 
-_TAKE = {
-    HEADER: _header,
-    "event": _event,
-    "detail": _detail,
-    "sample": _sample,
-    "retract": _retract,
-    "clock": _clock,
-    "gap": _gap,
-    "end": _end,
-}
+def feed_of(timeline: Timeline) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Tell a timeline as a feed.
+
+    The score in the title comes with the end. A curve that was derived from the events isn't told,
+    as whoever follows derives it.
+
+    Parameters
+    ----------
+    timeline
+        What is told.
+
+    Yields
+    ------
+    time_s, line
+        When it is told, ascending, and an object of `feed_lines`.
+    """
+    periods_first = sorted(timeline.events, key=lambda event: event.kind != "period")
+    derived, provenance, notes = derive_intensity(periods_first, timeline.duration_s)
+    is_derived = derived is not None and derived == timeline.intensity
+    words: dict[str, Any] = {
+        "title": timeline.title,
+        "provenance": timeline.provenance,
+        "notes": list(timeline.notes),
+    }
+    if is_derived:
+        words["provenance"] = timeline.provenance.removesuffix(provenance).removesuffix("; ")
+        words["notes"] = [one for one in timeline.notes if one not in notes]
+    clock_every_s = max(CLOCK_EVERY_S, timeline.duration_s / MOST_CLOCKS)
+    header: dict[str, Any] = {
+        HEADER: VERSION,
+        "title": _SCORE.sub("-", timeline.title),
+        "expect_s": timeline.duration_s,
+        "silence_s": 4.0 * clock_every_s,
+    }
+    if timeline.start is not None:
+        header["start"] = timeline.start.isoformat()
+    curve = None if is_derived else timeline.intensity
+    if curve is not None:
+        header["unit"] = curve.unit
+        if curve.percentiles != EXTREMES:
+            header["percentiles"] = list(curve.percentiles)
+    yield 0.0, header
+    told: list[tuple[float, dict[str, Any]]] = []
+    told += [(event.time_s, {"event": event_object(event)}) for event in timeline.events]
+    told += [(event.time_s, {"detail": event_object(event)}) for event in timeline.details]
+    if curve is not None:
+        points = zip(curve.time_s[:].tolist(), curve.value.tolist(), strict=True)
+        told += [(point[0], {"sample": list(point)}) for point in points]
+    reasons = timeline.gap_reasons or ("",) * len(timeline.gaps)
+    for (start, end), reason in zip(timeline.gaps, reasons, strict=True):
+        told.append((end, {"gap": [start, end], **({"reason": reason} if reason else {})}))
+    clocks = int(timeline.duration_s // clock_every_s)
+    told += [(n * clock_every_s, {"clock": n * clock_every_s}) for n in range(1, clocks + 1)]
+    told.sort(key=lambda one: one[0])
+    yield from told
+    yield timeline.duration_s, {"end": timeline.duration_s, **words}

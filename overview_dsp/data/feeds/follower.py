@@ -81,7 +81,7 @@ class Follower:
         """What a person should know, new since the last call."""
         silent = time.monotonic() - self._heard_at > SILENT_S and not self.over
         if silent and not self._silent and not self.live.ended:
-            self._say(f"{self._source.name}: silent; {self.words}")
+            self._messages.append(f"{self._source.name}: silent; {self.words}")
         self._silent = silent
         return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
@@ -112,9 +112,9 @@ class Follower:
                     if isinstance(coming, Generator):
                         coming.close()  # what it opened is given back here, and now
         except InputError as error:
-            self._say(f"{error}; nothing more is followed")
+            self._messages.append(f"{error}; nothing more is followed")
         except Exception as error:  # a fault of this program: the disk plays on
-            self._say(f"{self._source.name}: {type(error).__name__}: {error}")
+            self._messages.append(f"{self._source.name}: {type(error).__name__}: {error}")
         finally:
             self._over.set()
 
@@ -123,7 +123,7 @@ class Follower:
             self._heard_at = time.monotonic()
         if self._is_lost:
             self._is_lost = False
-            self._say(f"{self._source.name}: is back")
+            self._messages.append(f"{self._source.name}: is back")
         if isinstance(came, Timeline):
             self.live.replace(came)
             return
@@ -145,13 +145,10 @@ class Follower:
         self.refused += 1
         if len(self._said) < MOST_SAID and why not in self._said:
             self._said.add(why)
-            self._say(f"{self._source.name}: passed over: {why}")
+            self._messages.append(f"{self._source.name}: passed over: {why}")
 
     def _lose(self, error: LostError) -> None:
         if not self._is_lost:
             self._is_lost = True
             self.lost += 1
-            self._say(f"{self._source.name}: lost ({error}); it is tried again")
-
-    def _say(self, line: str) -> None:
-        self._messages.append(line)
+            self._messages.append(f"{self._source.name}: lost ({error}); it is tried again")

@@ -13,38 +13,41 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import datetime
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
-from overview_dsp.data.feeds.coverage import Coverage, merged_gaps
-from overview_dsp.data.feeds.feed_checks import (
-    LONGEST_S,
-    MAPS,
-    Map,
-    checked_event,
-    checked_expectation,
-    checked_length,
-    checked_map,
-    checked_sample,
-    checked_time,
+from overview_dsp.data.feeds.feed_history import (
+    Change,
+    Coverage,
+    KeptEvents,
+    KeptSamples,
+    What,
+    event_key,
+    merged_gaps,
 )
-from overview_dsp.data.feeds.feed_history import Change, KeptEvents, KeptSamples, What, event_key
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import InputError, shown
 from overview_dsp.public import counted, short
 from overview_dsp.units import clock_text
 
+Map = Literal["whole", "so far"]
+
+MAPS: tuple[Map, ...] = ("whole", "so far")
+"""How a timeline that grows may be laid out."""
+
+LONGEST_S = 100 * 366 * 86_400.0
+"""A time beyond this is no moment of a feed but a broken clock."""
+
 MAX_CHANGES = 1_000
 """So many of the latest changes are remembered for `changes_since`."""
-
-
-__all__ = ["MAPS", "LiveTimeline", "Map"]
 
 EXTRA_TIME = 0.05
 """By which part of the expected length it is extended, again and again, when play goes on: half an
@@ -130,9 +133,9 @@ class LiveTimeline:
         self._document: Timeline | None = None
         self._revision = 0
         self._changes: deque[Change] = deque(maxlen=MAX_CHANGES)
-        self._expect_s = checked_expectation(expect_s)
+        self._expect_s = _checked_expectation(expect_s)
         wanted: Map = "whole" if expect_s else "so far"
-        self._map: Map = wanted if map is None else checked_map(map)
+        self._map: Map = wanted if map is None else _checked_map(map)
         self._is_map_chosen = map is not None
         self._end_s: float | None = None
         self._made: tuple[int, Timeline] | None = None
@@ -177,17 +180,17 @@ class LiveTimeline:
         >>> live.snapshot().duration_s
         12.0
         """
-        happened = tuple(checked_event(one, "events") for one in events)
-        smaller = tuple(checked_event(one, "details") for one in details)
+        happened = tuple(_checked_event(one, "events") for one in events)
+        smaller = tuple(_checked_event(one, "details") for one in details)
         unit = ""
         if isinstance(intensity, Intensity):
             unit = intensity.unit
             intensity = np.column_stack([intensity.time_s[:], intensity.value])
-        samples = [checked_sample(one) for one in intensity]
+        samples = [_checked_sample(one) for one in intensity]
         named: tuple[str | None, ...] = tuple(ids)
         if named and len(named) != len(happened):
             raise InputError(f"{len(named)} ids for {len(happened)} events; give one for each")
-        clock = None if clock_s is None else checked_time(clock_s, "clock_s")
+        clock = None if clock_s is None else _checked_time(clock_s, "clock_s")
         with self._lock:
             before = self._sight()
             changed = False
@@ -271,7 +274,7 @@ class LiveTimeline:
         >>> live.snapshot().gaps
         ((20.0, 30.0),)
         """
-        start, end = checked_time(start_s, "start_s"), checked_time(end_s, "end_s")
+        start, end = _checked_time(start_s, "start_s"), _checked_time(end_s, "end_s")
         if start >= end:
             raise InputError(f"a gap from {start!r} to {end!r} s; it begins before it ends")
         validation.text(reason, "reason")
@@ -323,24 +326,24 @@ class LiveTimeline:
         >>> live.snapshot().title
         'Home - Away'
         """
-        told = {
-            "_title": None if title is None else validation.text(title, "title"),
-            "_unit": None if unit is None else validation.text(unit, "unit"),
-            "_provenance": None
-            if provenance is None
-            else validation.text(provenance, "provenance"),
-            "_notes": None if notes is None else tuple(validation.text(n, "notes") for n in notes),
-            "_start": start,
-            "_percentiles": percentiles,
+        words = {"title": title, "unit": unit, "provenance": provenance}
+        said: dict[str, object] = {
+            f"_{name}": validation.text(text, name)
+            for name, text in words.items()
+            if text is not None
         }
+        if notes is not None:
+            said["_notes"] = tuple(validation.text(note, "notes") for note in notes)
         validation.moment(start, LONGEST_S)
+        if start is not None:
+            said["_start"] = start
         if percentiles is not None:
             Intensity(np.zeros(1), np.zeros(1), percentiles=percentiles)  # checked there
+            said["_percentiles"] = percentiles
         reach = None if silence_s is None else validation.positive(silence_s, "silence_s")
         with self._lock:
             if reach is not None and not self._heard:
                 self._heard.reach_s = reach
-            said = {key: value for key, value in told.items() if value is not None}
             if any(getattr(self, key) != value for key, value in said.items()):
                 self.__dict__.update(said)
                 self._revised()
@@ -365,15 +368,11 @@ class LiveTimeline:
                 return
             before = {event_key(event): event for event in self._all_events()}
             after = {event_key(event): event for event in timeline.events}
-            gone = [event for key, event in before.items() if key not in after]
-            new = [event for key, event in after.items() if key not in before]
+            changes: list[tuple[What, Event]] = []
+            changes += [("retracted", event) for key, event in before.items() if key not in after]
+            changes += [("added", event) for key, event in after.items() if key not in before]
             self._document = timeline
-            self._revised(
-                [
-                    *(("retracted", event) for event in gone),
-                    *(("added", event) for event in new),
-                ]
-            )
+            self._revised(changes)
 
     @property
     def now_s(self) -> float:
@@ -453,7 +452,7 @@ class LiveTimeline:
         (5790.0, True)
         """
         rule = "a duration is a finite number of seconds"
-        given = None if duration_s is None else checked_length(duration_s, "duration_s", rule)
+        given = None if duration_s is None else _checked_length(duration_s, "duration_s", rule)
         with self._lock:
             over = max(self.now_s, SHORTEST_S) if given is None else given
             if self._end_s != over:
@@ -474,7 +473,7 @@ class LiveTimeline:
     def map(self, map: Map) -> None:
         with self._lock:
             self._is_map_chosen = True
-            if checked_map(map) != self._map:
+            if _checked_map(map) != self._map:
                 self._map = map
                 self._revised()
 
@@ -486,7 +485,7 @@ class LiveTimeline:
     @expect_s.setter
     def expect_s(self, expect_s: float | None) -> None:
         with self._lock:
-            if checked_expectation(expect_s) != self._expect_s:
+            if _checked_expectation(expect_s) != self._expect_s:
                 self._expect_s = expect_s
                 self._revised()
 
@@ -512,10 +511,9 @@ class LiveTimeline:
         >>> live.map, live.expect_s
         ('so far', 5700.0)
         """
-        length = checked_expectation(expect_s)
-        wanted = "whole" if length is not None else self._map
-        if map is not None:
-            wanted = checked_map(map)
+        length = _checked_expectation(expect_s)
+        laid: Map = "whole" if length is not None else self._map
+        wanted = laid if map is None else _checked_map(map)
         with self._lock:
             before = self._map, self._expect_s
             if self._expect_s is None:
@@ -633,7 +631,6 @@ class LiveTimeline:
         """The stretches that were silent, and those that the feed names; joined where they meet."""
         # a feed that tells no clock may be silent, and what was before the first is not known
         signs = (event.time_s for event in events if event.time_s > self._heard.first_s)
-        found: list[tuple[float, float, str]]
         found = [(*gap, "the feed was silent") for gap in self._heard.gaps(signs)]
         found += [(start, min(end, reach), why) for (start, end), why in self._given_gaps.items()]
         return merged_gaps(found)
@@ -642,3 +639,55 @@ class LiveTimeline:
         over = "ended" if self.ended else f"{self._map}, now {clock_text(self.now_s)}"
         count = counted(sum(1 for _ in self._all_events()), "event")
         return f"<LiveTimeline {short(self._title)}: {over}, {count}>"
+
+
+def _within(value: object, what: str, hint: str, low: float, high: float) -> float:
+    """Return a number in a range; InputError ends with the hint."""
+    number = validation.number(value, what, hint)
+    if not low <= number <= high:
+        raise InputError(f"{what} is {number!r}; {hint}")
+    return number
+
+
+def _checked_event(value: object, where: str) -> Event:
+    """Return an event at a time that is allowed; `where` is what holds it."""
+    if not isinstance(value, Event):
+        raise InputError(f"{where} holds {shown(value)}; give Event")
+    _checked_time(value.time_s, "time_s")
+    return value
+
+
+def _checked_time(value: object, what: str) -> float:
+    """Return seconds from the start."""
+    hint = f"times are seconds from the start, 0 to {LONGEST_S:g}"
+    return _within(value, what, hint, 0.0, LONGEST_S)
+
+
+def _checked_sample(value: object) -> tuple[float, float]:
+    """Return a sample's time, s, and its value."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError(f"a sample is {shown(value)}; give a time in s and a value")
+    hint = f"it is finite, up to {MAX_VALUE:g}"
+    level = _within(value[1], "a sample's value", hint, -MAX_VALUE, MAX_VALUE)
+    return _checked_time(value[0], "a sample's time"), level
+
+
+def _checked_length(value: object, name: str, rule: str) -> float:
+    """Return seconds that a feed may last; `name` is the parameter's, `rule` what it has to be."""
+    hint = f"{rule} above 0, up to {LONGEST_S:g}"
+    return _within(validation.positive(value, name, hint), name, hint, 0.0, LONGEST_S)
+
+
+def _checked_expectation(value: object) -> float | None:
+    """Return how long a feed is expected to last, s, or None."""
+    rule = "the expected length is seconds,"
+    return None if value is None else _checked_length(value, "expect_s", rule)
+
+
+def _checked_map(value: Map) -> Map:
+    """Return how a timeline that grows is laid out."""
+    if value not in MAPS:
+        raise InputError(f"map is {shown(value)}; it is one of {', '.join(MAPS)}")
+    return value

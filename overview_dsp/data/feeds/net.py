@@ -7,6 +7,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
@@ -28,15 +29,14 @@ MAX_MESSAGE = 16 << 20
 """Largest message of a WebSocket: it may hold many lines."""
 
 
+@dataclass
 class Http:
     """An address: server-sent events are listened to, any other file is asked for again."""
 
-    ends_within_s = ENDS_WITHIN_S
-
-    def __init__(self, address: str) -> None:
-        self.name = address
-        self._tag: str | None = None
-        self._last_id: str | None = None
+    name: str
+    ends_within_s: float = ENDS_WITHIN_S
+    _tag: str | None = field(default=None, init=False)
+    _last_id: str | None = field(default=None, init=False)
 
     def come(self) -> Iterator[Came]:
         """What it answers."""
@@ -119,13 +119,12 @@ class Http:
             raise LostError(_reason(error)) from None
 
 
+@dataclass
 class WebSocket:
     """A WebSocket whose messages are lines of a feed."""
 
-    ends_within_s = ENDS_WITHIN_S
-
-    def __init__(self, address: str) -> None:
-        self.name = address
+    name: str
+    ends_within_s: float = ENDS_WITHIN_S
 
     def come(self) -> Iterator[Came]:
         """What is sent."""

@@ -12,12 +12,16 @@ import json
 import os
 import time
 from collections.abc import Callable, Generator, Iterator
-from typing import BinaryIO, Protocol
+from dataclasses import dataclass
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from overview_dsp.data.feeds.crowd import Crowd
+from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
 from overview_dsp.data.feeds.feed_lines import KEYS
+from overview_dsp.data.readers.audio.channels import layout_of, weights_of
+from overview_dsp.data.readers.audio.reader import timeline_of
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
@@ -68,17 +72,16 @@ def is_feed(head: bytes) -> bool:
     return isinstance(document, dict) and not document.keys().isdisjoint(KEYS)
 
 
+@dataclass
 class GrowingFile:
-    """A file that grows: a feed is read on, anything else that can be read is read anew.
+    """A file that grows, by its path: a feed is read on, anything else is read again.
 
     One that isn't there yet is waited for; one that is replaced or cut begins again, which
     changes nothing where it says the same.
     """
 
-    ends_within_s = ENDS_WITHIN_S
-
-    def __init__(self, path: str) -> None:
-        self.name = path
+    name: str
+    ends_within_s: float = ENDS_WITHIN_S
 
     def come(self) -> Iterator[Came]:
         """What is there, and then what comes."""
@@ -101,14 +104,13 @@ class GrowingFile:
                     break
                 yield head
                 yield from self._more(file)
-        yield from self._anew()
+        yield from self._again()
 
     def _more(self, file: BinaryIO) -> Iterator[Came]:
         while True:
-            data = file.read(CHUNK_BYTES)
-            yield data or None
-            if data:
-                continue
+            while data := file.read(CHUNK_BYTES):
+                yield data
+            yield None
             with contextlib.suppress(OSError):  # gone for a moment: it is replaced
                 status = os.stat(self.name)
                 if status.st_size < file.tell() or not os.path.samestat(
@@ -118,7 +120,7 @@ class GrowingFile:
                     return
             time.sleep(LOOK_EVERY_S)
 
-    def _anew(self) -> Iterator[Came]:
+    def _again(self) -> Iterator[Came]:
         seen: tuple[int, int, int] | None = None
         wait_s = 0.0
         while True:
@@ -151,39 +153,123 @@ class GrowingFile:
             return None
 
 
+@dataclass
 class Stream:
     """A stream of bytes: standard input, a pipe."""
 
-    ends_within_s = ENDS_WITHIN_S
+    stream: BinaryIO
+    name: str = "standard input"
+    ends_within_s: float = ENDS_WITHIN_S
 
-    def __init__(self, stream: BinaryIO, name: str = "standard input") -> None:
-        self._stream = stream
-        self.name = name
-
-    def come(self) -> Iterator[Came]:
+    def come(self) -> Iterator[bytes]:
         """What comes, until its end."""
-        read = getattr(self._stream, "read1", self._stream.read)
+        read = getattr(self.stream, "read1", self.stream.read)
         while data := read(CHUNK_BYTES):
             yield data
 
 
-class Sound:
-    """A sound as blocks of samples: its loudness and cheers."""
+LISTEN_EVERY_S = 0.5
+"""Cheers are looked for so often ..."""
+
+LISTEN_PART = 0.1
+"""... or less, so that it takes no more than this part of the time."""
+
+LONGEST_S = 27 * 3600.0
+"""What comes later isn't listened to: as much as is read of a file."""
+
+
+class Crowd:
+    """Listens; tells a timeline whenever there is enough that is new.
+
+    Loudness and cheers are those that the reader of recordings finds in a file of as much. All that
+    is kept of the sound is ten numbers a second. The background reaches a minute ahead, so a cheer
+    of the last minute may still change a little.
+
+    Parameters
+    ----------
+    sample_rate
+        Hz, 4000 or more.
+    channels
+        How many.
+    tell
+        Receives a timeline of all that was heard.
+    now
+        A clock, s.
+
+    Raises
+    ------
+    InputError
+        A rate or number of channels that can't be measured.
+    """
 
     def __init__(
         self,
-        name: str,
-        open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]],
-        ends_within_s: float = ENDS_WITHIN_S,
+        sample_rate: int,
+        channels: int,
+        tell: Callable[[Timeline], None],
+        now: Callable[[], float] = time.monotonic,
     ) -> None:
-        """`open_blocks` gives a rate (Hz), the number of channels and float blocks of them."""
-        self.name = name
-        self.ends_within_s = ends_within_s
-        self._open = open_blocks
+        if sample_rate < MIN_RATE or sample_rate > 768_000 or not 1 <= channels <= 64:
+            raise InputError(
+                f"{channels} channels at {sample_rate} Hz; loudness is measured of 1 to 64, from "
+                f"{MIN_RATE} Hz up"
+            )
+        self._rate, self._channels = sample_rate, channels
+        layout = layout_of(channels)
+        self._meter = StepMeter(sample_rate, weights_of(layout) if layout else (1.0,) * channels)
+        self._waiting: list[NDArray[np.floating[Any]]] = []
+        self._frames = self._heard = 0
+        self._tell, self._now = tell, now
+        self._look_at = 0.0
+
+    def feed(self, block: NDArray[np.floating[Any]]) -> None:
+        """Listen to the next (frames, channels), of any length; NaN is missing."""
+        if self._heard >= LONGEST_S * self._rate:
+            return
+        self._waiting.append(block)
+        self._frames += len(block)
+        whole = self._frames // self._rate * self._rate
+        if not whole:
+            return
+        sound = np.concatenate(self._waiting)
+        self._waiting = [sound[whole:].copy()]
+        self._frames -= whole
+        self._heard += whole
+        for start in range(0, whole, self._rate):  # the meter takes whole seconds
+            self._meter.feed(sound[start : start + self._rate])
+        begun = self._now()
+        if begun >= self._look_at:
+            self._tell(self._timeline(self._meter))
+            took = self._now() - begun
+            self._look_at = begun + max(LISTEN_EVERY_S, took / LISTEN_PART)
+
+    def end(self) -> None:
+        """Tell the whole: it is over."""
+        if self._frames:
+            self._meter.feed(np.concatenate(self._waiting))
+            self._heard += self._frames
+        if self._heard:
+            self._tell(self._timeline(self._meter))
+
+    def _timeline(self, meter: StepMeter) -> Timeline:
+        kind = f"sound as it is heard, {self._channels} channels at {self._rate} Hz"
+        return timeline_of(meter.so_far(), "loudness", "", kind, ())
+
+
+@dataclass
+class Sound:
+    """A sound as blocks of samples: its loudness and cheers.
+
+    `open_blocks` gives a rate (Hz), the number of channels and float blocks of them.
+    """
+
+    name: str
+    open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]]
+    ends_within_s: float = ENDS_WITHIN_S
 
     def come(self) -> Iterator[Came]:
         """A timeline of all that was heard, now and then."""
-        rate, channels, blocks = self._open()
+        rate, channels, blocks = self.open_blocks()
         told: list[Timeline] = []
         crowd = Crowd(rate, channels, told.append)
         try:
@@ -205,14 +291,12 @@ def pcm_blocks(
     """Raw samples, 16 bits each, little-endian, channels interleaved, for `Sound`."""
 
     def blocks() -> Iterator[np.ndarray | None]:
-        rest = b""
-        read = getattr(stream, "read1", stream.read)
-        frame = 2 * channels
-        while data := read(CHUNK_BYTES):
-            data = rest + data
-            whole = len(data) // frame * frame
-            rest = data[whole:]
-            samples = np.frombuffer(data[:whole], "<i2").reshape(-1, channels)
+        rest, frame = b"", 2 * channels
+        for data in Stream(stream).come():
+            rest += data
+            whole = len(rest) // frame * frame
+            data, rest = rest[:whole], rest[whole:]
+            samples = np.frombuffer(data, "<i2").reshape(-1, channels)
             yield samples.astype(np.float32) / 32_768.0
 
     return rate, channels, blocks()

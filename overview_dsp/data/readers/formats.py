@@ -17,7 +17,6 @@ from overview_dsp.data.readers.football import (
     metrica,
     minute_list,
     openfootball,
-    openfootball_text,
     providers,
     statsbomb,
     wyscout,
@@ -87,10 +86,10 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "openfootball matches (Football.TXT: teams, score, goals in minutes)",
-        openfootball_text.sniff,
-        openfootball_text.read,
+        openfootball.sniff_text,
+        openfootball.read,
         _MATCH,
-        openfootball_text.matches,
+        openfootball.matches,
     ),
     Format(
         "list of minutes (CSV with minute and type or scorer)",

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import encode_line, take_line
-from overview_dsp.data.feeds.recorded_feed import feed_of
+from overview_dsp.data.feeds.feed_lines import encode_line, feed_of, take_line
 from overview_dsp.data.readers.events import event_table
 
 MATCHES = (

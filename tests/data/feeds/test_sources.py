@@ -15,9 +15,9 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.data.feeds import follower as follower_module
 from overview_dsp.data.feeds import net, sources
-from overview_dsp.data.feeds.crowd import Crowd
 from overview_dsp.data.feeds.feed_lines import encode_line, take_line
 from overview_dsp.data.feeds.follower import Follower
+from overview_dsp.data.feeds.sources import Crowd
 from overview_dsp.live.inputs.feeds import source_named
 from tests.data.feeds.feeds import lines_of
 from tests.data.feeds.servers import FeedServer, wait_until

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import list_matches, load_timeline
-from overview_dsp.data.readers.football import openfootball, openfootball_text
+from overview_dsp.data.readers.football import openfootball
 from overview_dsp.data.readers.source import Source
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
@@ -156,11 +156,11 @@ def test_a_match_without_any_goal_is_whole(tmp_path: Path) -> None:
 def test_other_texts_are_none(text: str, tmp_path: Path) -> None:
     (tmp_path / "x.txt").write_text(text)
     if "letter" not in text:
-        assert not openfootball_text.sniff(Source.open(tmp_path / "x.txt"))
+        assert not openfootball.sniff_text(Source.open(tmp_path / "x.txt"))
     timeline_or_one_line(lambda: load_timeline(tmp_path / "x.txt"))
 
 
 @given(st.integers(0, len(CUP) - 1), st.text(max_size=4), st.integers(0, 9))
 def test_any_change_gives_a_timeline_or_one_line(at: int, put: str, cut: int) -> None:
     text = CUP[:at] + put + CUP[at + cut :]
-    timeline_or_one_line(lambda: openfootball.decode(openfootball_text.document_of(text), "1"))
+    timeline_or_one_line(lambda: openfootball.decode(openfootball.document_of(text), "1"))

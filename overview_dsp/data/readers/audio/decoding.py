@@ -35,8 +35,11 @@ _KBITS = {
 }
 
 
-def frame_bytes(header: bytes) -> int | None:
-    """Return the length of the frame that begins with these four bytes, None if none does."""
+def frame_of(header: bytes) -> tuple[int, float] | None:
+    """Return the length of the frame that begins with these four bytes, in bytes and in s.
+
+    None if no frame does.
+    """
     if len(header) < 4 or header[0] != 0xFF or header[1] & 0xE0 != 0xE0:
         return None
     version, layer = header[1] >> 3 & 3, header[1] >> 1 & 3
@@ -46,20 +49,19 @@ def frame_bytes(header: bytes) -> int | None:
     bits = 1000 * _KBITS[version == _V1, layer][bitrate - 1]
     hz = _RATES[version][rate]
     if layer == _L1:
-        return (12 * bits // hz + padded) * 4
-    return (72 if layer == _L3 and version != _V1 else 144) * bits // hz + padded
+        return (12 * bits // hz + padded) * 4, 384 / hz
+    samples = 576 if layer == _L3 and version != _V1 else 1152
+    return samples // 8 * bits // hz + padded, samples / hz
 
 
 def begins_with_frames(head: bytes) -> bool:
     """Return whether a file begins with two frames of one kind."""
-    length = frame_bytes(head[:4])
-    if length is None:
+    frame = frame_of(head[:4])
+    if frame is None:
         return False
-    following = head[length : length + 4]
-    return frame_bytes(following) is not None and (head[1], head[2] & 0x0C) == (
-        following[1],
-        following[2] & 0x0C,
-    )
+    following = head[frame[0] : frame[0] + 4]
+    same = frame_of(following) is not None and head[1] == following[1]
+    return same and head[2] & 0x0C == following[2] & 0x0C
 
 
 def frames_of(data: mmap.mmap) -> tuple[float, bool]:
@@ -70,16 +72,13 @@ def frames_of(data: mmap.mmap) -> tuple[float, bool]:
     at, seconds = _behind_tag(data), 0.0
     while at + 4 <= len(data):
         header = data[at : at + 4]
-        length = frame_bytes(header)
-        if length is None:
+        frame = frame_of(header)
+        if frame is None:
             # a tag behind the last frame; anything else isn't a plain row of frames
             return (seconds, True) if header[:3] in (b"TAG", b"APE", b"ID3") else (0.0, True)
-        if at + length > len(data):
+        if at + frame[0] > len(data):
             return seconds, False
-        version, layer, rate = header[1] >> 3 & 3, header[1] >> 1 & 3, header[2] >> 2 & 3
-        samples = 384 if layer == _L1 else 576 if layer == _L3 and version != _V1 else 1152
-        seconds += samples / _RATES[version][rate]
-        at += length
+        at, seconds = at + frame[0], seconds + frame[1]
     return seconds, at == len(data)
 
 
@@ -113,22 +112,10 @@ _OTHER = (
     (b"AVI ", 8, "an AVI film"),
 )
 _SOUND = (
-    (b"WAVE", 8),
-    (b"RF64", 0),
-    (b"AIFF", 8),
-    (b"AIFC", 8),
-    (b"fLaC", 0),
-    (b"OggS", 0),
-    (b"caff", 0),
-    (b".snd", 0),
-    (b"dns.", 0),
-    (b"ID3", 0),
-    (b"riff.\x91\xcf\x11", 0),
-    (b"Creative RenderJob File", 0),
-    (b"NIST_1A", 0),
-    (b"8SVX", 8),
-    (b"MATLAB 5.0", 0),
-)
+    (b"WAVE", 8), (b"RF64", 0), (b"AIFF", 8), (b"AIFC", 8), (b"fLaC", 0), (b"OggS", 0),
+    (b"caff", 0), (b".snd", 0), (b"dns.", 0), (b"ID3", 0), (b"riff.\x91\xcf\x11", 0),
+    (b"Creative RenderJob File", 0), (b"NIST_1A", 0), (b"8SVX", 8), (b"MATLAB 5.0", 0),
+)  # fmt: skip
 _UNMARKED = frozenset(
     {"htk", "mpc2k", "sds", "sd2", "sf", "ircam", "xi", "wve", "paf", "pvf", "avr"}
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from overview_dsp.data.analysis import rhythm
-from overview_dsp.data.analysis.heart_signal import Spans
+from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.analysis.series_events import rules_of
@@ -53,13 +53,11 @@ def gaps_of(
     silent: Spans, noisy: Spans, rate: float, duration_s: float
 ) -> tuple[Gaps, tuple[str, ...]]:
     """Return stretches of samples as gaps, in order, and why each is one."""
-    known: list[tuple[float, float, str]] = []
-    for (first, end), why in (
-        *((span, NO_SIGNAL) for span in silent),
-        *((span, TOO_NOISY) for span in _outside(noisy, silent)),
-    ):
-        known.append((first / rate, min(end / rate, duration_s), why))
-    known.sort()
+    known = sorted(
+        (first / rate, min(end / rate, duration_s), why)
+        for spans, why in ((silent, NO_SIGNAL), (_outside(noisy, silent), TOO_NOISY))
+        for first, end in spans
+    )
     return tuple((start, end) for start, end, _ in known), tuple(why for *_, why in known)
 
 
@@ -84,8 +82,9 @@ def heart_timeline(
     gaps: tuple[Gaps, tuple[str, ...]],
     others: Sequence[Event],
     options: LoadOptions,
+    signal: Signal | None = None,
 ) -> Timeline:
-    """Make the Timeline; `gaps` as `gaps_of` gives them.
+    """Make the Timeline; `gaps` as `gaps_of` gives them, `signal` where there is one.
 
     Raises
     ------
@@ -94,7 +93,9 @@ def heart_timeline(
     """
     count = len(beats.time_s)
     spans, reasons = gaps
-    noisy_s = _length(spans, reasons, TOO_NOISY)
+    noisy_s = sum(
+        end - start for (start, end), why in zip(spans, reasons, strict=True) if why == TOO_NOISY
+    )
     if count == 0:
         noise = f" ({noisy_s:.0f} s of it are {TOO_NOISY})" if noisy_s else ""
         raise InputError(
@@ -117,12 +118,6 @@ def heart_timeline(
         notes=(f"{count} beats{rate}", *left_out, *about.notes),
         start=about.start,
     )
-    if timeline.intensity is None:
-        return timeline
-    return replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
-
-
-def _length(gaps: Gaps, reasons: Sequence[str], reason: str) -> float:
-    return sum(
-        end - start for (start, end), why in zip(gaps, reasons, strict=True) if why == reason
-    )
+    if timeline.intensity is not None:
+        timeline = replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
+    return timeline if signal is None else replace(timeline, signal=recorded(signal))

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.heart_signal import Samples, recorded
+from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import MIN_RATE, find_beats
 from overview_dsp.data.readers.cardiac.build import (
     MAPS,
@@ -32,7 +32,7 @@ from overview_dsp.data.readers.cardiac.build import (
     gaps_of,
     heart_timeline,
 )
-from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal
+from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, name_or_number
 from overview_dsp.data.readers.source import MAX_TEXT_BYTES, LoadOptions, Source
 from overview_dsp.data.readers.tables.cells import TOKENS, Style, detected_style, parse
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
@@ -69,10 +69,10 @@ _TIME = re.compile(
 _INDEX = re.compile(r"^(|index|sample|samples|sample ?#|#|n|no\.?|unnamed: ?0)$", re.I)
 _HOLE_STEPS = 1.5
 _UNITS = (
-    (re.compile(r"\bus\b|µs|μs|micro", re.I), 1e-6, "microseconds"),
-    (re.compile(r"\bms\b|msec|milli|_ms$", re.I), 1e-3, "milliseconds"),
-    (re.compile(r"\bmin(ute)?s?\b", re.I), 60.0, "minutes"),
-    (re.compile(r"\bs\b|\bsec|_s$", re.I), 1.0, "seconds"),
+    (re.compile(r"\bus\b|µs|μs|micro", re.I), 1e-6),
+    (re.compile(r"\bms\b|msec|milli|_ms$", re.I), 1e-3),
+    (re.compile(r"\bmin(ute)?s?\b", re.I), 60.0),
+    (re.compile(r"\bs\b|\bsec|_s$", re.I), 1.0),
 )
 
 
@@ -112,20 +112,8 @@ class _Layout:
 
     def heart_columns(self) -> list[int]:
         """Return the columns called like an ECG lead or a pulse wave."""
-        return [
-            i
-            for i, name in enumerate(self.names)
-            if self.headed and self.numeric[i] and _HEART.search(name)
-        ]
-
-    def column(self, wanted: str) -> int | None:
-        """Return the column of a name, or of a number from 1."""
-        low = [name.lower() for name in self.names]
-        if wanted.strip().lower() in low:
-            return low.index(wanted.strip().lower())
-        if re.fullmatch(r"[1-9]\d{0,5}", wanted, re.ASCII) and int(wanted) <= len(low):
-            return int(wanted) - 1
-        return None
+        found = (i for i, name in enumerate(self.names) if self.headed and _HEART.search(name))
+        return [i for i in found if self.numeric[i]]
 
 
 def sniff(source: Source) -> bool:
@@ -203,8 +191,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             start,
         )
         gaps = gaps_of(detection.silent, detection.noisy, rate, duration_s)
-        timeline = heart_timeline(about, detected(detection, rate), gaps, (), options)
-        return replace(timeline, signal=recorded(signal))
+        return heart_timeline(about, detected(detection, rate), gaps, (), options, signal)
 
 
 def _layout_of(source: Source) -> _Layout | None:
@@ -219,9 +206,8 @@ def _layout_of(source: Source) -> _Layout | None:
     except InputError:  # it is for the reader of series to say what is broken
         return None
     cells = [cell for column in head for cell in column]
-    style = detected_style(cells) or Style()
-    if dialect.separator not in (",", None) and any(cell and "," in cell for cell in cells):
-        style = detected_style(cells) or Style(",")
+    commas = dialect.separator not in (",", None) and any(cell and "," in cell for cell in cells)
+    style = detected_style(cells) or Style("," if commas else ".")
     numeric = tuple(_is_numeric(column, style) for column in head)
     if not all(known or _are_times(column) for known, column in zip(numeric, head, strict=True)):
         return None  # words beside the numbers: a series of something else
@@ -233,14 +219,17 @@ def _head_table(source: Source, dialect: Dialect) -> DelimitedTable:
 
 
 def _is_numeric(cells: Sequence[str | None], style: Style) -> bool:
-    known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
+    known = _known(cells)
     return bool(known) and all(_number(cell, style) is not None for cell in known)
 
 
 def _are_times(cells: Sequence[str | None]) -> bool:
     """Return whether cells are clock times and dates, missing ones aside."""
-    known = [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
-    return all(_moment_of(cell) is not None for cell in known)
+    return all(_moment_of(cell) is not None for cell in _known(cells))
+
+
+def _known(cells: Sequence[str | None]) -> list[str]:
+    return [cell for cell in map(_bare, cells) if cell.lower() not in _MISSING]
 
 
 def _bare(cell: str | None) -> str:
@@ -254,32 +243,21 @@ def _number(text: str, style: Style) -> float | None:
 
 
 def _time_column(layout: _Layout, options: LoadOptions) -> int | None:
-    if options.time is not None:
-        found = layout.column(options.time)
-        if found is None or not (layout.numeric[found] or layout.holds_times(found)):
-            raise InputError(
-                f"no column of times is called {shown(options.time)}; there is "
-                f"{', '.join(layout.names[:20])}"
-            )
-        return found
-    return None if options.rate is not None else layout.time_column()
+    if options.time is None:
+        return None if options.rate is not None else layout.time_column()
+    columns = range(len(layout.names))
+    timed = [i for i in columns if layout.numeric[i] or layout.holds_times(i)]
+    return _named_column(layout, options.time, "times", timed, columns)
 
 
 def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> int:
-    numeric = [i for i, is_numeric in enumerate(layout.numeric) if is_numeric]
+    numeric = [i for i, is_numeric in enumerate(layout.numeric) if is_numeric and i != time]
     if options.value is not None:
-        found = layout.column(options.value)
-        if found is None or found not in numeric or found == time:
-            raise InputError(
-                f"no column of samples is called {shown(options.value)}; there is "
-                f"{', '.join(layout.names[i] for i in numeric[:20] if i != time)}"
-            )
-        return found
+        return _named_column(layout, options.value, "samples", numeric, numeric)
     hearts = [i for i in layout.heart_columns() if i != time]
     if hearts:
         return hearts[best_signal([layout.names[i] for i in hearts])]
-    aside = {time, layout.time_column(), layout.index_column()}
-    left = [i for i in numeric if i not in aside]
+    left = [i for i in numeric if i not in (layout.time_column(), layout.index_column())]
     if len(left) != 1:
         raise InputError(
             f"{len(left)} columns may be the signal: "
@@ -288,13 +266,25 @@ def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> in
     return left[0]
 
 
+def _named_column(
+    layout: _Layout, wanted: str, what: str, fitting: Sequence[int], listed: Sequence[int]
+) -> int:
+    """Return the column that a caller names; InputError if it isn't one of those that fit."""
+    found = name_or_number(layout.names, wanted)
+    if found is None or found not in fitting:
+        raise InputError(
+            f"no column of {what} is called {shown(wanted)}; there is "
+            f"{', '.join(layout.names[i] for i in listed[:20])}"
+        )
+    return found
+
+
 def _columns(
     table: DelimitedTable,
     layout: _Layout,
     value: int,
     time: int | None,
     progress: Callable[[float], None],
-    most: int = MAX_ROWS,
 ) -> tuple[NDArray[np.float32], NDArray[np.float64] | None, datetime | None]:
     """Read a column of values and one of times.
 
@@ -319,13 +309,10 @@ def _columns(
         values.append(samples.astype(np.float32))
         if time is not None:
             place = location(table, chunk, time)
-            if layout.numeric[time]:
-                times.append(_numbers(chunk.cells[1], place, layout.style, needed=True))
-            else:
-                times.append(clock.read(chunk.cells[1], place))
+            times.append(_times(layout, time, chunk.cells[1], place, clock))
         count += len(chunk)
-        if count > most:
-            raise InputError(f"more than {most} rows; cut the file into parts")
+        if count > MAX_ROWS:
+            raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
         progress(chunk.part)
     start = clock.start.to_datetime() if clock.start is not None else None
     return (
@@ -386,6 +373,15 @@ class _Clock:
         return found
 
 
+def _times(
+    layout: _Layout, time: int, cells: Cells, place: Callable[[int], Location], clock: _Clock
+) -> NDArray[np.float64]:
+    """Return a column's times, numbers in its own unit."""
+    if layout.numeric[time]:
+        return _numbers(cells, place, layout.style, needed=True)
+    return clock.read(cells, place)
+
+
 def _moment_of(entry: str) -> float | Moment | None:
     """Return a clock time as seconds, an ISO date as such; None for what is neither."""
     bracketed = _BRACKETED.fullmatch(entry)
@@ -406,13 +402,9 @@ def _seconds_of(moment: float | Moment | None, start: Moment | None) -> float | 
 
 def _rate_of(source: Source, layout: _Layout, time: int) -> float | None:
     """Return the samples a second that the first rows show."""
-    clock = _Clock()
     cells = first_rows(_head_table(source, layout.dialect), _RATE_ROWS)[time]
     try:
-        if layout.numeric[time]:
-            times = _numbers(cells, Location, layout.style, needed=True)
-        else:
-            times = clock.read(cells, Location)
+        times = _times(layout, time, cells, Location, _Clock())
     except InputError:
         return None
     if len(times) < 3:
@@ -430,7 +422,7 @@ def _unit_of(
         return 1.0, None
     words = layout.names[time] if layout.headed else ""
     words += " " + layout.dialect.units[time]
-    for pattern, seconds, _ in _UNITS:
+    for pattern, seconds in _UNITS:
         if pattern.search(words):
             return seconds, None
     steps = np.diff(times[:10_000])

@@ -9,13 +9,15 @@ from __future__ import annotations
 import math
 import re
 import stat
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from fractions import Fraction
 from pathlib import Path
 
 from overview_dsp import validation
 from overview_dsp.data.readers.source import shown_path
+from overview_dsp.data.readers.tables.time_column import as_number
 from overview_dsp.data.timeline.times import clock_s, moment
 from overview_dsp.errors import InputError, shown
 
@@ -31,20 +33,10 @@ NO_FILE = "~"
 """The name of a signal or segment that isn't there."""
 
 BYTES: dict[str, Fraction | None] = {
-    "8": Fraction(1),
-    "16": Fraction(2),
-    "24": Fraction(3),
-    "32": Fraction(4),
-    "61": Fraction(2),
-    "80": Fraction(1),
-    "160": Fraction(2),
-    "212": Fraction(3, 2),
-    "310": Fraction(4, 3),
-    "311": Fraction(4, 3),
-    "508": None,
-    "516": None,
-    "524": None,
-}
+    "8": Fraction(1), "16": Fraction(2), "24": Fraction(3), "32": Fraction(4), "61": Fraction(2),
+    "80": Fraction(1), "160": Fraction(2), "212": Fraction(3, 2), "310": Fraction(4, 3),
+    "311": Fraction(4, 3), "508": None, "516": None, "524": None,
+}  # fmt: skip
 """Formats that can be read and their bytes a sample; None = compressed (FLAC)."""
 
 _RECORD = re.compile(
@@ -110,7 +102,7 @@ class Header:
     frames: int | None
     signals: tuple[HeaderSignal, ...] = ()
     segments: tuple[tuple[str, int], ...] = ()
-    start: datetime | None = field(default=None)
+    start: datetime | None = None
 
     @property
     def where(self) -> str:
@@ -120,6 +112,13 @@ class Header:
     def beside(self, name: str) -> Path:
         """Return the path of a file of the record."""
         return self.path.parent / name
+
+    def files(self) -> Iterator[tuple[str, list[HeaderSignal], Fraction | None]]:
+        """Yield each signal file, its signals, and its bytes a frame (None: compressed)."""
+        for file in dict.fromkeys(signal.file for signal in self.signals if signal.file != NO_FILE):
+            group = [signal for signal in self.signals if signal.file == file]
+            size = BYTES[group[0].format]
+            yield file, group, size and size * sum(signal.frame for signal in group)
 
 
 def looks_like_header(text: str) -> bool:
@@ -208,7 +207,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     offset = _whole(found["offset"] or "0", "the byte offset", 10**15)
     if frame == 0:
         raise InputError("0 samples a frame; leave the x0 out")
-    if found["gain"] is not None and not _is_number(found["gain"]):
+    if found["gain"] is not None and as_number(found["gain"]) is None:
         raise InputError(f"the gain {shown(found['gain'])} isn't a number")
     earlier = next((other for other in before if other.file == name != NO_FILE), None)
     if earlier is not None and earlier.format != kind:
@@ -235,8 +234,7 @@ def _segments(lines: list[tuple[int, str]], count: int) -> tuple[tuple[str, int]
 
 def _check_files(header: Header) -> None:
     """Refuse a record whose signal files aren't there or end too early."""
-    for file in dict.fromkeys(signal.file for signal in header.signals if signal.file != NO_FILE):
-        group = [signal for signal in header.signals if signal.file == file]
+    for file, group, frame_bytes in header.files():
         try:
             status = header.beside(file).stat()
         except OSError as error:
@@ -246,12 +244,9 @@ def _check_files(header: Header) -> None:
             ) from error
         if not stat.S_ISREG(status.st_mode):
             raise InputError(f"{file} isn't a regular file; copy the record's data there")
-        size = BYTES[group[0].format]
-        if size is None or header.frames is None:
+        if frame_bytes is None or header.frames is None:
             continue
-        needed = group[0].offset + math.floor(
-            header.frames * sum(signal.frame for signal in group) * size
-        )
+        needed = group[0].offset + math.floor(header.frames * frame_bytes)
         if status.st_size < needed:
             raise InputError(
                 f"{file} has {status.st_size} bytes and {header.frames} frames take {needed}; the "
@@ -262,13 +257,10 @@ def _check_files(header: Header) -> None:
 def frames_in_files(header: Header) -> int | None:
     """Return how many whole frames the shortest signal file holds; None if that can't be known."""
     counts = []
-    for file in dict.fromkeys(signal.file for signal in header.signals if signal.file != NO_FILE):
-        group = [signal for signal in header.signals if signal.file == file]
-        size = BYTES[group[0].format]
-        if size is None:
-            continue
-        data = max(0, header.beside(file).stat().st_size - group[0].offset)
-        counts.append(math.floor(data / (size * sum(signal.frame for signal in group))))
+    for file, group, frame_bytes in header.files():
+        if frame_bytes is not None:
+            data = max(0, header.beside(file).stat().st_size - group[0].offset)
+            counts.append(math.floor(data / frame_bytes))
     return min(counts, default=None)
 
 
@@ -303,17 +295,13 @@ def _whole(digits: str | None, what: str, most: int) -> int:
     return int(digits)
 
 
-def _is_number(words: str) -> bool:
-    return re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", words, re.ASCII | re.I) is not None
-
-
 def _rate(words: str | None) -> float:
     if words is None:
         return DEFAULT_RATE
-    rate = float(words) if _is_number(words) else math.nan
-    if not 1e-3 <= rate <= 1e6:
+    rate = as_number(words)
+    if rate is None or not 1e-3 <= rate <= 1e6:
         raise InputError(f"the rate is {shown(words)}; it is 0.001 to 1000000 a second")
-    return rate
+    return float(rate)
 
 
 def _start(clock: str | None, day: str | None) -> datetime | None:

@@ -9,14 +9,14 @@ a lead that is off) or with so much noise that no beat is told from it are gaps.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.heart_signal import Spans, recorded
+from overview_dsp.data.analysis.heart_signal import Spans
 from overview_dsp.data.analysis.heartbeats import find_beats, silent_parts
 from overview_dsp.data.analysis.rhythm import BEATS, OTHERS, Beats
 from overview_dsp.data.readers.cardiac.build import (
@@ -70,19 +70,13 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     signal = signal_of(header, options.value)
     given = not is_header and not _is_signal_file(source.path, header)
     noted = source.path if given else path.with_suffix(_ANNOTATIONS)
-    frames = header.frames
-    duration_s = None if frames is None else frames / header.rate
     if signal is not None:
-        duration_s = signal.length / signal.rate
-    notes: tuple[str, ...] = ()
-    said: Annotations | None = None
-    if noted.exists():
-        said = read_annotations(noted, header.rate, duration_s)
-        notes = said.notes
-    if said is not None and not len(said.beats.time_s):
-        notes = (*notes, f"{noted.name} names no beat: they were found in the signal")
+        duration_s: float | None = signal.length / signal.rate
+    else:
+        duration_s = None if header.frames is None else header.frames / header.rate
+    said = read_annotations(noted, header.rate, duration_s) if noted.exists() else None
     with validation.located(f"{header.where}: "):
-        return _timeline(header, signal, said, noted.name, duration_s, notes, options)
+        return _timeline(header, signal, said, noted.name, duration_s, options)
 
 
 def _timeline(
@@ -91,37 +85,34 @@ def _timeline(
     said: Annotations | None,
     noted: str,
     duration_s: float | None,
-    notes: tuple[str, ...],
     options: LoadOptions,
 ) -> Timeline:
-    annotated = said is not None and len(said.beats.time_s) > 0
+    notes = said.notes if said is not None else ()
+    beats = said.beats if said is not None and len(said.beats.time_s) else None
+    if said is not None and beats is None:
+        notes = (*notes, f"{noted} names no beat: they were found in the signal")
     gaps: tuple[Gaps, tuple[str, ...]] = ((), ())
-    beats = said.beats if said is not None else None
-    source = f"{noted}: its beats and kinds"
+    record, found = f"WFDB record {header.name}", f"{noted}: its beats and kinds"
     if signal is None:
-        if not annotated or beats is None:
+        if beats is None:
             raise InputError("the record has neither signals nor annotated beats")
         duration_s = duration_s or float(beats.time_s[-1])
     else:
         assert duration_s is not None  # of the signal
-        if annotated:
+        record += f" ({signal.name} at {signal.rate:g} Hz)"
+        if beats is not None:
             noisy: Spans = []  # whoever annotated it saw the beats
             silent, lost = silent_parts(signal, options.report_progress)
         else:
             detection = find_beats(signal, None, options.report_progress)
             silent, noisy, lost = detection.silent, detection.noisy, detection.lost
             beats = detected(detection, signal.rate)
-            source = f"beats found in {signal.name} ({detection.what})"
+            found = f"beats found in {signal.name} ({detection.what})"
         gaps = gaps_of(silent, noisy, signal.rate, duration_s)
         if lost:
             notes = (*notes, f"{lost} single samples of {signal.name} are missing")
-    assert beats is not None
-    length = "" if signal is None else f" ({signal.name} at {signal.rate:g} Hz)"
-    about = About(
-        header.name, duration_s, f"WFDB record {header.name}{length}; {source}", notes, header.start
-    )
-    timeline = heart_timeline(about, beats, gaps, said.others if said else (), options)
-    return timeline if signal is None else replace(timeline, signal=recorded(signal))
+    about = About(header.name, duration_s, f"{record}; {found}", notes, header.start)
+    return heart_timeline(about, beats, gaps, said.others if said else (), options, signal)
 
 
 def _header_beside(path: Path) -> Path | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -189,13 +190,9 @@ def _joined(header: Header, wanted: str | None) -> JoinedSignal:
     found: list[tuple[int, RecordSignal | None]] = []
     for segment_name, frames in header.segments:
         here = headers.get(segment_name)
+        signals = here.signals if here else ()
         index = next(
-            (
-                i
-                for i, signal in enumerate(here.signals if here else ())
-                if signal.name == name and signal.file != NO_FILE
-            ),
-            None,
+            (i for i, one in enumerate(signals) if one.name == name and one.file != NO_FILE), None
         )
         if here is None or index is None or frames == 0:  # a layout segment has no frames
             found.append((frames, None))
@@ -206,9 +203,9 @@ def _joined(header: Header, wanted: str | None) -> JoinedSignal:
                 f"record says {frames}"
             )
         found.append((frames, RecordSignal(here, index, frames)))
-        if each not in (1, here.signals[index].frame):
+        if each not in (1, signals[index].frame):
             raise InputError(f"{header.where}: {name} changes its rate in {segment_name}")
-        each = here.signals[index].frame
+        each = signals[index].frame
     parts: list[tuple[int, int, RecordSignal | None]] = []
     before = 0
     for frames, signal in found:
@@ -233,15 +230,22 @@ def _check(signal: RecordSignal | JoinedSignal, header: Header) -> None:
 
 
 def _chosen(names: list[str], wanted: str | None, where: str) -> int:
-    if wanted is not None:
-        low = [name.lower() for name in names]
-        if wanted.lower() in low:
-            return low.index(wanted.lower())
-        if wanted.isascii() and wanted.isdigit() and 1 <= int(wanted[:9]) <= len(names):
-            return int(wanted[:9]) - 1
+    if wanted is None:
+        return best_signal(names)
+    index = name_or_number(names, wanted)
+    if index is None:
         known = ", ".join(names[:12]) + (" ..." if len(names) > 12 else "")
         raise InputError(f"{where}: no signal is called {shown(wanted)}; there is {known}")
-    return best_signal(names)
+    return index
+
+
+def name_or_number(names: Sequence[str], wanted: str) -> int | None:
+    """Return the signal or column of a name in any case, or of a number from 1; None if none is."""
+    small, asked = [name.lower() for name in names], wanted.strip().lower()
+    if asked in small:
+        return small.index(asked)
+    number = int(asked[:9]) if asked.isascii() and asked.isdigit() else 0
+    return number - 1 if 1 <= number <= len(names) else None
 
 
 def best_signal(names: list[str]) -> int:

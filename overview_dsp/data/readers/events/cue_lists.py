@@ -15,7 +15,13 @@ import html
 import re
 
 from overview_dsp import validation
-from overview_dsp.data.readers.events.listing import About, Listed, are_kinds, kind_of, timeline_of
+from overview_dsp.data.readers.events.listing import (
+    About,
+    Listed,
+    kind_of,
+    kinds_or_labels,
+    timeline_of,
+)
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.times import clock_s
@@ -45,10 +51,8 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     text = source.text
     with validation.located(f"{source.where}: "):
         name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
-        listed = _listed(text.splitlines())
-        return timeline_of(
-            listed, About(source.stem, f"events: {name} cues", (), options.duration_s)
-        )
+        about = About(source.stem, f"events: {name} cues", (), options.duration_s)
+        return timeline_of(_listed(text.splitlines()), about)
 
 
 def _listed(lines: list[str]) -> list[Listed]:
@@ -94,7 +98,7 @@ def read_labels(source: Source, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); InputError names the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
-        rows = []
+        listed = []
         for number, line in _lines(text):
             match = _LABEL.fullmatch(line)
             if match is None:
@@ -102,15 +106,10 @@ def read_labels(source: Source, options: LoadOptions) -> Timeline:
                     f"line {number}: {shown(line)} isn't start, end and label with tabs "
                     "between them"
                 )
-            rows.append((number, _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()))
-        few = are_kinds([label for *_, label in rows])
-        listed = [
-            Listed(start, label if few else "label", "" if few else label, f"line {number}", end)
-            for number, start, end, label in rows
-        ]
-        return timeline_of(
-            listed, About(source.stem, "events: an Audacity label track", (), options.duration_s)
-        )
+            begin, end, words = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()
+            listed.append(Listed(begin, words, "", f"line {number}", end))
+        about = About(source.stem, "events: an Audacity label track", (), options.duration_s)
+        return timeline_of(kinds_or_labels(listed, "label"), about)
 
 
 def _lines(text: str) -> list[tuple[int, str]]:

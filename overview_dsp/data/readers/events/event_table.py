@@ -31,6 +31,7 @@ A list of which half are football kinds gets a crowd-excitement curve (`crowd_ex
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -40,13 +41,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.readers.events.listing import (
-    PLAIN_KIND,
-    About,
-    Listed,
-    are_kinds,
-    timeline_of,
-)
+from overview_dsp.data.readers.events.listing import About, Listed, kinds_or_labels, timeline_of
 from overview_dsp.data.readers.series.rows import settled
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables import json
@@ -63,6 +58,7 @@ from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
+    Cells,
     Column,
     ColumnTable,
     Location,
@@ -71,7 +67,13 @@ from overview_dsp.data.readers.tables.table import (
     first_rows,
     location,
 )
-from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, detected_format
+from overview_dsp.data.readers.tables.time_column import (
+    CLOCKS,
+    Format,
+    TimeColumn,
+    as_number,
+    detected_format,
+)
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
@@ -80,9 +82,7 @@ from overview_dsp.files.atomic import whole_file
 COLUMNS = ("time_s", "kind", "label", "weight")
 """The columns an event list may have; the first two it must have."""
 
-# Python's float() also takes "1_000" and other scripts' digits; a file means neither
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
-_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+_NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity|\d+\.?\d*e\+?\d+)", re.ASCII | re.IGNORECASE)
 _SPECIAL = re.compile(r'[",\r\n]')
 _COMMENT = re.compile(r"#\s*(title|duration_s)\s*:(.*)", re.IGNORECASE | re.DOTALL)
 
@@ -98,7 +98,8 @@ def sniff(source: Source) -> bool:
     """Return whether the file is a table of events, or lines of clock and words."""
     if source.head_text is None or any(getattr(source.options, o) for o in _SERIES_OPTIONS):
         return False
-    return _has_table(source) or bool(_chapters(source.head_text))
+    found = _json_table(source) if source.looks_like_json else detect(source, _accepting(source))
+    return found is not None or bool(_chapters(source.head_text))
 
 
 def sniff_lines(source: Source) -> bool:
@@ -120,20 +121,19 @@ def read(source: Source, options: LoadOptions) -> Timeline:
 
     Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
     """
-    if not _has_table(source):
-        return _read_chapters(source, options)
     with validation.located(f"{source.where}: "):
-        return _read(_table(source), source.stem, options)
+        table = _table(source)
+        if table is not None:
+            return _read(table, source.stem, options)
+    return _read_chapters(source, options)
 
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
     head = first_rows(table, _HEAD)
     roles = roles_of(table.columns, head, options)
     _refuse_beats(table, head[roles.time])
-    choice = TimeChoice(
-        (roles.time,) if roles.clock is None else (roles.time, roles.clock), roles.format, " "
-    )
-    choice = settled(table, choice)
+    columns = (roles.time,) if roles.clock is None else (roles.time, roles.clock)
+    choice = settled(table, TimeChoice(columns, roles.format, " "))
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
 
@@ -145,12 +145,6 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
             f"markers by measures and beats ({shown(texts[0])}), which are no times",
             "set REAPER's ruler to minutes and seconds, and export them again",
         )
-
-
-def _has_table(source: Source) -> bool:
-    if source.looks_like_json:
-        return _json_table(source) is not None
-    return detect(source, _accepting(source)) is not None
 
 
 def _accepting(source: Source) -> Accepts:
@@ -181,16 +175,15 @@ def _json_table(source: Source) -> ColumnTable | None:
     return found
 
 
-def _table(source: Source) -> Table:
+def _table(source: Source) -> Table | None:
+    """The file's table of events, None if there is none."""
     if source.looks_like_json:
         found = _json_table(source)
-        assert found is not None  # sniffed
-        return found.checked()
-    layout = detect(source, _accepting(source))
-    assert layout is not None  # sniffed
-    if layout.header == ("column 1", "column 2"):
-        layout = replace(layout, header=("time", "event"))
-    return DelimitedTable(source, layout)
+        return None if found is None else found.checked()
+    dialect = detect(source, _accepting(source))
+    if dialect is not None and dialect.header == ("column 1", "column 2"):
+        dialect = replace(dialect, header=("time", "event"))  # a table without a header
+    return None if dialect is None else DelimitedTable(source, dialect)
 
 
 class _Reader:
@@ -200,97 +193,79 @@ class _Reader:
         self.table, self.roles, self.choice = table, roles, choice
         zoned = any(table.columns[i].zoned for i in choice.columns)
         self.times = TimeColumn(choice.format, offset_min=0 if zoned else None)
-        self.ends = TimeColumn(choice.format)
         self.timeless = 0
 
     def timeline(self, title: str, duration_s: float | None) -> Timeline:
         listed = list(self._listed())
-        if self.roles.kind is None and not are_kinds([one.words for one in listed]):
-            listed = [
-                Listed(o.time_s, PLAIN_KIND, o.words, o.place, o.end_s, o.weight, o.id)
-                for o in listed
-            ]
+        if self.roles.kind is None:
+            listed = kinds_or_labels(listed)
         notes = [*self.table.notes, *self.choice.notes, *self.roles.notes]
         if self.timeless:
             notes.append(f"{self.timeless} rows without a time were left out")
         form = self.choice.format
-        dated = form.calendar or form.name == "hhmm"
-        start = self.times.start(min((one.time_s for one in listed), default=0.0))
         about = About(
             title,
             f"events: a {self.table.kind} list, times from column "
             f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
             tuple(dict.fromkeys(notes)),
             duration_s,
-            start,
-            from_first=dated,
+            self.times.start(min((one.time_s for one in listed), default=0.0)),
+            from_first=form.calendar or form.name == "hhmm",
         )
         return timeline_of(listed, _about(about, self.table))
 
     def _listed(self) -> Iterator[Listed]:
         roles, count = self.roles, len(self.choice.columns)
-        others = [i for i in (roles.kind, roles.label, roles.weight, roles.end, roles.length,
-                              roles.id) if i is not None]  # fmt: skip
+        text_columns = (roles.kind, roles.label, roles.weight, roles.id)
+        others = [i for i in (*text_columns, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            cells = self.choice.cells(chunk)
-            seconds = self.times.seconds(cells, location(self.table, chunk, roles.time))
+            locate = location(self.table, chunk, roles.time)
+            seconds = self.times.seconds(self.choice.cells(chunk), locate)
             rows += len(chunk)
             if rows > MAX_EVENTS:
                 raise InputError(
                     f"more than the {MAX_EVENTS} events that are read; cut the file into parts, or "
                     "make a curve of them (--map count)"
                 )
-            ends = self._ends(chunk, others, count, seconds)
+            cells = dict(zip(others, chunk.cells[count:], strict=True))
+            ends = self._ends(cells, seconds)
             for i, second in enumerate(seconds.tolist()):
-                got = {o: chunk.cells[count + others.index(o)][i] for o in others}
-                yield from self._one(got, second, ends[i], chunk.number(i))
-
-    def _one(
-        self, got: dict[int, Any], second: float, end: float | None, line: int
-    ) -> Iterator[Listed]:
-        roles = self.roles
-
-        def words(column: int | None) -> str:
-            cell = got.get(column) if column is not None else None
-            return "" if is_missing(cell) else " ".join(str(cell).split())
-
-        if np.isnan(second):
-            self.timeless += 1
-            return
-        weight = 1.0
-        if words(roles.weight):
-            at = Location(line, "weight", self.table.row_word)
-            number = parse(words(roles.weight), Style())
-            if number is None:
-                raise at.error(
-                    words(roles.weight), "isn't a number; weights are above 0, 1 = ordinary"
+                if np.isnan(second):
+                    self.timeless += 1
+                    continue
+                kind, label, weight, id_ = (
+                    "" if c is None else _words(cells[c][i]) for c in text_columns
                 )
-            weight = validation.positive(number[0], str(at), "weights are above 0")
-        kind = words(roles.kind) or words(roles.label)
-        place = str(Location(line, word=self.table.row_word))
-        yield Listed(second, kind, words(roles.label), place, end, weight, words(roles.id))
+                place = Location(chunk.number(i), word=self.table.row_word)
+                strength = _weight(weight, replace(place, column="weight")) if weight else 1.0
+                yield Listed(second, kind or label, label, str(place), ends[i], strength, id_)
 
-    def _ends(
-        self, chunk: Any, others: Sequence[int], count: int, seconds: Any
-    ) -> list[float | None]:
+    def _ends(self, cells: dict[int, Cells], seconds: Any) -> list[float | None]:
         """When each ends, as far as the table says and it can be read."""
-        nothing: list[float | None] = [None] * len(seconds)
         column = self.roles.end if self.roles.end is not None else self.roles.length
-        if column is None or self.choice.format.calendar:
-            return nothing
-        cells = list(chunk.cells[count + others.index(column)])
-        form = detected_format(Column.of("time"), cells)
-        if form is None:
-            return nothing
-        same = self.choice.format.name if form.name not in CLOCKS else form.name
-        try:
-            found = TimeColumn(Format(same)).seconds(cells, Location)
-        except InputError:
-            return nothing
+        found = np.full(len(seconds), np.nan)
+        if column is not None and not self.choice.format.calendar:
+            texts = list(cells[column])
+            form = detected_format(Column.of("time"), texts)
+            if form is not None:
+                same = self.choice.format.name if form.name not in CLOCKS else form.name
+                with contextlib.suppress(InputError):
+                    found = TimeColumn(Format(same)).seconds(texts, Location)
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
+
+
+def _words(cell: Any) -> str:
+    return "" if is_missing(cell) else " ".join(str(cell).split())
+
+
+def _weight(text: str, place: Location) -> float:
+    number = parse(text, Style())
+    if number is None:
+        raise place.error(text, "isn't a number; weights are above 0, 1 = ordinary")
+    return validation.positive(number[0], str(place), "weights are above 0")
 
 
 # --- strict lists
@@ -454,12 +429,13 @@ def _listed_row(row: dict[str, str], line: int) -> Listed:
 def _number(text: str, place: Location, hint: str) -> float:
     if not text:
         raise place.missing(hint)
-    if _NOT_FINITE.fullmatch(text):
-        raise place.error(text, f"isn't a finite number; {hint}")
-    if not _NUMBER.fullmatch(text):
+    number = as_number(text)
+    if number is None:
+        if _NOT_FINITE.fullmatch(text):
+            raise place.error(text, f"isn't a finite number; {hint}")
         comma = " with a decimal point" if re.fullmatch(r"\d+,\d+", text) else ""
         raise place.error(text, f"isn't a number{comma}; {hint}")
-    return validation.number(float(text), str(place), hint)
+    return float(number)
 
 
 # --- lines of clock and words
@@ -483,12 +459,9 @@ def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
     with validation.located(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
         seconds = times.seconds([clock for _, clock, _ in found], lambda i: Location(found[i][0]))
-        words = [text for _, _, text in found]
-        few = are_kinds(words)
         listed = [
-            Listed(second, text if few else PLAIN_KIND, "" if few else text, f"line {line}")
+            Listed(second, text, place=f"line {line}")
             for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
         ]
-        return timeline_of(
-            listed, About(source.stem, "events: lines of clock and words", (), options.duration_s)
-        )
+        about = About(source.stem, "events: lines of clock and words", (), options.duration_s)
+        return timeline_of(kinds_or_labels(listed), about)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from overview_dsp import validation
@@ -21,7 +21,6 @@ from overview_dsp.errors import InputError, shown
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
-_EPOCH = datetime(1970, 1, 1)
 
 Entry = dict[str, tuple[str, str, int]]
 """Value, parameters and line of each property of a VEVENT, the first of each."""
@@ -53,14 +52,8 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             first = first.replace(tzinfo=UTC)
         if first.tzinfo is not None:  # a plain offset: clock changes don't move it
             first = first.astimezone(UTC)
-        about = About(
-            source.stem,
-            "events: a calendar (iCalendar)",
-            tuple(notes),
-            options.duration_s,
-            first,
-            True,
-        )
+        provenance, length = "events: a calendar (iCalendar)", options.duration_s
+        about = About(source.stem, provenance, tuple(notes), length, first, True)
         return timeline_of(listed, about)
 
 
@@ -81,8 +74,7 @@ def _listed(entry: Entry, moment: datetime) -> Listed:
 
 def _seconds(moment: datetime) -> float:
     """Seconds since 1970, of a floating moment by its own clock."""
-    plain = moment.astimezone(UTC).replace(tzinfo=None) if moment.tzinfo else moment
-    return (plain - _EPOCH) / timedelta(seconds=1)
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
 def _entries(text: str) -> Iterator[Entry]:

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from overview_dsp.data.analysis.crowd_excitement import FOOTBALL_KINDS, derive_intensity
@@ -81,6 +81,13 @@ def are_kinds(words: Sequence[str]) -> bool:
     """Return whether texts are kinds of things, of which some come again, and not their names."""
     kinds = [kind_of(text) for text in words]
     return all(kinds) and 4 * len(set(kinds)) <= 3 * len(kinds)
+
+
+def kinds_or_labels(listed: Sequence[Listed], plain_kind: str = PLAIN_KIND) -> list[Listed]:
+    """Return a list whose words are kinds if they are such, else labels of the kind given."""
+    if are_kinds([one.words for one in listed]):
+        return list(listed)
+    return [replace(one, words=plain_kind, label=one.words) for one in listed]
 
 
 def timeline_of(listed: Sequence[Listed], about: About) -> Timeline:

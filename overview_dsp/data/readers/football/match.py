@@ -6,10 +6,12 @@ Labels read as those of the StatsBomb reader: `1-0 Parris (pen)`, `0-1 own goal,
 
 from __future__ import annotations
 
+import itertools
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
@@ -19,6 +21,22 @@ from overview_dsp.errors import InputError, shown
 
 GOALS = frozenset({"goal", "own_goal"})
 """The kinds that change the score."""
+
+SHOOT_OUT = 5
+"""The period of a shoot-out; 1 and 2 are halves, 3 and 4 those of extra time."""
+
+START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
+
+MAX_PERIOD_S = 7200.0
+"""Latest time in a period, s: no half lasts two hours."""
+
+SHOT_WEIGHT = 1.5
+"""Against 1 of a touch: of two too close to be distinguished, the shot is shown."""
+
+_SNIFFED = 50
+
+Touch = tuple[float, str, str]
+"""Something smaller that is felt when zoomed: time, s, what (`shot`, `pass`, `duel` ...), who."""
 
 
 @dataclass(frozen=True)
@@ -52,123 +70,146 @@ class Happening:
     minute: str = ""
     place: str = ""
 
+    def label(self, score: str, teams: Sequence[str]) -> str:
+        """Return what the event's label says; `score` is that of a goal where it is known."""
+        who, detail = self.who, self.detail
+        if self.kind == "own_goal":
+            words = ", ".join(filter(None, (f"{score} own goal".lstrip(), who)))
+        elif self.kind == "goal":
+            words = f"{score} {who}".strip()
+            words = f"{words} ({detail})".lstrip() if detail else words
+        else:
+            team = teams[self.team] if self.team is not None and self.team < len(teams) else ""
+            words = f"{who} ({team})" if who and team else who or team
+            words = ", ".join(filter(None, (words, detail)))
+        return f"{words} {self.minute}".strip()
 
-@dataclass(frozen=True)
-class MatchEvents:
-    """A match as its source lists it, ready to be counted.
+
+def has_entry(entries: Iterable[object], *keys: str) -> bool:
+    """Return whether an early entry of a JSON list is an object with these keys."""
+    early = itertools.islice(entries, _SNIFFED)
+    return any(isinstance(entry, dict) and entry.keys() >= {*keys} for entry in early)
+
+
+def lay_end_to_end(lengths: Mapping[int, Any]) -> tuple[dict[int, Any], Any]:
+    """Return where each period begins and where the last one ends, in the unit of their lengths.
+
+    Raises
+    ------
+    InputError
+        They have no length.
+    """
+    begins, end = {}, 0
+    for period in sorted(lengths):
+        begins[period] = end
+        end += lengths[period]
+    if end <= 0:
+        raise InputError("no time passes in the periods of play; is the file complete?")
+    return begins, end
+
+
+def match_timeline(
+    teams: Sequence[str],
+    begins_s: Mapping[int, float],
+    end_s: float,
+    happenings: Iterable[Happening],
+    provenance: str,
+    notes: Sequence[str] = (),
+    *,
+    default_title: str = "",
+    about: Sequence[str] = (),
+    final: tuple[int, int] | None = None,
+    touches: Iterable[Touch] = (),
+    end_label: str = "",
+) -> Timeline:
+    """Count the score, write the labels and derive the curve.
 
     Parameters
     ----------
     teams
         Names, the home team first; fewer than two where they aren't known.
+    begins_s, end_s
+        Where each period (1 to 4) begins and the match ends, s.
     happenings
         In any order.
-    periods
-        (time_s, label) of every start and end of a period.
-    duration_s
-        Length of the timeline, s.
+    provenance
+        Where the events are from.
+    notes
+        What the reader noticed.
+    default_title
+        The title if the teams aren't known.
+    about
+        What the title adds (competition, round, date).
+    final
+        The score the source states, without a shoot-out; a count that differs is noted.
+    touches
+        What is felt when zoomed.
+    end_label
+        What the end of the last period is called; "" is full time, or the end of one period alone.
     """
-
-    teams: Sequence[str]
-    happenings: Iterable[Happening]
-    periods: Sequence[tuple[float, str]]
-    duration_s: float
-
-    def timeline(
-        self,
-        provenance: str,
-        notes: Sequence[str] = (),
-        *,
-        default_title: str = "",
-        about: Sequence[str] = (),
-        final: tuple[int, int] | None = None,
-        details: Sequence[Event] = (),
-    ) -> Timeline:
-        """Count the score, write the labels and derive the curve.
-
-        Parameters
-        ----------
-        provenance
-            Where the events are from.
-        notes
-            What the reader noticed.
-        default_title
-            The title if the teams aren't known.
-        about
-            What the title adds (competition, round, date).
-        final
-            The score the source states, without a shoot-out; a count that differs is noted.
-        details
-            What is felt when zoomed (`touches`).
-        """
-        score = [0, 0]
-        known = len(self.teams) == 2
-        said = list(notes)
-        events = [Event(time_s, "period", label) for time_s, label in self.periods]
-        seen: dict[tuple[float, str, str], int] = {}
-        uncounted = 0
-        for happening in sorted(self.happenings, key=lambda happening: happening.time_s):
-            if happening.kind in GOALS:
-                if happening.team is None:
-                    uncounted += 1
-                else:
-                    score[happening.team] += 1
-            label = self._label(happening, score if known and not uncounted else None)
-            key = (happening.time_s, happening.kind, label)
-            seen[key] = seen.get(key, 0) + 1
-            if seen[key] > 1:  # two rows of one minute without a name are two events
-                label = f"{label} ({seen[key]})".strip()
-            with validation.located(f"{happening.place}: " if happening.place else ""):
-                events.append(Event(happening.time_s, happening.kind, label))
-        if uncounted:
-            said.append(f"{uncounted} goals name no team of the match: the score isn't counted")
-        counted = (score[0], score[1])
-        if final is not None and final != counted and not uncounted:
-            said.append(
-                f"the file states {final[0]}-{final[1]} and lists goals for "
-                f"{counted[0]}-{counted[1]}; the title has what it states"
-            )
-        intensity, derived, derived_notes = derive_intensity(events, self.duration_s)
-        title = default_title
-        if known:
-            decided = final if final is not None else counted if not uncounted else None
-            result = f"{decided[0]}-{decided[1]}" if decided is not None else "-"
-            title = ", ".join([f"{self.teams[0]} {result} {self.teams[1]}", *filter(None, about)])
-        return Timeline(
-            title=title,
-            duration_s=self.duration_s,
-            events=tuple(events),
-            intensity=intensity,
-            provenance="; ".join(part for part in (provenance, derived) if part),
-            notes=(*said, *derived_notes),
-            details=tuple(details),
-        )
-
-    def _label(self, happening: Happening, score: Sequence[int] | None) -> str:
-        who, detail = happening.who, happening.detail
-        if happening.kind in GOALS:
-            label = f"{score[0]}-{score[1]}" if score is not None else ""
-            if happening.kind == "own_goal":
-                label = f"{label} own goal".lstrip()
-                label = f"{label}, {who}" if who else label
+    known, uncounted = len(teams) >= 2, 0
+    score, said = [0, 0], list(notes)
+    events = [Event(begin_s, "period", START_LABELS[p]) for p, begin_s in begins_s.items()]
+    end_label = end_label or ("full time" if len(begins_s) > 1 else "end")
+    events.append(Event(end_s, "period", end_label))
+    seen: dict[tuple[float, str, str], int] = {}
+    for one in sorted(happenings, key=lambda one: one.time_s):
+        if one.kind in GOALS:
+            if one.team is None:
+                uncounted += 1
             else:
-                label = f"{label} {who}".strip()
-                label = f"{label} ({detail})".lstrip() if detail else label
-        else:
-            known = happening.team is not None and happening.team < len(self.teams)
-            team = self.teams[happening.team or 0] if known else ""
-            label = f"{who} ({team})" if who and team else who or team
-            label = ", ".join(part for part in (label, detail) if part)
-        return f"{label} {happening.minute}".strip()
+                score[one.team] += 1
+        label = one.label(f"{score[0]}-{score[1]}" if known and not uncounted else "", teams)
+        key = (one.time_s, one.kind, label)
+        seen[key] = seen.get(key, 0) + 1
+        if seen[key] > 1:  # two rows of one minute without a name are two events
+            label = f"{label} ({seen[key]})".strip()
+        with validation.located(f"{one.place}: " if one.place else ""):
+            events.append(Event(one.time_s, one.kind, label))
+    counted = None if uncounted else (score[0], score[1])
+    if counted is None:
+        said.append(f"{uncounted} goals name no team of the match: the score isn't counted")
+    elif final is not None and final != counted:
+        said.append(
+            f"the file states {final[0]}-{final[1]} and lists goals for "
+            f"{counted[0]}-{counted[1]}; the title has what it states"
+        )
+    intensity, derived, derived_notes = derive_intensity(events, end_s)
+    title, decided = default_title, final or counted
+    if known and all(teams[:2]):
+        result = f"{decided[0]}-{decided[1]}" if decided is not None else "-"
+        title = ", ".join([f"{teams[0]} {result} {teams[1]}", *filter(None, about)])
+    details: dict[Event, None] = {}
+    for time_s, what, who in touches:
+        kind, weight = ("shot", SHOT_WEIGHT) if what == "shot" else ("touch", 1.0)
+        details[Event(time_s, kind, f"{what} {who}".rstrip(), weight)] = None
+    return Timeline(
+        title=title,
+        duration_s=end_s,
+        events=tuple(events),
+        intensity=intensity,
+        provenance="; ".join(filter(None, (provenance, derived))),
+        notes=(*said, *derived_notes),
+        details=tuple(details),
+    )
 
 
-def team_index(name: str, teams: Sequence[str], place: str) -> int | None:
-    """Return which of the two teams a name means, None for no name; InputError for another."""
-    if not name:
+def shoot_out_note(kicks: Sequence[tuple[str, bool]], names: Mapping[str, str]) -> str:
+    """Return what is noted of a shoot-out: `kicks` are the team of each and whether it scored."""
+    scored = [team for team, is_goal in kicks if is_goal]
+    tally = ", ".join(f"{name} {scored.count(team)}" for team, name in names.items())
+    return f"is left out: {len(kicks)} kicks; scored: {tally}"
+
+
+def team_index(
+    name: str, teams: Sequence[str], place: str, what: str = "team", *, needed: bool = False
+) -> int | None:
+    """Return which of the teams a name means, None for no name; InputError for another."""
+    if not name and not needed:
         return None
     if name not in teams:
         raise InputError(
-            f"{place}: the team is {shown(name)}; the match's teams are "
+            f"{place}: the {what} is {shown(name)}; the match's teams are "
             f"{' and '.join(shown(team) for team in teams) or 'not named'}"
         )
     return list(teams).index(name)
@@ -197,22 +238,6 @@ def short_name(full_name: str) -> str:
     if particles:
         names.append(" ".join(particles))
     return " ".join(names[-2:] if len(names) > 2 else names[-1:])
-
-
-SHOT_WEIGHT = 1.5
-"""Against 1 of a touch: of two too close to be distinguished, the shot is shown."""
-
-
-def touches(records: Iterable[tuple[float, str, str]]) -> tuple[Event, ...]:
-    """Return the details of a match from (time_s, what, who): what is `shot`, `pass`, `duel` ..."""
-    found: dict[tuple[float, str, str], Event] = {}
-    for time_s, what, who in records:
-        kind = "shot" if what == "shot" else "touch"
-        event = Event(
-            time_s, kind, f"{what} {who}".rstrip(), SHOT_WEIGHT if kind == "shot" else 1.0
-        )
-        found.setdefault((time_s, kind, event.label), event)
-    return tuple(found.values())
 
 
 _SHOWN = 4
@@ -267,7 +292,11 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
     asked = shown(match)
     if not words:
         raise InputError(f"match is {asked}; give a number, 1 to {len(lines)}, or words")
-    found = _having(lines, words)
+    texts = [plain(line) for line in lines]
+    # whole words first, parts of words if there is none
+    found = [i for i, text in enumerate(texts) if set(words) <= set(text.split())] or [
+        i for i, text in enumerate(texts) if all(word in text for word in words)
+    ]
     if not found:
         raise InputError(
             f"none of the {len(lines)} matches has {asked}; give a number, 1 to {len(lines)}, or "
@@ -280,13 +309,6 @@ def choose(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> 
             f"{len(found)} matches have {asked} ({first}{more}); give more words or its number"
         )
     return found[0]
-
-
-def _having(lines: Sequence[str], words: Sequence[str]) -> list[int]:
-    """Return which lines have all words; whole words first, parts of words if there is none."""
-    texts = [plain(line) for line in lines]
-    whole = [i for i, text in enumerate(texts) if set(words) <= set(text.split())]
-    return whole or [i for i, text in enumerate(texts) if all(word in text for word in words)]
 
 
 def _example(line: str) -> str:

@@ -24,8 +24,8 @@ import re
 from dataclasses import dataclass
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import Happening, MatchEvents, touches
-from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS, STARTS
+from overview_dsp.data.readers.football.match import SHOOT_OUT, Happening, Touch, match_timeline
+from overview_dsp.data.readers.football.minutes import STARTS
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
@@ -122,15 +122,15 @@ def decode(text: str, default_title: str = "") -> Timeline:
             f"{third.place}, column 'Team': {shown(names[2])} is a third team after "
             f"{shown(names[0])} and {shown(names[1])}; keep one match a file"
         )
-    happenings = []
-    others = []
+    happenings: list[Happening] = []
+    touches: list[Touch] = []
     for i, row in enumerate(played):
         kind, team, detail = _happened(i, row, played, teams, notes)
+        time_s = row.start_s + shift[row.period]
         if kind:
-            time_s = row.start_s + shift[row.period]
             happenings.append(Happening(time_s, kind, team, row.player, detail, "", row.place))
         elif row.type in _TOUCHES:
-            others.append((row.start_s + shift[row.period], row.type.lower(), row.player))
+            touches.append((time_s, row.type.lower(), row.player))
     begins = {
         period: min(row.start_s for row in played if row.period == period) + shift[period]
         for period in sorted(shift)
@@ -138,33 +138,38 @@ def decode(text: str, default_title: str = "") -> Timeline:
     end_s = max(max(row.start_s, row.end_s) + shift[row.period] for row in played)
     if end_s <= 0.0:
         raise InputError("no time passes: every action is at 0 s; is the file complete?")
-    periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
-    periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return MatchEvents(teams, happenings, periods, end_s).timeline(
-        PROVENANCE, notes, default_title=default_title, details=touches(others)
+    return match_timeline(
+        teams,
+        begins,
+        end_s,
+        happenings,
+        PROVENANCE,
+        notes,
+        default_title=default_title,
+        touches=touches,
     )
 
 
 def _row(fields: dict[str, str], line: int) -> _Row:
-    period_text = fields["period"]
-    if period_text not in ("1", "2", "3", "4", "5", "1.0", "2.0", "3.0", "4.0", "5.0"):
+    period = fields["period"].removesuffix(".0")
+    if period not in ("1", "2", "3", "4", "5"):
         raise Location(line, "Period").error(
-            period_text, f"is no period; periods are 1 to {SHOOT_OUT}"
+            fields["period"], f"is no period; periods are 1 to {SHOOT_OUT}"
         )
     start_s = _seconds(fields["start time [s]"], Location(line, "Start Time [s]"))
-    end_text = fields.get("end time [s]", "")
-    end_s = start_s
-    if end_text and end_text.lower() != "nan":
-        end_s = _seconds(end_text, Location(line, "End Time [s]"))
+    end, player = (
+        "" if fields.get(name, "").lower() == "nan" else fields.get(name, "")
+        for name in ("end time [s]", "from")
+    )
     return _Row(
         f"line {line}",
         fields["team"],
         fields["type"].upper(),
         frozenset(word.strip() for word in fields["subtype"].upper().split("-")),
-        int(period_text[0]),
+        int(period),
         start_s,
-        end_s,
-        fields.get("from", "") if fields.get("from", "").lower() != "nan" else "",
+        _seconds(end, Location(line, "End Time [s]")) if end else start_s,
+        player,
     )
 
 
@@ -173,7 +178,7 @@ def _seconds(text: str, place: Location) -> float:
     if not _NUMBER.fullmatch(text):
         raise place.error(text, f"isn't a time; {hint}")
     value = float(text)
-    if not 0.0 <= value <= MAX_S:
+    if value > MAX_S:
         raise place.error(value, f"is out of range; {hint}")
     return value
 
@@ -240,13 +245,13 @@ def _is_penalty(i: int, played: list[_Row]) -> bool:
 
 def _kicks_off_after(i: int, played: list[_Row]) -> str | None:
     """Return the team that kicks off next in the same period."""
-    row = played[i]
-    for j in range(i + 1, len(played)):
-        later = played[j]
-        if later.period != row.period:
-            return None
-        if later.type == "SET PIECE" and "KICK OFF" in later.words:
+    for later in played[i + 1 :]:
+        if (
+            later.period == played[i].period
+            and later.type == "SET PIECE"
+            and ("KICK OFF" in later.words)
+        ):
             return later.team
-        if "GOAL" in later.words:
+        if later.period != played[i].period or "GOAL" in later.words:
             return None
     return None

@@ -30,15 +30,17 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from overview_dsp import validation
 from overview_dsp.data.readers.football.match import (
     GOALS,
+    SHOOT_OUT,
     Happening,
-    MatchEvents,
     choose,
+    match_timeline,
     plain,
     short_name,
     team_index,
@@ -46,7 +48,6 @@ from overview_dsp.data.readers.football.match import (
 from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import (
     ENDS,
-    SHOOT_OUT,
     Clock,
     Minute,
     check_minute,
@@ -60,37 +61,24 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 COLUMNS: dict[str, tuple[str, ...]] = {
-    "minute": ("minute", "min", "mins", "minutes", "match minute", "minute label", "time elapsed"),
+    "minute": (
+        "minute", "min", "mins", "minutes", "match minute", "minute label", "time elapsed",
+    ),
     "clock": ("time", "clock", "match time", "game time", "game clock"),
     "added": (
-        *("added", "added time", "added minutes", "offset", "extra", "extra minute"),
-        *(
-            "minute extra",
-            "time extra",
-            "extra min",
-            "stoppage",
-            "stoppage time",
-            "injury time",
-            "minute stoppage",
-        ),
+        "added", "added time", "added minutes", "offset", "extra", "extra minute", "minute extra",
+        "time extra", "extra min", "stoppage", "stoppage time", "injury time", "minute stoppage",
     ),
     "second": ("second", "sec", "seconds", "secs"),
     "period": ("period", "half", "period id", "match period", "game period", "period name"),
     "kind": (
-        *("type", "event", "kind", "event type", "type name", "event name", "incident"),
-        *("incident type", "action", "action type", "result", "outcome", "what", "category"),
+        "type", "event", "kind", "event type", "type name", "event name", "incident",
+        "incident type", "action", "action type", "result", "outcome", "what", "category",
     ),
     "details": (
-        *("detail", "details", "outcome", "result", "card", "card type", "subtype", "sub type"),
-        *(
-            "outcome type",
-            "shot outcome",
-            "event detail",
-            "goal type",
-            "situation",
-            "description",
-            "qualifier",
-        ),
+        "detail", "details", "outcome", "result", "card", "card type", "subtype", "sub type",
+        "outcome type", "shot outcome", "event detail", "goal type", "situation", "description",
+        "qualifier",
     ),
     "player": ("player", "player name", "scorer", "name", "goalscorer", "goal scorer", "athlete"),
     "team": ("team", "team name", "club", "side", "squad", "h a", "for team", "scoring team"),
@@ -101,7 +89,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "own": ("own goal", "owngoal", "own", "is own goal", "og"),
     "penalty": ("penalty", "pen", "is penalty"),
     "label": ("label", "text", "comment", "note", "commentary"),
-}
+}  # fmt: skip
 """What columns are called: names as compared, without case, signs and accents."""
 
 PROVENANCE_GOALS = (
@@ -126,18 +114,23 @@ _FOOTBALL = re.compile(
 _YES = frozenset({"true", "t", "1", "1.0", "yes", "y", "x", "og", "pen", "p"})
 _NO = frozenset({"", "false", "f", "0", "0.0", "no", "n", "na", "nan", "none", "null", "-"})
 _NONE = frozenset({"", "na", "n/a", "nan", "none", "null", "-"})
-_PERIODS = {
+_PERIODS: dict[int | None, tuple[str, ...]] = {
     1: ("1", "1h", "h1", "first half", "1st half", "first", "1st", "firsthalf", "p1", "ht1"),
     2: ("2", "2h", "h2", "second half", "2nd half", "second", "2nd", "secondhalf", "p2", "ht2"),
-    3: ("3", "e1", "et1", "1et", "extra time 1", "extra time first half", "p3", "extra time"),
-    4: ("4", "e2", "et2", "2et", "extra time 2", "extra time second half", "p4"),
-    5: ("5", "p", "pso", "so", "penalties", "penalty shootout", "shootout", "shoot out", "pens"),
-}
-_PERIODS_LONG = {
-    "first period of extra time": 3,
-    "second period of extra time": 4,
-    "penalty shoot out": 5,
-}
+    3: (
+        "3", "e1", "et1", "1et", "extra time 1", "extra time first half", "p3", "extra time",
+        "first period of extra time",
+    ),
+    4: (
+        "4", "e2", "et2", "2et", "extra time 2", "extra time second half", "p4",
+        "second period of extra time",
+    ),
+    5: (
+        "5", "p", "pso", "so", "penalties", "penalty shootout", "shootout", "shoot out", "pens",
+        "penalty shoot out",
+    ),
+    None: ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"),
+}  # fmt: skip
 _HOME = frozenset({"h", "home", "1"})
 _AWAY = frozenset({"a", "away", "2"})
 
@@ -226,127 +219,110 @@ def decode(text: str, match: str | None = None, default_title: str = "") -> Time
     lines = _lines(grouped)
     ids = [key[3] for key in grouped]
     chosen = list(grouped)[choose(lines, match, ids if any(ids) else ())]
-    return _Match(grouped[chosen]).timeline(default_title)
+    return _timeline(grouped[chosen], default_title)
 
 
-class _Match:
-    """The rows of one match on their way to a Timeline."""
-
-    def __init__(self, rows_: Sequence[_Row]) -> None:
-        self.rows = rows_
-        self.goals_only = not any("kind" in row.fields for row in rows_)
-        self.teams = _teams(rows_)
-        self.notes: list[str] = []
-
-    def timeline(self, default_title: str) -> Timeline:
-        entries: list[tuple[_Row, Minute, str, str]] = []
-        ends: dict[int, Minute] = {}
-        left_out: dict[str, int] = {}
-        kicks = 0
-        for row in self.rows:
-            kind, detail = self._meaning(row)
-            if not row.get("minute") and not row.get("clock"):
-                if kind:
-                    timed = "minute" if "minute" in row.headers else "clock"
-                    raise row.at(timed).missing(
-                        "write a minute, such as 38 or 90+3, or remove the row"
-                    )
-                continue
-            if detail == "shoot-out":
-                kicks += 1
-                continue
-            if not kind:
-                name = words_of(row.get("kind")) or "no type"
-                left_out[name] = left_out.get(name, 0) + 1
-                continue
-            minute = _minute(row)
-            if minute.period == SHOOT_OUT:
-                kicks += 1
-            elif kind in ("half_end", "match_end"):
-                period = _ended(minute, kind)
-                if period not in ends or minute.on_clock > ends[period].on_clock:
-                    ends[period] = minute
-            elif kind != "period":
-                entries.append((row, minute, kind, detail))
-        if not entries and not ends:
-            raise InputError(
-                "no goal, card, foul or near miss in it; name them in a column such as type"
-            )
-        exact = not self.goals_only and any(
-            minute.seconds is not None for _, minute, _, _ in entries
+def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
+    goals_only = not any("kind" in row.fields for row in rows)
+    entries: list[tuple[_Row, Minute, str, str]] = []
+    ends: dict[int, Minute] = {}
+    left_out: Counter[str] = Counter()
+    kicks = 0
+    for row in rows:
+        kind, detail = _meaning(row, goals_only)
+        if not row.get("minute") and not row.get("clock"):
+            if kind:
+                raise row.at("minute" if "minute" in row.headers else "clock").missing(
+                    "write a minute, such as 38 or 90+3, or remove the row"
+                )
+            continue
+        if detail == "shoot-out":
+            kicks += 1
+            continue
+        if not kind:
+            left_out[words_of(row.get("kind")) or "no type"] += 1
+            continue
+        minute = _minute(row)
+        if minute.period == SHOOT_OUT:
+            kicks += 1
+        elif kind in ("half_end", "match_end"):
+            period = _ended(minute, kind)
+            if period not in ends or minute.on_clock > ends[period].on_clock:
+                ends[period] = minute
+        elif kind != "period":
+            entries.append((row, minute, kind, detail))
+    if not entries and not ends:
+        raise InputError(
+            "no goal, card, foul or near miss in it; name them in a column such as type"
         )
+    minutes = [minute for _, minute, _, _ in entries]
+    if goals_only:
         clock = Clock.laid(
-            [minute for _, minute, _, _ in entries],
-            extra_time=any(m.base > 90 for _, m, _, _ in entries) or None
-            if self.goals_only
-            else None,
-            back_s=_MIDDLE_S if self.goals_only else 0.0,
-            ends=ends,
+            minutes, extra_time=any(m.base > 90 for m in minutes) or None, back_s=_MIDDLE_S
         )
-        happenings = [
-            self._happening(row, clock, minute, kind, detail)
-            for row, minute, kind, detail in entries
-        ]
-        if set(clock.lengths_s) - set(ends):
-            self.notes.append(STOPPAGE_NOTE)
-        if kicks:
-            self.notes.append(f"the shoot-out is left out: {kicks} rows")
-        if left_out:
-            most = sorted(left_out.items(), key=lambda entry: -entry[1])
-            words = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most[:6])
-            more = ", ..." if len(most) > 6 else ""
-            self.notes.append(f"left out, no football kind: {words}{more}")
-        if not self.goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
-            self.notes.append(
-                "own goals: the team listed is taken as the player's, the score goes to the other"
-            )
-        first = self.rows[0]
-        provenance = (
-            PROVENANCE_GOALS
-            if self.goals_only
-            else PROVENANCE_SECONDS
-            if exact
-            else PROVENANCE_MINUTES
+        provenance = PROVENANCE_GOALS
+    else:
+        clock = Clock.laid(minutes, ends=ends)
+        exact = any(minute.seconds is not None for minute in minutes)
+        provenance = PROVENANCE_SECONDS if exact else PROVENANCE_MINUTES
+    teams = _teams(rows)
+    happenings = [_happening(*entry, clock, teams, goals_only) for entry in entries]
+    notes = []
+    if set(clock.lengths_s) - set(ends):
+        notes.append(STOPPAGE_NOTE)
+    if kicks:
+        notes.append(f"the shoot-out is left out: {kicks} rows")
+    if left_out:
+        most = left_out.most_common(6)
+        words = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most)
+        more = ", ..." if len(left_out) > len(most) else ""
+        notes.append(f"left out, no football kind: {words}{more}")
+    if not goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
+        notes.append(
+            "own goals: the team listed is taken as the player's, the score goes to the other"
         )
-        return MatchEvents(self.teams, happenings, clock.periods(), clock.duration_s).timeline(
-            provenance, self.notes, default_title=default_title, about=[first.get("date")]
-        )
-
-    def _meaning(self, row: _Row) -> tuple[str, str]:
-        own = "own" in row.fields and row.flag("own")
-        penalty = "penalty" in row.fields and row.flag("penalty")
-        if self.goals_only:
-            return ("own_goal", "") if own else ("goal", "pen" if penalty else "")
-        kind = words_of(row.get("kind"))
-        return meaning(kind, row.details, own=own, penalty=penalty)
-
-    def _happening(
-        self, row: _Row, clock: Clock, minute: Minute, kind: str, detail: str
-    ) -> Happening:
-        team = team_index(self._team_name(row), self.teams, row.place)
-        if kind == "own_goal" and not self.goals_only and team is not None:
-            team = 1 - team if len(self.teams) == 2 else None
-        who = short_name(row.get("player"))
-        if not who and kind not in GOALS:
-            detail = detail or row.get("label")
-        elif not who:
-            who = row.get("label")
-        clock_text = str(minute) if minute.seconds is None else ""
-        return Happening(clock.time_s(minute), kind, team, who, detail, clock_text, row.place)
-
-    def _team_name(self, row: _Row) -> str:
-        return _team_name(row, self.teams[:2])
+    return match_timeline(
+        teams,
+        clock.begins_s,
+        clock.duration_s,
+        happenings,
+        provenance,
+        notes,
+        default_title=default_title,
+        about=[rows[0].get("date")],
+    )
 
 
-def _team_name(row: _Row, sides: Sequence[str]) -> str:
+def _meaning(row: _Row, goals_only: bool) -> tuple[str, str]:
+    own = "own" in row.fields and row.flag("own")
+    penalty = "penalty" in row.fields and row.flag("penalty")
+    if goals_only:
+        return ("own_goal", "") if own else ("goal", "pen" if penalty else "")
+    return meaning(words_of(row.get("kind")), row.details, own=own, penalty=penalty)
+
+
+def _happening(
+    row: _Row, minute: Minute, kind: str, detail: str, clock: Clock, teams: list[str], by_team: bool
+) -> Happening:
+    """Return what a row says; `by_team`: whether a goal's team is the one that gets the score."""
+    team = team_index(_team_name(row), teams, row.place)
+    if kind == "own_goal" and not by_team and team is not None:
+        team = 1 - team if len(teams) == 2 else None
+    who = short_name(row.get("player"))
+    if not who and kind in GOALS:
+        who = row.get("label")
+    elif not who:
+        detail = detail or row.get("label")
+    written = str(minute) if minute.seconds is None else ""
+    return Happening(clock.time_s(minute), kind, team, who, detail, written, row.place)
+
+
+def _team_name(row: _Row) -> str:
     """Return the team of a row; `home` and `away` mean those the row names."""
-    name = row.get("team")
-    home, away = row.get("home"), row.get("away")
-    if name in (home, away) or not (home and away):
-        return name
-    if name.lower() in _HOME:
-        return home
-    return away if name.lower() in _AWAY else name
+    name, home, away = row.get("team"), row.get("home"), row.get("away")
+    if home and away and name not in (home, away):
+        return home if name.lower() in _HOME else away if name.lower() in _AWAY else name
+    return name
 
 
 def _teams(rows_: Sequence[_Row]) -> list[str]:
@@ -382,14 +358,13 @@ def _rows(text: str) -> list[_Row]:
 
 def _columns(header: Sequence[str]) -> dict[str, list[str]]:
     """Return the columns of the header by what they are; each column is one thing."""
-    names = {name: plain(name.replace("_", " ")) for name in header if name}
-    spaceless = {name: text.replace(" ", "") for name, text in names.items()}
+    names = {name: plain(name.replace("_", " ")).replace(" ", "") for name in header if name}
     columns: dict[str, list[str]] = {}
     taken: set[str] = set()
     for what, known in COLUMNS.items():
         for alias in known:
             for name, compared in names.items():
-                same = compared == alias or spaceless[name] == alias.replace(" ", "")
+                same = compared == alias.replace(" ", "")
                 if same and name not in taken and (what not in columns or what == "details"):
                     columns.setdefault(what, []).append(name)
                     taken.add(name)
@@ -448,15 +423,10 @@ def _minute(row: _Row) -> Minute:
 
 
 def _period(text: str, place: Location) -> int | None:
-    words = words_of(text)
-    words = re.sub(r" 0$", "", words)  # 1.0, as a table of numbers writes it
+    words = re.sub(r" 0$", "", words_of(text))  # 1.0, as a table of numbers writes it
     for number, known in _PERIODS.items():
         if words in known:
             return number
-    if words in _PERIODS_LONG:
-        return _PERIODS_LONG[words]
-    if words in ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"):
-        return None
     raise place.error(text, "is no period; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)")
 
 

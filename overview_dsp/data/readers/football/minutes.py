@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from overview_dsp.data.readers.football.match import SHOOT_OUT, lay_end_to_end
 from overview_dsp.data.readers.tables.table import Location
 from overview_dsp.data.timeline.times import match_minute
 from overview_dsp.errors import InputError, shown
@@ -20,10 +21,6 @@ STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
 ENDS = {1: 45, 2: 90, 3: 105, 4: 120}
 """Minute of the clock at which a period ends, without stoppage time."""
 
-SHOOT_OUT = 5
-"""The period of a shoot-out."""
-
-START_LABELS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
 MAX_ADDED = 60
@@ -134,14 +131,12 @@ class Clock:
         every = [*listed, *ends.values()]
         restarts = _restarts(every)
         if extra_time is None:
-            plain_minutes = [m.base for m in every if m.period is None]
-            plus = any(m.added is not None for m in every)
+            bases = [m.base for m in every if m.period is None]
+            longest = ENDS[2] if any(m.added is not None for m in every) else ENDS[3]
             extra_time = (
-                any(base > ENDS[3] for base in plain_minutes)
-                or (plus and any(base > ENDS[2] for base in plain_minutes))
+                any(base > longest for base in bases)
                 or any(m.added is not None and m.base in (ENDS[3], ENDS[4]) for m in every)
-                or any(m.period in (3, 4) for m in every)
-                or any(period in (3, 4) for period in ends)
+                or not {3, 4}.isdisjoint((*ends, *(m.period for m in every)))
             )
         rough = cls({}, {}, extra_time, back_s, restarts)
         lengths = {
@@ -157,11 +152,7 @@ class Clock:
             into = rough._into(minute, period) - (_MIDDLE_S if bare else 0.0)
             if into > 0.0:
                 lengths[period] = into
-        begins: dict[int, float] = {}
-        at = 0.0
-        for period in sorted(lengths):
-            begins[period] = at
-            at += lengths[period]
+        begins, _ = lay_end_to_end(lengths)
         return cls(begins, lengths, extra_time, back_s, restarts)
 
     def period_of(self, minute: Minute) -> int:
@@ -186,11 +177,6 @@ class Clock:
     def duration_s(self) -> float:
         """Length of the match, s."""
         return sum(self.lengths_s.values())
-
-    def periods(self) -> list[tuple[float, str]]:
-        """Return (time_s, label) of kick-off, each boundary once, and the end."""
-        starts = [(begin_s, START_LABELS[period]) for period, begin_s in self.begins_s.items()]
-        return [*starts, (self.duration_s, "full time")]
 
     def _into(self, minute: Minute, period: int) -> float:
         start = 0 if self.restarts else STARTS[period]

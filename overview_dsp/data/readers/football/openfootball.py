@@ -1,6 +1,6 @@
-"""openfootball JSON (football.json, worldcup.json): a competition's matches with their goals.
+"""openfootball: a competition's matches with their goals, as JSON or as plain text.
 
-::
+JSON (football.json, worldcup.json)::
 
     {"name": "World Cup 2018", "matches": [
       {"round": "Final", "date": "2018-07-15", "team1": "France", "team2": "Croatia",
@@ -14,15 +14,40 @@ older ones have `"minute": 90, "offset": 4`. All are read.
 A goal is placed in the middle of its minute: true to 30 s of the match clock. Goals in `goals1`
 count for team 1, own goals too. Halves last as `minutes.py` says. A shoot-out is left out and
 noted.
+
+Plain text (Football.TXT)::
+
+    = World Cup 2022        # in Qatar
+
+    ▪ Final
+    Sun Dec 18
+       18:00     Argentina    4-2 pen. 3-3 a.e.t. (2-2, 2-0)   France   @ Lusail Iconic Stadium
+                   (Lionel Messi 23'(pen.), 108' Ángel Di María 36';
+                    Kylian Mbappé 80' (pen.), 81', 118' (pen.))
+
+    (64) Sun Jul/15  18:00   France     4-2 (2-1)   Croatia     @ Luzhniki Stadium, Moscow (UTC+3)
+                   [Mandžukić 18' (o.g.) Griezmann 38' (pen.); Perišić 28']
+
+Scores may stand after both teams too (`France v Croatia 4-2 (2-1)`), dates in a line of their own.
+It becomes what is read from JSON; goals of one team only are those of the team that has scored. A
+file of scores alone is known for what it is, and refused.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp import validation
-from overview_dsp.data.readers.football.match import Happening, MatchEvents, choose, short_name
+from overview_dsp.data.readers.football.match import (
+    Happening,
+    choose,
+    has_entry,
+    match_timeline,
+    short_name,
+)
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
@@ -39,7 +64,29 @@ STOPPAGE_NOTE = (
 )
 
 _MIDDLE_S = 30.0
-_SNIFFED = 50
+_LONGEST = 400
+_SCORE = (
+    r"(?:(?P<pen>\d{1,2}-\d{1,2})\s*pen\.?,?\s+)?(?P<score>\d{1,2}-\d{1,2})(?P<aet>\s*a\.?e\.?t\.?)?"
+    r"(?:\s*\((?P<before>[\d\s,-]*)\))?(?:,?\s*(?P<pens>\d{1,2}-\d{1,2})\s*pen\.?)?"
+)
+_PLACE = r"(?:\s+@.*|\s{2,}\(.*)?"
+_MATCHES = (
+    re.compile(rf"(?P<one>\S.*?)\s+{_SCORE}\s+(?P<two>[^\W\d].*?|\d+\..*?){_PLACE}"),
+    re.compile(rf"(?P<one>\S.*?)\s+v\.?\s+(?P<two>\S.*?)\s+{_SCORE}{_PLACE}"),
+)
+_NUMBER = re.compile(r"\(\d{1,4}\)\s*")
+_MONTH = r"(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[a-z]*"
+_DATE = re.compile(
+    rf"\[?((?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*\.?,?\s+)?"
+    rf"(?:{_MONTH}[ /]\d{{1,2}}|\d{{1,2}}[ .]+{_MONTH})(?:,?[ /]\d{{4}})?)\]?(?:\s+|$)"
+)
+_CLOCK = re.compile(r"\d{1,2}[:.]\d{2}(?:\s+UTC[+-]\d{1,2})?\s+")
+_NO_ROUND = re.compile(r"\||@|\s-\s")  # a list of rounds, a match to come
+_NO_TEAM = re.compile(r"[:;,=|/\t]")
+_GOAL = re.compile(
+    r"(\d{1,3})\s*['’]?(?:\s*\+\s*(\d{1,2}))?\s*['’](?:\s*\(\s*(o\.?\s?g\.?|p(?:en)?\.?)\s*\))?"
+)
+
 Pair = tuple[int, int]
 
 
@@ -54,9 +101,7 @@ class _Match:
     def team(self, number: int) -> str:
         """Return a team's name, "" where missing."""
         value = self.raw.get(f"team{number}")
-        if isinstance(value, dict):
-            value = value.get("name")
-        return value.strip() if isinstance(value, str) else ""
+        return _text(value if isinstance(value, dict) else {"name": value}, "name").strip()
 
     def score(self, name: str, old: str) -> Pair | None:
         """Return a score: `score[name]`, or `score1<old>` and `score2<old>`; None where missing."""
@@ -69,14 +114,13 @@ class _Match:
             pair = [self.raw.get(f"score{number}{old}") for number in (1, 2)]
         if not isinstance(pair, list) or len(pair) != 2:
             return None
-        if any(isinstance(n, bool) or not isinstance(n, int) or not 0 <= n < 1000 for n in pair):
+        if any(type(n) is not int or not 0 <= n < 1000 for n in pair):
             return None
         return pair[0], pair[1]
 
     @property
     def date(self) -> str:
-        value = self.raw.get("date")
-        return value.strip() if isinstance(value, str) else ""
+        return _text(self.raw, "date").strip()
 
     @property
     def final(self) -> Pair | None:
@@ -96,31 +140,53 @@ def sniff(source: Source) -> bool:
     """Return whether the file is JSON whose `matches` (or `rounds`) name team1 and team2."""
     if not source.looks_like_json or '"team1"' not in source.text:
         return False
-    if not isinstance(source.json, dict):
-        return False
-    return any(
-        isinstance(raw, dict) and {"team1", "team2"} <= raw.keys()
-        for raw, _, _ in _listed(source.json, _SNIFFED)
+    document = source.json
+    return isinstance(document, dict) and has_entry(
+        (raw for raw, _, _ in _listed(document)), "team1", "team2"
     )
+
+
+def sniff_text(source: Source) -> bool:
+    """Return whether the file is text of matches with goals in minutes, or of scores alone."""
+    if source.head_text is None or source.looks_like_json:
+        return False
+    document = document_of(source.head_text)
+    return _has_goals(document) or _is_a_list_of_scores(source.head_text, document)
 
 
 def matches(source: Source) -> list[str]:
     """Return a line on each match of the file."""
-    document = source.json
+    document = _document(source)
     with validation.located(f"{source.where}: "):
-        return lines(document)
-
-
-def lines(document: object) -> list[str]:
-    """Return a line on each match of a parsed file."""
-    return [match.line for match in _matches(document)]
+        return [match.line for match in _matches(document)]
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
-    """Read one match (takes `match`); InputError names the file, the match and the goal."""
-    document = source.json  # its errors name the file themselves
+    """Read one match (takes `match`).
+
+    Raises
+    ------
+    InputError
+        Names the file, the match and the goal; a text of scores alone.
+    """
+    document = _document(source)
     with validation.located(f"{source.where}: "):
         return decode(document, options.match, source.stem)
+
+
+def _document(source: Source) -> object:
+    """Return the file as its JSON has it; errors name the file."""
+    if source.looks_like_json:
+        return source.json
+    document = document_of(source.text)
+    if not _has_goals(document) and any(sum(_final(match)) for match in document["matches"]):
+        raise InputError(
+            f"{source.where}: openfootball's text with the scores of matches, but no goal in "
+            "minutes",
+            "write the goals below their match, as in (Berg 7', 45+2' Lund 60'(pen.); Firefly "
+            "88'); a list of minutes (minute,type,player,team) is read too",
+        )
+    return document
 
 
 def decode(document: object, match: str | None = None, default_title: str = "") -> Timeline:
@@ -142,9 +208,9 @@ def decode(document: object, match: str | None = None, default_title: str = "") 
     """
     listed = _matches(document)
     chosen = listed[choose([entry.line for entry in listed], match)]
-    name = document.get("name") if isinstance(document, dict) else None
+    competition = _text(document, "name") if isinstance(document, dict) else ""
     with validation.located(f"{chosen.place}: "):
-        return _timeline(chosen, name if isinstance(name, str) else "", default_title)
+        return _timeline(chosen, competition, default_title)
 
 
 def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
@@ -164,32 +230,35 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
             clock.time_s(minute),
             "own_goal" if entry.get("owngoal") is True else "goal",
             team,
-            short_name(_name(entry)),
+            short_name(_text(entry, "name")),
             "pen" if entry.get("penalty") is True else "",
             str(minute),
             place,
         )
         for team, minute, entry, place in goals
     ]
-    notes = [STOPPAGE_NOTE]
+    notes, about = [STOPPAGE_NOTE], [competition, match.round, match.date]
     if not goals and final != (0, 0):
         notes.append("the file lists no goals of this match")
-        final_counted = None
-    else:
-        final_counted = final
+        if final is not None:
+            about.insert(0, f"final score {final[0]}-{final[1]}")
+        final = None
     shoot_out = match.score("p", "p")
+    teams = [match.team(1), match.team(2)]
     if shoot_out is not None:
         notes.append(
-            f"the shoot-out is left out: {match.team(1)} {shoot_out[0]}, "
-            f"{match.team(2)} {shoot_out[1]}"
+            f"the shoot-out is left out: {teams[0]} {shoot_out[0]}, {teams[1]} {shoot_out[1]}"
         )
-    teams = [match.team(1), match.team(2)]
-    events = MatchEvents(teams if all(teams) else [], happenings, clock.periods(), clock.duration_s)
-    about = [competition, match.round, match.date]
-    if final is not None and final_counted is None:
-        about = [f"final score {final[0]}-{final[1]}", *about]
-    return events.timeline(
-        PROVENANCE, notes, default_title=default_title, about=about, final=final_counted
+    return match_timeline(
+        teams if all(teams) else [],
+        clock.begins_s,
+        clock.duration_s,
+        happenings,
+        PROVENANCE,
+        notes,
+        default_title=default_title,
+        about=about,
+        final=final,
     )
 
 
@@ -208,11 +277,10 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
 
 
 def _minute(entry: dict[str, object], place: str) -> Minute:
-    given = entry.get("minute")
-    offset = entry.get("offset")
+    given, offset = entry.get("minute"), entry.get("offset")
     if isinstance(given, str):
         minute = parse_minute(given, f"{place}.minute")
-    elif isinstance(given, bool) or not isinstance(given, int):
+    elif type(given) is not int:
         raise InputError(
             f"{place}.minute is {shown(given)}; minutes are whole numbers, such as 38 or 90"
         )
@@ -221,16 +289,11 @@ def _minute(entry: dict[str, object], place: str) -> Minute:
     if offset is not None and offset != 0:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
-        if isinstance(offset, bool) or not isinstance(offset, int):
+        if type(offset) is not int:
             raise InputError(f"{place}.offset is {shown(offset)}, not a number of minutes")
         minute = Minute(minute.base, offset)
     check_minute(minute.base, minute.added, place)
     return minute
-
-
-def _name(entry: dict[str, object]) -> str:
-    name = entry.get("name")
-    return name if isinstance(name, str) else ""
 
 
 def _matches(document: object) -> list[_Match]:
@@ -240,24 +303,136 @@ def _matches(document: object) -> list[_Match]:
     for raw, round_name, place in _listed(document):
         if not isinstance(raw, dict):
             raise InputError(f"{place} is {shown(raw)}, not an object {{...}}")
-        own = raw.get("round")
-        found.append(_Match(raw, own if isinstance(own, str) else round_name, place))
+        found.append(_Match(raw, _text(raw, "round", round_name), place))
     return found
 
 
-def _listed(document: dict[str, object], limit: int | None = None) -> list[tuple[object, str, str]]:
-    """Return (match, name of its round, place) of all matches, or the first few."""
-    found: list[tuple[object, str, str]] = []
+def _listed(document: dict[str, object]) -> Iterator[tuple[object, str, str]]:
+    """Yield (match, name of its round, place) of all matches."""
     groups: list[tuple[object, str, str]] = [(document.get("matches"), "", "matches")]
     rounds = document.get("rounds")
     for i, entry in enumerate(rounds if isinstance(rounds, list) else []):
         if isinstance(entry, dict):
-            name = entry.get("name")
-            place = f"rounds[{i}].matches"
-            groups.append((entry.get("matches"), name if isinstance(name, str) else "", place))
+            groups.append((entry.get("matches"), _text(entry, "name"), f"rounds[{i}].matches"))
     for group, name, place in groups:
         for j, raw in enumerate(group if isinstance(group, list) else []):
-            found.append((raw, name, f"{place}[{j}]"))
-            if len(found) == limit:
-                return found
-    return found
+            yield raw, name, f"{place}[{j}]"
+
+
+def _text(table: dict[str, object], key: str, default: str = "") -> str:
+    value = table.get(key)
+    return value if isinstance(value, str) else default
+
+
+# --- plain text
+
+
+def _has_goals(document: dict[str, Any]) -> bool:
+    return any(match["goals1"] or match["goals2"] for match in document["matches"])
+
+
+def _is_a_list_of_scores(text: str, document: dict[str, Any]) -> bool:
+    """Distinguish matches under a heading or a date from other lines that hold figures."""
+    listed = document["matches"]
+    if not any(document["name"] or match["date"] for match in listed):
+        return False
+    teams = [match[key] for match in listed for key in ("team1", "team2")]
+    rest = [line for line in _lines(text) if not _is_about(line)]
+    return 2 * len(listed) >= len(rest) and not any(_NO_TEAM.search(team) for team in teams)
+
+
+def _is_about(line: str) -> bool:
+    """Return whether a line is a heading, a date alone or in brackets."""
+    dated = _DATE.match(line)
+    return line[0] in "=▪»([" or (dated is not None and dated.end() == len(line))
+
+
+def document_of(text: str) -> dict[str, Any]:
+    """Return the text as openfootball's JSON has it."""
+    title, round_name, date = "", "", ""
+    listed: list[dict[str, Any]] = []
+    for line in _lines(text):
+        if line.startswith("="):
+            title = title or line.strip("= ")
+            continue
+        if line[0] in "([" and not _NUMBER.match(line) and not _DATE.match(line):
+            if listed and not listed[-1]["goals1"] and not listed[-1]["goals2"]:
+                _add_goals(listed[-1], line[1:-1])
+            continue
+        rest = _NUMBER.sub("", line, count=1) if _NUMBER.match(line) else line
+        dated = _DATE.match(rest)
+        if dated is not None:
+            date, rest = dated[1], rest[dated.end() :]
+        match = _match(_CLOCK.sub("", rest, count=1) if _CLOCK.match(rest) else rest)
+        if match is not None:
+            listed.append(match | {"round": round_name, "date": date})
+        elif rest and dated is None and not _NO_ROUND.search(rest):
+            round_name = rest.strip("▪»*:. ")
+    return {"name": title, "matches": listed}
+
+
+def _lines(text: str) -> Iterator[str]:
+    """Lines without comments and blanks; what is in brackets over several as one."""
+    waiting = ""
+    for whole in text.splitlines():
+        line = re.sub(r"(^|\s)#.*", "", whole[:_LONGEST]).strip()
+        if waiting:
+            line = f"{waiting} {line}"
+        if not line:
+            continue
+        goals = line[0] in "([" and not _NUMBER.match(line) and not _DATE.match(line)
+        open_, closed = (sum(map(line.count, marks)) for marks in ("([", ")]"))
+        # an empty line ends what is never closed
+        waiting = line if goals and open_ > closed and whole.strip() and len(line) < 4000 else ""
+        if not waiting:
+            yield line
+
+
+def _match(line: str) -> dict[str, Any] | None:
+    found = next(filter(None, (pattern.fullmatch(line) for pattern in _MATCHES)), None)
+    if found is None:
+        return None
+    before = [_pair(part) for part in re.findall(r"\d+-\d+", found["before"] or "")]
+    score: dict[str, Any] = {"et" if found["aet"] else "ft": _pair(found["score"])}
+    score |= dict(zip(("ft", "ht") if found["aet"] else ("ht",), before, strict=False))
+    if found["pen"] or found["pens"]:
+        score["p"] = _pair(found["pen"] or found["pens"])
+    return {
+        "team1": found["one"].strip(),
+        "team2": found["two"].strip(),
+        "score": score,
+        "goals1": [],
+        "goals2": [],
+    }
+
+
+def _final(match: dict[str, Any]) -> list[int]:
+    """Return the score without a shoot-out."""
+    final: list[int] = match["score"].get("et") or match["score"]["ft"]
+    return final
+
+
+def _pair(text: str) -> list[int]:
+    return [int(number) for number in text.split("-")]
+
+
+def _add_goals(match: dict[str, Any], text: str) -> None:
+    one, semicolon, two = text.partition(";")
+    if not semicolon and _final(match)[0] == 0:
+        one, two = "", one
+    match["goals1"], match["goals2"] = _goals_in(one), _goals_in(two)
+
+
+def _goals_in(text: str) -> list[dict[str, Any]]:
+    goals: list[dict[str, Any]] = []
+    name, end = "", 0
+    for found in _GOAL.finditer(text):
+        name = text[end : found.start()].strip(" ,-") or name  # the same one has scored again
+        end = found.end()
+        goal: dict[str, Any] = {"name": name, "minute": int(found[1])}
+        if found[2]:
+            goal["offset"] = int(found[2])
+        if found[3]:
+            goal["owngoal" if found[3].startswith("o") else "penalty"] = True
+        goals.append(goal)
+    return goals

@@ -12,7 +12,9 @@ team.
 
 from __future__ import annotations
 
+import contextlib
 import io
+import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -21,8 +23,16 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.readers.events.listing import repeated_ids
-from overview_dsp.data.readers.football.match import Happening, MatchEvents, short_name, touches
-from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS
+from overview_dsp.data.readers.football.match import (
+    MAX_PERIOD_S,
+    SHOOT_OUT,
+    START_LABELS,
+    Happening,
+    Touch,
+    lay_end_to_end,
+    match_timeline,
+    short_name,
+)
 from overview_dsp.data.readers.plugins import needed
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
@@ -30,9 +40,6 @@ from overview_dsp.errors import InputError
 
 MAX_BYTES = 16 * 2**20
 """Largest file without `max_mb`: a match has up to 5 MB, and kloppy takes 20 times its size."""
-
-MAX_PERIOD_S = 7200.0
-"""Latest time in a period, s: no half lasts two hours."""
 
 LATE_START_S = (600.0, 14_400.0)
 """A period whose first event lies between has a clock that didn't restart; later, a broken one."""
@@ -47,17 +54,10 @@ _CARDS = {
 }
 _NEAR = {"SAVED": "saved", "POST": "on the post"}
 _TOUCHES = {
-    "PASS": "pass",
-    "DUEL": "duel",
-    "TAKE_ON": "take-on",
-    "CARRY": "carry",
-    "CLEARANCE": "clearance",
-    "INTERCEPTION": "interception",
-    "RECOVERY": "recovery",
-    "MISCONTROL": "miscontrol",
-    "GOALKEEPER": "goalkeeper",
-    "SHOT": "shot",
-}
+    "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
+    "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
+    "MISCONTROL": "miscontrol", "GOALKEEPER": "goalkeeper",
+}  # fmt: skip
 _OWN_GOAL_OF_DATAFACTORY = 10
 
 
@@ -96,17 +96,13 @@ def _json(*path: str | int) -> Callable[[Source], bool]:
     def claims(source: Source) -> bool:
         if not source.looks_like_json or f'"{path[0]}"' not in source.text:
             return False
-        at = source.json
-        for step in path:
-            if isinstance(step, str) and isinstance(at, dict):
-                at = at.get(step)
-            elif isinstance(step, int) and isinstance(at, list):
-                at = at[step] if len(at) > step else None
-            else:
-                return False
-            if at is None:
-                return False
-        return True
+        at: Any = source.json
+        try:
+            for step in path:
+                at = at[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+        return at is not None
 
     return claims
 
@@ -212,15 +208,14 @@ def _beside(source: Source, feed: _Feed) -> Source:
     except OSError:  # a folder that may be passed through but not listed
         paths = []
     for path in paths[:MAX_BESIDE]:
-        try:
+        with contextlib.suppress(InputError):  # some other file
             candidate = Source.open(path, source.options)
             if path != source.path and candidate.size <= MAX_BYTES and is_it(candidate):
                 found.append(candidate)
-        except InputError:  # some other file
-            continue
     if len(found) > 1:
         # of several matches in a folder: the one that is called most alike
-        shared = [len(_common(source.path.name, other.path.name)) for other in found]
+        name = source.path.name
+        shared = [len(os.path.commonprefix([name, f.path.name])) for f in found]  # noqa: RUF071
         best = [other for other, n in zip(found, shared, strict=True) if n == max(shared)]
         found = best if len(best) == 1 else found
     if len(found) != 1:
@@ -231,13 +226,6 @@ def _beside(source: Source, feed: _Feed) -> Source:
     return found[0]
 
 
-def _common(one: str, other: str) -> str:
-    same = 0
-    while same < min(len(one), len(other)) and one[same] == other[same]:
-        same += 1
-    return one[:same]
-
-
 def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
     notes = repeated_ids(_own_ids(dataset.events))
     kicks: list[bool] = []
@@ -245,14 +233,11 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
     by_period: dict[int, list[tuple[float, Any]]] = {}
     for event in dataset.events:
         time_s = event.timestamp.total_seconds()
-        if event.period.id == SHOOT_OUT:
-            if event.event_type.name == "SHOT":
-                kicks.append(_result(event) == "GOAL")
-        elif event.period.id in START_LABELS:
+        if event.period.id in START_LABELS:
             by_period.setdefault(event.period.id, []).append((time_s, event))
-    begins: dict[int, float] = {}
-    placed: list[tuple[float, Any]] = []
-    end_s = 0.0
+        elif event.period.id == SHOOT_OUT and event.event_type.name == "SHOT":
+            kicks.append(_result(event) == "GOAL")
+    lengths: dict[int, float] = {}
     for period, events in sorted(by_period.items()):
         start = min((time_s for time_s, _ in events if time_s >= 0.0), default=0.0)
         if LATE_START_S[0] < start < LATE_START_S[1]:
@@ -261,40 +246,37 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
             start = 0.0
         inside = [(t - start, e) for t, e in events if 0.0 <= t - start <= MAX_PERIOD_S]
         outside += len(events) - len(inside)
-        begins[period] = end_s
-        placed += [(end_s + time_s, event) for time_s, event in inside]
-        end_s += max((time_s for time_s, _ in inside), default=0.0)
-    if end_s <= 0.0:
-        raise InputError("no time passes in its periods; is the file complete?")
+        lengths[period] = max((time_s for time_s, _ in inside), default=0.0)
+        by_period[period] = inside
+    begins, end_s = lay_end_to_end(lengths)
     if outside:
         notes.append(f"{outside} events lie outside of their period: left out")
     if kicks:
         notes.append(f"the shoot-out is left out: {len(kicks)} kicks, {sum(kicks)} scored")
     happenings: list[Happening] = []
-    others: list[tuple[float, str, str]] = []
-    for time_s, event in placed:
-        who, team = _player(event), _team(event)
-        happened = list(_happened(event))
-        for kind, detail in happened:
-            gets = 1 - team if kind == "own_goal" and team is not None else team
-            happenings.append(
-                Happening(time_s, kind, gets, who, detail, "", f"event {event.event_id}")
-            )
-        what = _TOUCHES.get(event.event_type.name)
-        if what is not None and not happened:
-            others.append((time_s, what, who))
-    periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
-    periods.append((end_s, "full time" if len(begins) > 1 else "end"))
+    touches: list[Touch] = []
+    for period in begins:
+        for into_s, event in by_period[period]:
+            time_s, who, team = begins[period] + into_s, _player(event), _team(event)
+            found = list(_happened(event))
+            for kind, detail in found:
+                gets = 1 - team if kind == "own_goal" and team is not None else team
+                place = f"event {event.event_id}"
+                happenings.append(Happening(time_s, kind, gets, who, detail, "", place))
+            if not found and event.event_type.name in _TOUCHES:
+                touches.append((time_s, _TOUCHES[event.event_type.name], who))
     about = dataset.metadata
-    names = [team.name or f"team {team.team_id}" for team in about.teams]
-    date = about.date.date().isoformat() if isinstance(about.date, datetime) else ""
-    return MatchEvents(names, happenings, periods, end_s).timeline(
+    return match_timeline(
+        [team.name or f"team {team.team_id}" for team in about.teams],
+        begins,
+        end_s,
+        happenings,
         f"events: {feed.name}, read with kloppy",
         notes,
         default_title=default_title,
-        about=[date],
+        about=[about.date.date().isoformat()] if isinstance(about.date, datetime) else [],
         final=_score(about.score),
-        details=touches(others),
+        touches=touches,
     )
 
 
@@ -314,8 +296,10 @@ def _happened(event: Any) -> Iterator[tuple[str, str]]:
     raw = event.raw_event if isinstance(event.raw_event, Mapping) else {}
     if kind == "FOUL_COMMITTED":
         yield "foul", ""
-        for card in {"yellow_card", "red_card"} & set(_listed(raw.get("type"), "secondary")):
-            yield card, ""  # Wyscout v3
+        secondary = _table(raw.get("type")).get("secondary")
+        for card in ("yellow_card", "red_card"):  # Wyscout v3
+            if isinstance(secondary, list) and card in secondary:
+                yield card, ""
     elif kind == "CARD":
         # Wyscout v3 has it at its foul already, should kloppy give it too
         if event.card_type is not None and "primary" not in _table(raw.get("type")):
@@ -341,11 +325,6 @@ def _table(value: object) -> Mapping[str, object]:
     return value if isinstance(value, Mapping) else {}
 
 
-def _listed(value: object, key: str) -> list[str]:
-    listed = _table(value).get(key)
-    return [name for name in listed if isinstance(name, str)] if isinstance(listed, list) else []
-
-
 def _subtypes(raw: Mapping[str, object]) -> list[object]:
     """Return the names of Metrica's subtypes: of a list or of one."""
     given = raw.get("subtypes")
@@ -368,6 +347,5 @@ def _team(event: Any) -> int | None:
 
 def _score(score: Any) -> tuple[int, int] | None:
     """Return the stated score; Metrica's may be empty text."""
-    both = (getattr(score, "home", None), getattr(score, "away", None))
-    home, away = both
+    home, away = getattr(score, "home", None), getattr(score, "away", None)
     return (home, away) if isinstance(home, int) and isinstance(away, int) else None

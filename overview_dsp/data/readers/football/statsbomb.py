@@ -20,22 +20,31 @@ Kinds:
 - `foul`: each Foul Committed, one with a card too (both at the same time).
 - `period`: kick-off at 0, each boundary between periods once, the end of the match.
 
-The intensity is the crowd-excitement curve of these events (`excitement.py`); the details, felt
-when zoomed, are what the players do with the ball (`statsbomb_touches.py`).
+The details, felt when zoomed, are what the players do with the ball (`TOUCHES`).
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.readers.events.listing import repeated_ids
-from overview_dsp.data.readers.football.match import short_name, touches
+from overview_dsp.data.readers.football.match import (
+    GOALS,
+    SHOOT_OUT,
+    Happening,
+    Touch,
+    has_entry,
+    lay_end_to_end,
+    match_timeline,
+    shoot_out_note,
+    short_name,
+    team_index,
+)
 from overview_dsp.data.readers.source import LoadOptions, Source
-from overview_dsp.data.timeline.model import Event, Timeline
+from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 GOOD_CHANCE_XG = 0.10
@@ -49,24 +58,32 @@ MAX_OWN_GOALS = 1000
 
 PROVENANCE = "events: a StatsBomb open-data event file"
 
-_SAVED = frozenset({"Saved", "Saved to Post", "Saved Off Target"})
-_MISSED = frozenset({"Off T", "Wayward"})
-_OUTCOMES = _SAVED | _MISSED | {"Goal", "Post", "Blocked"}
+TOUCHES = {
+    "Ball Receipt*": "receipt", "Ball Recovery": "recovery", "Goal Keeper": "goalkeeper",
+    "50/50": "fifty-fifty", "Pass": "pass", "Carry": "carry", "Pressure": "pressure",
+    "Duel": "duel", "Dribble": "dribble", "Dribbled Past": "dribbled past", "Block": "block",
+    "Clearance": "clearance", "Interception": "interception", "Miscontrol": "miscontrol",
+    "Dispossessed": "dispossessed", "Shield": "shield", "Shot": "shot",
+}  # fmt: skip
+
+_NEAR_MISSES = {
+    **dict.fromkeys(("Saved", "Saved to Post", "Saved Off Target"), "saved"),
+    "Post": "on the post",
+    "Blocked": "blocked on the line",
+    **dict.fromkeys(("Off T", "Wayward"), "missed"),
+}
+_OUTCOMES = sorted({*_NEAR_MISSES, "Goal"})
 _CARDS = {"Yellow Card": "yellow_card", "Second Yellow": "red_card", "Red Card": "red_card"}
 _CARD_PLACES = {"Foul Committed": "foul_committed", "Bad Behaviour": "bad_behaviour"}
-_STARTS = {1: "kick-off", 2: "half-time", 3: "extra time", 4: "extra-time half-time"}
 _ENDS = {1: "half-time", 2: "full time", 3: "extra-time half-time", 4: "full time"}
-_SNIFFED = 50
+_CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
 def sniff(source: Source) -> bool:
     """Return whether the file is a JSON list with period, timestamp and type in an early entry."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
-    return any(
-        isinstance(entry, dict) and {"period", "timestamp", "type"} <= entry.keys()
-        for entry in source.json[:_SNIFFED]
-    )
+    return has_entry(source.json, "period", "timestamp", "type")
 
 
 def read(source: Source, options: LoadOptions) -> Timeline:
@@ -98,208 +115,142 @@ def decode(document: object, default_title: str = "") -> Timeline:
         (record for record in records if record.period != SHOOT_OUT),
         key=lambda record: (record.period, record.clock_us),
     )
-    return _Match(records, played).timeline(default_title)
-
-
-class _Match:
-    """The records of one match on their way to a Timeline."""
-
-    def __init__(self, records: list[Record], played: list[Record]) -> None:
-        self.records = records
-        self.played = played
-        self.notes: list[str] = []
-        self.teams = _teams(records)
-        self.score = [0, 0]
-        self.starts_us, self.end_us = self._lay_end_to_end()
-
-    def timeline(self, default_title: str) -> Timeline:
-        events = [*self._periods()]
-        own_goals = self._own_goals()
-        on_line = _blocked_on_line(self.played)
-        seen: dict[tuple[float, str, str], Record] = {}
-        event_records: set[int] = set()
-        for record in self.played:
-            happened = list(self._kinds(record, own_goals, on_line))
-            time_s = self._time_s(record) if happened else 0.0
-            event_records |= {record.position} if happened else set()
-            for kind, label in happened:
-                with validation.located(f"{record.place}: "):
-                    event = Event(time_s, kind, label)
-                key = (event.time_s, kind, label)
-                if key in seen:
-                    self.notes.append(f"{record.place} repeats {seen[key].place}: left out")
-                else:
-                    seen[key] = record
-                    events.append(event)
-        self._note_shoot_out()
-        self.notes += repeated_ids(record.id for record in self.records)
-        duration_s = self.end_us / 1e6
-        intensity, derived, notes = derive_intensity(events, duration_s)
-        return Timeline(
-            title=self._title(default_title),
-            duration_s=duration_s,
-            events=tuple(events),
-            intensity=intensity,
-            provenance="; ".join(part for part in (PROVENANCE, derived) if part),
-            notes=(*self.notes, *notes),
-            details=touches(touch_records(self.played, event_records, self._moment_s)),
-        )
-
-    def _lay_end_to_end(self) -> tuple[dict[int, int], int]:
-        """Return the start of each period played and the end of the last, us."""
-        starts: dict[int, int] = {}
-        end = 0
-        for period in sorted({record.period for record in self.played}):
-            clocks = [record.clock_us for record in self.played if record.period == period]
-            whistles = [
-                record.clock_us
-                for record in self.played
-                if record.period == period and record.kind == "Half End"
-            ]
-            if not whistles:
-                self.notes.append(
-                    f"period {period} has no 'Half End': it ends with its last event here"
-                )
-            starts[period] = end
-            end += max(whistles or clocks)
-        if end == 0:
-            raise InputError(
-                "no time passes in periods 1 to 4, so there is no match to lay out; is the file "
-                "complete?"
-            )
-        return starts, end
-
-    def _time_s(self, record: Record) -> float:
-        if self.starts_us[record.period] + record.clock_us > self._end_us(record.period):
-            self.notes.append(
+    notes: list[str] = []
+    lengths = _lengths_us(played, notes)
+    begins, end = lay_end_to_end(lengths)
+    teams = _teams(records)
+    own_goals = _own_goals(played, notes)
+    on_line = _blocked_on_line(played)
+    happenings: dict[tuple[object, ...], Happening] = {}
+    touches: list[Touch] = []
+    for record in played:
+        found = list(_kinds(record, own_goals, on_line, teams[:2]))
+        if found and record.clock_us > lengths[record.period]:
+            notes.append(
                 f"{record.place} ({record.kind}) is listed after the end of period "
                 f"{record.period}: put at its end"
             )
-        return self._moment_s(record)
+        time_s = (begins[record.period] + min(record.clock_us, lengths[record.period])) / 1e6
+        if not found and record.kind in TOUCHES:
+            touches.append((time_s, TOUCHES[record.kind], short_name(record.player)))
+        for kind, name, who, detail in found:
+            team = teams.index(name) if name else None
+            one = Happening(time_s, kind, team, who, detail, "", record.place)
+            # each goal has its own score
+            key = (time_s, kind, team, who, detail, record.position if kind in GOALS else 0)
+            first = happenings.setdefault(key, one)
+            if first is not one:
+                notes.append(f"{one.place} repeats {first.place}: left out")
+    if any(record.period == SHOOT_OUT for record in records):
+        kicks = [r for r in records if r.period == SHOOT_OUT and r.kind == "Shot"]
+        scored = [(r.team, _name(r.section("shot"), "outcome") == "Goal") for r in kicks]
+        names = {team: team for team in teams[:2]}
+        notes.append(f"the shoot-out (period 5) {shoot_out_note(scored, names)}")
+    notes += repeated_ids(record.id for record in records)
+    return match_timeline(
+        (*teams, *[""] * (2 - len(teams))),  # the score of one team is counted too
+        {period: begin / 1e6 for period, begin in begins.items()},
+        end / 1e6,
+        happenings.values(),
+        PROVENANCE,
+        notes,
+        default_title=default_title,
+        touches=touches,
+        end_label=_ENDS[max(begins)],
+    )
 
-    def _moment_s(self, record: Record) -> float:
-        time_us = self.starts_us[record.period] + record.clock_us
-        return min(time_us, self._end_us(record.period)) / 1e6
 
-    def _end_us(self, period: int) -> int:
-        following = [start for p, start in self.starts_us.items() if p > period]
-        return min([*following, self.end_us])
+def _lengths_us(played: Sequence[Record], notes: list[str]) -> dict[int, int]:
+    """Return how long each period is, us."""
+    lengths = {}
+    for period in sorted({record.period for record in played}):
+        of_it = [record for record in played if record.period == period]
+        whistles = [record for record in of_it if record.kind == "Half End"]
+        if not whistles:
+            notes.append(f"period {period} has no 'Half End': it ends with its last event here")
+        lengths[period] = max(record.clock_us for record in whistles or of_it)
+    return lengths
 
-    def _periods(self) -> Iterator[Event]:
-        for period, start_us in self.starts_us.items():
-            yield Event(start_us / 1e6, "period", _STARTS[period])
-        yield Event(self.end_us / 1e6, "period", _ENDS[max(self.starts_us)])
 
-    def _kinds(
-        self, record: Record, own_goals: dict[int, str], on_line: frozenset[int]
-    ) -> Iterator[tuple[str, str]]:
-        """Yield (kind, label) of what happens in a record, scoring goals on the way."""
-        if record.kind == "Shot":
-            outcome = record.named("shot", "outcome")
-            if outcome is None or outcome not in _OUTCOMES:
-                raise record.error(
-                    f"shot.outcome.name is {shown(outcome)}; outcomes are "
-                    f"{', '.join(sorted(_OUTCOMES))}"
-                )
-            if outcome == "Goal":
-                penalty = " (pen)" if record.named("shot", "type") == "Penalty" else ""
-                label = f"{self._scored(record, record.team)} {short_name(record.player)}".rstrip()
-                yield "goal", label + penalty
-            elif (how := _near_miss(record, outcome, on_line)) is not None:
-                spot = "penalty " if record.named("shot", "type") == "Penalty" else ""
-                yield "near_miss", ", ".join(part for part in (_who(record), spot + how) if part)
-        elif record.position in own_goals:
-            team = record.team
-            if record.kind == "Own Goal Against":  # alone: its team is the one that suffers
-                team = next((other for other in self.teams if other != record.team), "")
-            scorer = own_goals[record.position]
-            label = f"{self._scored(record, team)} own goal"
-            yield "own_goal", f"{label}, {scorer}" if scorer else label
-        elif record.kind in _CARD_PLACES:
-            if record.kind == "Foul Committed":
-                yield "foul", _who(record)
-            card = record.named(_CARD_PLACES[record.kind], "card")
-            if card is not None:
-                if card not in _CARDS:
-                    raise record.error(
-                        f"{_CARD_PLACES[record.kind]}.card.name is {shown(card)}; cards "
-                        f"are {', '.join(_CARDS)}"
-                    )
-                second = ", second yellow" if card == "Second Yellow" else ""
-                yield _CARDS[card], f"{_who(record)}{second}"
-
-    def _scored(self, record: Record, team: str) -> str:
-        if team not in self.teams:
+def _kinds(
+    record: Record, own_goals: dict[int, str], on_line: frozenset[int], teams: Sequence[str]
+) -> Iterator[tuple[str, str, str, str]]:
+    """Yield (kind, team, who, detail) of what happens in a record."""
+    who, team = short_name(record.player), record.team
+    if record.kind == "Shot":
+        outcome = record.named("shot", "outcome")
+        if outcome is None or outcome not in _OUTCOMES:
             raise record.error(
-                f"the goal's team is {shown(team)}; the match's teams are "
-                f"{' and '.join(shown(name) for name in self.teams) or 'not named'}"
+                f"shot.outcome.name is {shown(outcome)}; outcomes are {', '.join(_OUTCOMES)}"
             )
-        self.score[self.teams.index(team)] += 1
-        return f"{self.score[0]}-{self.score[1]}"
-
-    def _own_goals(self) -> dict[int, str]:
-        """Return who scored each own goal, by the position of the record that stands for it."""
-        against = [record for record in self.played if record.kind == "Own Goal Against"]
-        if len(against) > MAX_OWN_GOALS:
-            raise InputError(
-                f"{len(against)} own goals, more than the {MAX_OWN_GOALS} of any match; is it one?"
-            )
-        scorers: dict[int, str] = {}
-        for record in self.played:
-            if record.kind == "Own Goal For":
-                partner = _partner(record, against)
-                if partner is not None:
-                    against.remove(partner)
-                scorers[record.position] = short_name(partner.player) if partner else ""
-        for record in against:
-            self.notes.append(
-                f"{record.place} is an 'Own Goal Against' without its 'Own Goal For': the goal is "
-                "given to the other team"
-            )
-            scorers[record.position] = short_name(record.player)
-        return scorers
-
-    def _note_shoot_out(self) -> None:
-        kicks = [r for r in self.records if r.period == SHOOT_OUT and r.kind == "Shot"]
-        if any(record.period == SHOOT_OUT for record in self.records):
-            scored = [r.team for r in kicks if _scores(r)]
-            tally = ", ".join(f"{team} {scored.count(team)}" for team in self.teams)
-            self.notes.append(
-                f"the shoot-out (period 5) is left out: {len(kicks)} kicks; scored: {tally}"
-            )
-
-    def _title(self, default_title: str) -> str:
-        if len(self.teams) == 2:
-            return f"{self.teams[0]} {self.score[0]}-{self.score[1]} {self.teams[1]}"
-        return default_title
+        if outcome != "Goal" and not _is_near(record, outcome, on_line):
+            return
+        penalty = record.named("shot", "type") == "Penalty"
+        if outcome == "Goal":
+            team_index(team, teams, record.place, "goal's team", needed=True)
+            yield "goal", team, who, "pen" if penalty else ""
+        else:
+            yield "near_miss", team, who, ("penalty " if penalty else "") + _NEAR_MISSES[outcome]
+    elif record.position in own_goals:
+        if record.kind == "Own Goal Against":  # alone: its team is the one that suffers
+            team = next((other for other in teams if other != team), "")
+        team_index(team, teams, record.place, "goal's team", needed=True)
+        yield "own_goal", team, own_goals[record.position], ""
+    elif record.kind in _CARD_PLACES:
+        if record.kind == "Foul Committed":
+            yield "foul", team, who, ""
+        card = record.named(_CARD_PLACES[record.kind], "card")
+        if card is not None:
+            if card not in _CARDS:
+                raise record.error(
+                    f"{_CARD_PLACES[record.kind]}.card.name is {shown(card)}; cards "
+                    f"are {', '.join(_CARDS)}"
+                )
+            yield _CARDS[card], team, who, "second yellow" if card == "Second Yellow" else ""
 
 
-def _teams(records: list[Record]) -> list[str]:
-    """Return the two teams, the one of the first Starting XI first (StatsBomb's home team)."""
+def _own_goals(played: Sequence[Record], notes: list[str]) -> dict[int, str]:
+    """Return who scored each own goal, by the position of the record that stands for it."""
+    against = [record for record in played if record.kind == "Own Goal Against"]
+    if len(against) > MAX_OWN_GOALS:
+        raise InputError(
+            f"{len(against)} own goals, more than the {MAX_OWN_GOALS} of any match; is it one?"
+        )
+    scorers: dict[int, str] = {}
+    for record in played:
+        if record.kind == "Own Goal For":
+            partner = _partner(record, against)
+            if partner is not None:
+                against.remove(partner)
+            scorers[record.position] = short_name(partner.player) if partner else ""
+    for record in against:
+        notes.append(
+            f"{record.place} is an 'Own Goal Against' without its 'Own Goal For': the goal is "
+            "given to the other team"
+        )
+        scorers[record.position] = short_name(record.player)
+    return scorers
+
+
+def _teams(records: Sequence[Record]) -> list[str]:
+    """Return all teams, the one of the first Starting XI first (StatsBomb's home team)."""
     elevens = [record.team for record in records if record.kind == "Starting XI"]
     others = [record.team for record in records]
-    return list(dict.fromkeys(team for team in (*elevens, *others) if team))[:2]
+    return list(dict.fromkeys(team for team in (*elevens, *others) if team))
 
 
-def _who(record: Record) -> str:
-    name = short_name(record.player)
-    return f"{name} ({record.team})" if name and record.team else name or record.team
-
-
-def _near_miss(record: Record, outcome: str, on_line: frozenset[int]) -> str | None:
-    """Return how a shot nearly went in, None if it didn't come near (rule: module docstring)."""
-    if outcome in _SAVED:
-        return "saved"
-    if outcome == "Post":
-        return "on the post"
+def _is_near(record: Record, outcome: str, on_line: frozenset[int]) -> bool:
+    """Return whether a shot nearly went in (rule: module docstring)."""
     if outcome == "Blocked":
-        return "blocked on the line" if record.position in on_line else None
+        return record.position in on_line
+    if _NEAR_MISSES[outcome] != "missed":
+        return True
     xg = record.section("shot").get("statsbomb_xg")
     if xg is None:  # no estimate, no good chance
-        return None
+        return False
     with validation.located(f"{record.place}: "):
         chance = validation.number(xg, "shot.statsbomb_xg", "it is a probability")
-    return "missed" if chance >= GOOD_CHANCE_XG else None
+    return chance >= GOOD_CHANCE_XG
 
 
 def _blocked_on_line(records: list[Record]) -> frozenset[int]:
@@ -330,17 +281,6 @@ def _partner(own_goal_for: Record, against: list[Record]) -> Record | None:
         and abs(record.clock_us - own_goal_for.clock_us) <= OWN_GOAL_PAIR_US
     ]
     return min(near, key=lambda record: abs(record.clock_us - own_goal_for.clock_us), default=None)
-
-
-def _scores(kick: Record) -> bool:
-    outcome = kick.section("shot").get("outcome")
-    return isinstance(outcome, dict) and outcome.get("name") == "Goal"
-
-
-SHOOT_OUT = 5
-"""The period of a shoot-out; 1 and 2 are halves, 3 and 4 those of extra time."""
-
-_CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
 @dataclass(frozen=True)
@@ -375,33 +315,29 @@ class Record:
         """Check what every record needs; InputError names the record."""
         if not isinstance(raw, dict):
             raise InputError(f"event {position}: is {shown(raw)}, not an object {{...}}")
-        id_ = raw.get("id")
+        id_, period, kind = raw.get("id"), raw.get("period"), _name(raw, "type")
+        team, player = _name(raw, "team") or "", _name(raw, "player") or ""
         id_ = id_ if isinstance(id_, str) else ""
-        with validation.located(f"{_place(position, id_)}: "):
-            period = raw.get("period")
-            if isinstance(period, bool) or not isinstance(period, int):
-                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
-            if not 1 <= period <= SHOOT_OUT:
-                raise InputError(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
-            kind = _name(raw, "type")
-            if kind is None:
-                raise InputError("type.name is missing; it says what the event is, such as 'Shot'")
-            clock_us = _clock_us(raw.get("timestamp"))
-        return cls(
-            position,
-            raw,
-            id_,
-            kind,
-            _name(raw, "team") or "",
-            _name(raw, "player") or "",
-            period,
-            clock_us,
-        )
+        record = cls(position, raw, id_, kind or "", team, player, 0, 0)
+        if type(period) is not int or not 1 <= period <= SHOOT_OUT:
+            raise record.error(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
+        if kind is None:
+            raise record.error("type.name is missing; it says what the event is, such as 'Shot'")
+        written = raw.get("timestamp")
+        found = _CLOCK.fullmatch(written) if isinstance(written, str) else None
+        if found is None:
+            raise record.error(
+                f"timestamp is {shown(written)}; it is the time in the period, hh:mm:ss.sss"
+            )
+        seconds = int(found[1]) * 3600 + int(found[2]) * 60 + int(found[3])
+        clock_us = seconds * 1_000_000 + int((found[4] or "").ljust(6, "0"))
+        return replace(record, period=period, clock_us=clock_us)
 
     @property
     def place(self) -> str:
         """How an error line or a note names this record."""
-        return _place(self.position, self.id)
+        named = f" (id {shown(self.id)[1:-1]})" if self.id else ""
+        return f"event {self.position}{named}"
 
     def error(self, problem: str) -> InputError:
         """Return the error of this record."""
@@ -441,59 +377,7 @@ class Record:
         return frozenset(entry for entry in value if isinstance(entry, str))
 
 
-def _place(position: int, id_: str) -> str:
-    return f"event {position} (id {shown(id_)[1:-1]})" if id_ else f"event {position}"
-
-
 def _name(table: dict[str, object], key: str) -> str | None:
     part = table.get(key)
     name = part.get("name") if isinstance(part, dict) else None
     return name if isinstance(name, str) and name.strip() else None
-
-
-def _clock_us(value: object) -> int:
-    found = _CLOCK.fullmatch(value) if isinstance(value, str) else None
-    if found is None:
-        raise InputError(f"timestamp is {shown(value)}; it is the time in the period, hh:mm:ss.sss")
-    hours, minutes, seconds = (int(found[i]) for i in (1, 2, 3))
-    return (hours * 3600 + minutes * 60 + seconds) * 1_000_000 + int((found[4] or "").ljust(6, "0"))
-
-
-TOUCHES = {
-    "Pass": "pass",
-    "Ball Receipt*": "receipt",
-    "Carry": "carry",
-    "Pressure": "pressure",
-    "Ball Recovery": "recovery",
-    "Duel": "duel",
-    "Dribble": "dribble",
-    "Dribbled Past": "dribbled past",
-    "Clearance": "clearance",
-    "Block": "block",
-    "Interception": "interception",
-    "Goal Keeper": "goalkeeper",
-    "Miscontrol": "miscontrol",
-    "Dispossessed": "dispossessed",
-    "50/50": "fifty-fifty",
-    "Shield": "shield",
-    "Shot": "shot",
-}
-
-
-def touch_records(
-    records: Iterable[Record], happened: Collection[int], time_of: Callable[[Record], float]
-) -> Iterator[tuple[float, str, str]]:
-    """Yield (time_s, what, who) of the records that are touches or shots.
-
-    Parameters
-    ----------
-    records
-        Of the periods played.
-    happened
-        The positions of the records that are events already.
-    time_of
-        The moment of a record, s.
-    """
-    for record in records:
-        if record.kind in TOUCHES and record.position not in happened:
-            yield time_of(record), TOUCHES[record.kind], short_name(record.player)

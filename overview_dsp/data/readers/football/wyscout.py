@@ -31,21 +31,22 @@ from overview_dsp import validation
 from overview_dsp.data.readers.events.listing import repeated_ids
 from overview_dsp.data.readers.football.match import (
     GOALS,
+    MAX_PERIOD_S,
+    SHOOT_OUT,
     Happening,
-    MatchEvents,
+    Touch,
     choose,
+    has_entry,
+    lay_end_to_end,
+    match_timeline,
+    shoot_out_note,
     short_name,
-    touches,
 )
-from overview_dsp.data.readers.football.minutes import SHOOT_OUT, START_LABELS
 from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 PROVENANCE = "events: a Wyscout v2 event file"
-MAX_PERIOD_S = 7200.0
-"""Latest time in a period, s: no half lasts two hours."""
-
 SAME_GOAL_S = 10.0
 """Two tags of one team's goal within this time are one goal: no match restarts sooner."""
 
@@ -57,28 +58,13 @@ _POST = frozenset(range(1217, 1224))
 _CARDS = {1701: ("red_card", ""), 1702: ("yellow_card", ""), 1703: ("red_card", "second yellow")}
 _PERIODS = {"1H": 1, "2H": 2, "E1": 3, "E2": 4, "P": SHOOT_OUT}
 _EVENTS = {
-    "duel": 1,
-    "foul": 2,
-    "free kick": 3,
-    "goalkeeper leaving line": 4,
-    "interruption": 5,
-    "offside": 6,
-    "others on the ball": 7,
-    "pass": 8,
-    "save attempt": 9,
-    "shot": 10,
-}
+    "duel": 1, "foul": 2, "free kick": 3, "goalkeeper leaving line": 4, "interruption": 5,
+    "offside": 6, "others on the ball": 7, "pass": 8, "save attempt": 9, "shot": 10,
+}  # fmt: skip
 _TOUCHES = {
-    1: "duel",
-    3: "free kick",
-    4: "goalkeeper",
-    7: "touch",
-    8: "pass",
-    9: "save",
-    10: "shot",
-}
+    1: "duel", 3: "free kick", 4: "goalkeeper", 7: "touch", 8: "pass", 9: "save", 10: "shot",
+}  # fmt: skip
 _SUB_EVENTS = {"free kick shot": 33, "penalty": 35}
-_SNIFFED = 50
 
 
 @dataclass(frozen=True)
@@ -87,7 +73,6 @@ class _Event:
 
     place: str
     id: str
-    match: str
     period: int
     sec: float
     team: str
@@ -113,7 +98,6 @@ class _Event:
             return cls(
                 place,
                 _id(raw.get("id")),
-                _id(raw.get("matchId")),
                 _PERIODS[period],
                 sec,
                 _id(raw.get("teamId")),
@@ -128,10 +112,7 @@ def sniff(source: Source) -> bool:
     """Return whether the file is JSON with Wyscout's matchPeriod and eventSec in an early event."""
     if not source.looks_like_json or '"matchPeriod"' not in source.text:
         return False
-    return any(
-        isinstance(entry, dict) and {"matchPeriod", "eventSec"} <= entry.keys()
-        for entry in _listed(source.json)[:_SNIFFED]
-    )
+    return has_entry(_listed(source.json), "matchPeriod", "eventSec")
 
 
 def matches(source: Source) -> list[str]:
@@ -193,71 +174,60 @@ def _timeline(
     played = [event for event in events if event.period != SHOOT_OUT]
     played.sort(key=lambda event: (event.period, event.sec))
     notes = [*said, *repeated_ids([event.id for event in events])]
-    begins: dict[int, float] = {}
-    end_s = 0.0
-    for period in sorted({event.period for event in played}):
-        begins[period] = end_s
-        end_s += max(event.sec for event in played if event.period == period)
-    if end_s <= 0.0:
-        raise InputError("no time passes in periods 1H to E2; is the file complete?")
-    ids, names = _teams(document, played, companion, notes)
+    begins, end_s = lay_end_to_end({event.period: event.sec for event in played})
+    teams = _teams(document, played, companion, notes)
     players = _players(document)
     happenings: list[Happening] = []
-    others: list[tuple[float, str, str]] = []
+    touches: list[Touch] = []
     for event in played:
-        happened = _happened(event)
-        if not happened and event.event in _TOUCHES:
+        time_s, who = begins[event.period] + event.sec, players.get(event.player, "")
+        found = _happened(event)
+        if not found and event.event in _TOUCHES:
             what = "shot" if _is_attempt(event) else _TOUCHES[event.event]
-            others.append((begins[event.period] + event.sec, what, players.get(event.player, "")))
-        for kind, own, detail in happened:
-            team = _team(event, ids, needed=kind in ("goal", "own_goal"))
-            if own and team is not None:
+            touches.append((time_s, what, who))
+        for kind, detail in found:
+            team = _team(event, list(teams), needed=kind in GOALS)
+            if kind == "own_goal" and team is not None:
                 team = 1 - team
-            time_s = begins[event.period] + event.sec
-            who = players.get(event.player, "")
             happenings.append(Happening(time_s, kind, team, who, detail, "", event.place))
     happenings = _single_goals(happenings, notes)
-    kicks = [e for e in events if e.period == SHOOT_OUT and _is_attempt(e)]
-    if any(event.period == SHOOT_OUT for event in events):
-        scored = [event.team for event in kicks if _GOAL in event.tags]
-        tally = ", ".join(
-            f"{name} {scored.count(team)}" for team, name in zip(ids, names, strict=False)
-        )
-        notes.append(f"the shoot-out is left out: {len(kicks)} kicks; scored: {tally}")
-    periods = [(begin_s, START_LABELS[period]) for period, begin_s in begins.items()]
-    periods.append((end_s, "full time" if len(begins) > 1 else "end"))
-    return MatchEvents(names, happenings, periods, end_s).timeline(
+    if len(played) < len(events):
+        kicks = [e for e in events if e.period == SHOOT_OUT and _is_attempt(e)]
+        scored = [(event.team, _GOAL in event.tags) for event in kicks]
+        notes.append(f"the shoot-out {shoot_out_note(scored, teams)}")
+    return match_timeline(
+        list(teams.values()),
+        begins,
+        end_s,
+        happenings,
         PROVENANCE,
         notes,
         default_title=default_title,
         about=[companion.date] if companion else [],
         final=companion.score if companion else None,
-        details=touches(others),
+        touches=touches,
     )
 
 
-def _happened(event: _Event) -> list[tuple[str, bool, str]]:
-    """Return (kind, whether the other team gets the score, detail) of what happens in an event."""
-    found: list[tuple[str, bool, str]] = []
-    tags = event.tags
+def _happened(event: _Event) -> list[tuple[str, str]]:
+    """Return (kind, detail) of what happens in an event."""
+    found: list[tuple[str, str]] = []
+    tags, is_penalty = event.tags, event.sub_event == _PENALTY
     if event.event == _FOUL:
-        found.append(("foul", False, ""))
-    for tag, (kind, detail) in _CARDS.items():
-        # a second yellow may be tagged as a yellow and a red card too
-        if tag in tags and (tag == 1703 or 1703 not in tags):
-            found.append((kind, False, detail))
+        found.append(("foul", ""))
+    # a second yellow may be tagged as a yellow and a red card too
+    found += [_CARDS[tag] for tag in _CARDS if tag in tags and (tag == 1703 or 1703 not in tags)]
     if _OWN_GOAL in tags:
-        found.append(("own_goal", True, ""))
+        found.append(("own_goal", ""))
     elif _GOAL in tags and event.event != _SAVE:
-        found.append(("goal", False, "pen" if event.sub_event == _PENALTY else ""))
+        found.append(("goal", "pen" if is_penalty else ""))
     elif _is_attempt(event):
         if tags & _POST:
-            found.append(("near_miss", False, "on the post"))
+            found.append(("near_miss", "on the post"))
         elif _BLOCKED not in tags and (tags & _FRAME or _ACCURATE in tags):
-            penalty = "penalty " if event.sub_event == _PENALTY else ""
-            found.append(("near_miss", False, f"{penalty}saved"))
-        elif event.sub_event == _PENALTY:
-            found.append(("near_miss", False, "penalty missed"))
+            found.append(("near_miss", "penalty saved" if is_penalty else "saved"))
+        elif is_penalty:
+            found.append(("near_miss", "penalty missed"))
     return found
 
 
@@ -295,34 +265,28 @@ def _team(event: _Event, ids: Sequence[str], *, needed: bool) -> int | None:
 
 def _teams(
     document: object, played: Sequence[_Event], companion: Companion | None, notes: list[str]
-) -> tuple[list[str], list[str]]:
-    """Return ids and names of the two teams, the home team first where it is known."""
-    named = _named(document, "teams")
+) -> dict[str, str]:
+    """Return the names of the two teams by id, the home team first where it is known."""
     seen = list(dict.fromkeys(event.team for event in played if event.team))
     if companion is not None and set(companion.teams) >= set(seen):
-        ids = list(companion.teams)
-        names = [name or named.get(id_, "") for id_, name in companion.teams.items()]
+        teams = companion.teams
     else:
-        ids = seen[:2]
-        names = [named.get(id_, "") for id_ in ids]
-        if len(ids) == 2:
+        teams = dict.fromkeys(seen[:2], "")
+        if len(teams) == 2:
             notes.append(
                 "the file doesn't say who played at home (matches_*.json beside it would): the "
                 "team with the first event comes first"
             )
-    return ids, [name or f"team {id_}" for id_, name in zip(ids, names, strict=True)]
+    listed = document.get("teams") if isinstance(document, dict) else None
+    entries = listed if isinstance(listed, dict) else {}
+    return {id_: name or _name_of(entries.get(id_)) or f"team {id_}" for id_, name in teams.items()}
 
 
-def _named(document: object, key: str) -> dict[str, str]:
-    """Return the names of an object's `teams` by id; empty where there are none."""
-    table = document.get(key) if isinstance(document, dict) else None
-    found: dict[str, str] = {}
-    for id_, entry in table.items() if isinstance(table, dict) else ():
-        inner = entry.get("team", entry) if isinstance(entry, dict) else None
-        name = inner.get("name") if isinstance(inner, dict) else None
-        if isinstance(name, str) and isinstance(id_, str):
-            found[id_] = name
-    return found
+def _name_of(entry: object) -> str:
+    """Return the name in an entry of an object's `teams`, "" where there is none."""
+    inner = entry.get("team", entry) if isinstance(entry, dict) else None
+    name = inner.get("name") if isinstance(inner, dict) else None
+    return name if isinstance(name, str) else ""
 
 
 def _players(document: object) -> dict[str, str]:
@@ -356,9 +320,8 @@ def _grouped(document: object) -> dict[str, list[tuple[int, object]]]:
 
 
 def _listed(document: object) -> list[object]:
-    if isinstance(document, dict):
-        document = document.get("events")
-    return document if isinstance(document, list) else []
+    listed = document.get("events") if isinstance(document, dict) else document
+    return listed if isinstance(listed, list) else []
 
 
 def _lines(ids: Sequence[str], known: dict[str, Companion]) -> list[str]:
@@ -377,9 +340,8 @@ def _id(value: object) -> str:
 
 def _number(raw: dict[str, object], name: str, words: dict[str, int]) -> int:
     """Return the number of an event's kind: `eventId`, or `eventName` as number or words."""
-    for key in (f"{name}Id", f"{name}Name"):
-        value = raw.get(key)
-        if isinstance(value, int) and not isinstance(value, bool):
+    for value in (raw.get(f"{name}Id"), raw.get(f"{name}Name")):
+        if type(value) is int:
             return value
         if isinstance(value, str):
             if value.isascii() and value.isdigit():
@@ -391,11 +353,9 @@ def _number(raw: dict[str, object], name: str, words: dict[str, int]) -> int:
 
 def _tags(value: object) -> frozenset[int]:
     """Return the numbers of the tags; what isn't a list of them is none."""
-    numbers = [
-        entry.get("id") if isinstance(entry, dict) else entry
-        for entry in (value if isinstance(value, list) else [])
-    ]
-    return frozenset(n for n in numbers if isinstance(n, int) and not isinstance(n, bool))
+    listed = value if isinstance(value, list) else []
+    numbers = (entry.get("id") if isinstance(entry, dict) else entry for entry in listed)
+    return frozenset(n for n in numbers if type(n) is int)
 
 
 MAX_FILES = 20
@@ -432,12 +392,8 @@ class Companion:
     def line(self) -> str:
         """What a list of matches says about it."""
         result = f"{self.score[0]}-{self.score[1]}" if self.score else "-"
-        return "  ".join(part for part in (self.date, f" {result} ".join(self.names)) if part)
-
-    @property
-    def names(self) -> list[str]:
-        """Names, the numbers where there are none."""
-        return [name or f"team {id_}" for id_, name in self.teams.items()]
+        names = [name or f"team {id_}" for id_, name in self.teams.items()]
+        return "  ".join(part for part in (self.date, f" {result} ".join(names)) if part)
 
 
 def companions(
@@ -474,24 +430,20 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
     if not all(isinstance(side, dict) for side in sides.values()):
         return None
     ordered = sorted(sides, key=lambda team: sides[team].get("side") != "home")
-    label = raw.get("label")
+    label, date = raw.get("label"), raw.get("dateutc")
     # a label is a line; no pattern is tried on megabytes
     named = _LABEL.match(label[:_LABEL_CHARACTERS]) if isinstance(label, str) else None
     names = [named["home"].strip(), named["away"].strip()] if named else ["", ""]
-    goals = [_goals(sides[team]) for team in ordered]
-    date = raw.get("dateutc")
     day = date[:10] if isinstance(date, str) and re.match(r"\d{4}-\d\d-\d\d", date) else ""
-    with_names = dict(zip((str(team)[:18] for team in ordered), names, strict=True))
-    if len(with_names) != 2:
+    teams = dict(zip((str(team)[:18] for team in ordered), names, strict=True))
+    if len(teams) != 2:
         return None
-    score = (goals[0], goals[1]) if goals[0] is not None and goals[1] is not None else None
-    return shown(id_).strip("'"), Companion(with_names, score, day)
+    home, away = (_goals(sides[team]) for team in ordered)
+    score = (home, away) if home is not None and away is not None else None
+    return shown(id_).strip("'"), Companion(teams, score, day)
 
 
 def _goals(side: dict[str, object]) -> int | None:
     """Return a team's goals: `scoreET` holds those after extra time, 0 without one."""
-    regular, extra = side.get("score"), side.get("scoreET")
-    numbers = [
-        n for n in (regular, extra) if isinstance(n, int) and not isinstance(n, bool) and n >= 0
-    ]
+    numbers = [n for n in (side.get("score"), side.get("scoreET")) if type(n) is int and n >= 0]
     return max(numbers) if numbers else None
