@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from overview_dsp.cli.common import progress_bar, show
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.signals import stop_code
 from overview_dsp.errors import OverviewError
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from overview_dsp.cli.common import announce_compile, progress_bar, show
-from overview_dsp.cli.options.groups import JSON, cli_command, option, refuse_options
+from overview_dsp.cli.options.declaring import JSON, cli_command, option, refuse_options
 from overview_dsp.cli.options.output import DEVICE
 from overview_dsp.live.output.portaudio_library import device_named
 

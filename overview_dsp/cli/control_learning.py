@@ -12,7 +12,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.cli.common import show, write_text
-from overview_dsp.cli.options.groups import GENERAL, JSON, option
+from overview_dsp.cli.options.declaring import GENERAL, JSON, option
 from overview_dsp.errors import InputError
 from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.validation import located

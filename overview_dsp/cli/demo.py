@@ -6,7 +6,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.files.atomic import make_folder
 
 LISTEN = {

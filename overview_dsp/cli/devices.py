@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from overview_dsp.cli.common import print_json
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE, SET, output_changes
 from overview_dsp.errors import InputError, OverviewError
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
     from overview_dsp.cli.common import announce_compile, note, progress_bar, show
     from overview_dsp.cli.live_session import SECONDS
-    from overview_dsp.cli.options.groups import cli_command, option
+    from overview_dsp.cli.options.declaring import cli_command, option
     from overview_dsp.cli.options.server import Server, open_server, require_server
     from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
     from overview_dsp.design.gestures.model import SOURCES
@@ -65,7 +65,7 @@ _PLACES = {
     "batch.jobs_file": "KEYS JobsTable read_grid",
     "cli.common": "announce_compile note progress_bar show",
     "cli.live_session": "SECONDS",
-    "cli.options.groups": "cli_command option",
+    "cli.options.declaring": "cli_command option",
     "cli.options.server": "Server open_server require_server",
     "cli.signals": "ended_by_signals exit_if_stopped wait_for_end",
     "design.gestures.model": "SOURCES",

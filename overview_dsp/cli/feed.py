@@ -7,8 +7,8 @@ import sys
 import time
 from typing import Any
 
-from overview_dsp.cli.options.groups import cli_command, option
-from overview_dsp.cli.options.timeline import Reading, open_timeline
+from overview_dsp.cli.options.declaring import cli_command, option
+from overview_dsp.cli.options.reading import Reading, open_timeline
 from overview_dsp.errors import InputError
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, show
-from overview_dsp.cli.options.groups import JSON, cli_command, option
-from overview_dsp.cli.options.timeline import PRESET_OPTION, Reading, open_timeline, preset_for
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
+from overview_dsp.cli.options.reading import PRESET_OPTION, Reading, open_timeline, preset_for
 
 
 @cli_command("figures -o pictures", name="figures")

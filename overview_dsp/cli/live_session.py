@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from overview_dsp.cli.common import note, say
+from overview_dsp.cli.options.declaring import option
 from overview_dsp.cli.options.follow import OpenedData
-from overview_dsp.cli.options.groups import option
 from overview_dsp.cli.options.output import Output, callback_kind, output_changes
 from overview_dsp.cli.signals import ended_by_signals
 from overview_dsp.errors import InputError

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
-from overview_dsp.cli.options.groups import cli_command
+from overview_dsp.cli.options.declaring import cli_command
 from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:

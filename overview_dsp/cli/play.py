@@ -10,12 +10,12 @@ import click
 
 from overview_dsp.cli.common import note, read_gesture, say
 from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.options.declaring import cli_command, option
 from overview_dsp.cli.options.follow import Feed, opened_data
-from overview_dsp.cli.options.groups import cli_command, option
+from overview_dsp.cli.options.input import FORCE_BLOCK, Controls, parse_sources
 from overview_dsp.cli.options.output import Output
+from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
 from overview_dsp.cli.options.server import open_server, require_server, server_at
-from overview_dsp.cli.options.sources import FORCE_BLOCK, Controls, parse_sources
-from overview_dsp.cli.options.timeline import PresetChoice, Reading, Window
 from overview_dsp.cli.signals import exit_if_stopped
 
 LOOP = ",loop"

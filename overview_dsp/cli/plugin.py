@@ -10,8 +10,8 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import note, show
 from overview_dsp.cli.live_session import SEED
-from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
-from overview_dsp.cli.options.timeline import Reading, Window, open_window, preset_for
+from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option
+from overview_dsp.cli.options.reading import Reading, Window, open_window, preset_for
 from overview_dsp.errors import InputError, OverviewWarning
 
 _FORMATS = ("clap", "vst3", "lv2")

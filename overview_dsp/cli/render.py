@@ -14,9 +14,9 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
 from overview_dsp.cli.live_session import SEED
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
-from overview_dsp.cli.options.timeline import (
+from overview_dsp.cli.options.reading import (
     PresetChoice,
     Reading,
     Window,

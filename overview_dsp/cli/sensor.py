@@ -9,7 +9,7 @@ import click
 from overview_dsp.cli.common import show, write_text
 from overview_dsp.cli.control_learning import listen
 from overview_dsp.cli.devices import BAUD
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
 

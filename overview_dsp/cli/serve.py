@@ -11,11 +11,11 @@ import click
 
 from overview_dsp.cli.common import note
 from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.options.declaring import cli_command, option, refuse_options
 from overview_dsp.cli.options.follow import Feed, opened_data
-from overview_dsp.cli.options.groups import cli_command, option, refuse_options
 from overview_dsp.cli.options.output import Output
+from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
 from overview_dsp.cli.options.server import Server, ServerAddress, open_server, require_server
-from overview_dsp.cli.options.timeline import PresetChoice, Reading, Window
 from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
 from overview_dsp.errors import InputError
 

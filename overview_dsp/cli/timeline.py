@@ -9,8 +9,8 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import print_json
 from overview_dsp.cli.common import show as show_report
-from overview_dsp.cli.options.groups import JSON, cli_command, option
-from overview_dsp.cli.options.timeline import READ_KEYS, Reading, open_timeline
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
+from overview_dsp.cli.options.reading import READ_KEYS, Reading, open_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
 

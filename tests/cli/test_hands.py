@@ -13,8 +13,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from overview_dsp.cli.options.input import _parts
 from overview_dsp.cli.options.output import callback_kind
-from overview_dsp.cli.options.sources import _parts
 from overview_dsp.devices.controllers.osc_map import load_osc_map
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.output import devices, saved_settings

@@ -8,7 +8,7 @@ from overview_dsp.cli.actuators.calibrate import calibrate
 from overview_dsp.cli.actuators.sweep import sweep
 from overview_dsp.cli.common import list_profiles
 from overview_dsp.cli.common import show as show_report
-from overview_dsp.cli.options.groups import JSON, cli_command
+from overview_dsp.cli.options.declaring import JSON, cli_command
 
 
 @click.group(name="actuators", epilog="Example: overview actuators show c2")

@@ -15,7 +15,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE
 from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import SILENT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 
 SAGS_DB = 0.1
 """What protection may take off a sweep before it says so."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import overview_dsp as ov
-from overview_dsp.cli.options.groups import option, refuse_options
-from overview_dsp.cli.options.timeline import Reading, Window, open_timeline, preset_for
+from overview_dsp.cli.options.declaring import option, refuse_options
+from overview_dsp.cli.options.reading import Reading, Window, open_timeline, preset_for
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
-from overview_dsp.cli.options.groups import option, parse_pairs
+from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar
 import click
 
 from overview_dsp.cli.common import note
-from overview_dsp.cli.options.groups import option
+from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.cli.common import keep_input, show, write_text
-from overview_dsp.cli.options.groups import JSON, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder

@@ -7,7 +7,7 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import list_profiles, print_json
 from overview_dsp.cli.common import show as show_report
-from overview_dsp.cli.options.groups import JSON, argument, cli_command, option
+from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option
 from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
 

@@ -1,4 +1,4 @@
-"""Formats that other packages read: the entry-point group `overview_dsp.data.readers`.
+"""Formats that other packages read: the entry-point group `overview_dsp.readers`.
 
 What an entry point names (a module will do) has
 

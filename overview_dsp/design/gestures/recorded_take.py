@@ -13,7 +13,7 @@ name beside it holds the stamped parameter and surface changes::
                  {"sample": 96000, "timeline": {..., "window": [0.0, 2700.0]}},
                  {"sample": 144000, "pattern": {"kind": "goal", "weight": 1.0}}]}
 
-`timeline` is how one that grows has changed (`following.difference`) and which part of it is under
+`timeline` is how one that grows has changed (`feeds.difference`) and which part of it is under
 the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
 timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the preset's
 `surface.angle_map` at the take's beginning: by which map its angles were moments.

@@ -72,6 +72,11 @@ def test_a_format_of_another_package_is_read(install: Install, walk: Path) -> No
     assert list_matches(walk) == ()
 
 
+def test_the_guide_names_the_group_that_is_looked_up() -> None:
+    guide = Path(__file__).parents[3] / "docs" / "guide" / "data.md"
+    assert f'[project.entry-points."{GROUP}"]' in guide.read_text(encoding="utf-8")
+
+
 def test_options_it_does_not_take_are_refused(install: Install, walk: Path) -> None:
     install(STEPS)
     with pytest.raises(InputError, match=r"walk.txt: steps .*: value can't be given"):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import overview_dsp as ov
 from overview_dsp.cli.common import keep_input, progress_bar
-from overview_dsp.cli.options.groups import option, parse_pairs
+from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

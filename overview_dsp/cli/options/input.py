@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from overview_dsp.cli.common import read_gesture
-from overview_dsp.cli.options.groups import option
+from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
