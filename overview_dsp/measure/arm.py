@@ -395,10 +395,12 @@ def crossings(done: RenderedJob[Trace], row: int, hz: float) -> list[tuple[bool,
     the finger does so again; that is felt if a pulse of the event of -35 dBFS or more comes then.
     """
     per_ms = done.sample_rate / 1e3
-    cursor = done.trace.cursor[np.arange(0.0, len(done.trace.cursor), per_ms).astype(np.int64)]
+    course = done.trace.cursor
+    cursor = course[np.arange(0.0, len(course), per_ms).astype(np.int64)]
     level = levels(done.samples[:, 1], done.sample_rate, TOUCH_WINDOW_S, FLOOR_DB)
     start, end = done.surface.span[row]
-    on = np.flatnonzero((cursor >= start) & (cursor <= end))
+    # in milliseconds, of all samples: a disk may pass a narrow event in less than one
+    on = np.unique(np.flatnonzero((course >= start) & (course <= end)) // per_ms)
     pulses = touch_pulses(level)
     pulses = pulses[level[pulses] >= SCRUB_DB]
     if len(on):

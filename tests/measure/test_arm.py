@@ -254,3 +254,17 @@ def test_crossings_are_felt_where_a_pulse_of_the_event_comes():
     bare = plain_preset(disk__k2=0.1, surface__friction=1e-3, disk__inertia=2e-6)
     (done,) = ov.render_many([ov.RenderJob(timeline_of(50.0), bare, gesture)], RATE, trace=True)
     assert crossings(done, 0, 1.0) == [(True, False)] * 9
+
+
+def test_a_crossing_of_less_than_a_millisecond_is_felt():
+    narrow = preset_with(
+        height=60.0, width=0.01, disk__k2=0.1, disk__inertia=2e-5, surface__friction=1e-4
+    )
+    gesture = ov.scrub(0.5, 0.02, 2.0)
+    (done,) = ov.render_many([ov.RenderJob(timeline_of(50.0), narrow, gesture)], RATE, trace=True)
+    start, end = done.surface.span[0]
+    on = (done.trace.cursor >= start) & (done.trace.cursor <= end)
+    lengths = np.diff(np.flatnonzero(np.diff(on)))[::2] / RATE
+    assert len(lengths) >= 18
+    assert np.median(lengths) < 1e-3
+    assert crossings(done, 0, 2.0) == [(True, True)] * 18
