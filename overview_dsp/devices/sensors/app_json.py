@@ -18,13 +18,11 @@ import re
 from typing import Any
 
 from overview_dsp.devices.sensors.labelled_lines import WITHOUT_GRAVITY
-from overview_dsp.devices.sensors.lines import LineSplitter
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGULAR_VELOCITY,
     COLUMNS,
     QUATERNION,
-    Counters,
     Reading,
 )
 
@@ -44,12 +42,7 @@ def readings_of(text: str) -> list[Reading] | str | None:
 
     Readings are by time, each acceleration with the angular velocity before it.
     """
-    try:
-        said = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(said, dict):
-        return None
+    said = _object(text)
     if isinstance(said.get("buffer"), dict):
         return _phyphox(said["buffer"])
     if isinstance(said.get("payload"), list):
@@ -57,25 +50,13 @@ def readings_of(text: str) -> list[Reading] | str | None:
     return None
 
 
-class BatchDecoder:
-    """Readings from lines, each of one or more."""
-
-    def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
-        self._counters = counters
-        self._lines = LineSplitter(counters, LONGEST)
-
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        readings: list[Reading] = []
-        for line, came in self._lines.with_bytes(data):
-            found = readings_of(line)
-            if found is None:
-                self._counters.refuse(came)
-            elif not isinstance(found, str):
-                readings += found
-        self._counters.readings += len(readings)
-        return readings
+def _object(text: str) -> dict[str, Any]:
+    """The object that a text is; empty if it is none."""
+    try:
+        said = json.loads(text)
+    except (ValueError, RecursionError):
+        return {}
+    return said if isinstance(said, dict) else {}
 
 
 def _phyphox(buffers: dict[str, Any]) -> list[Reading] | str:
@@ -147,12 +128,7 @@ _THREES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}
 
 def reading_of(line: str) -> Reading | None:
     """The reading of a line; None if it is none."""
-    try:
-        said = json.loads(line)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(said, dict):
-        return None
+    said = _object(line)
     given: dict[str, Any] = {name: value for name, value in said.items() if name in COLUMNS}
     for short, names in _THREES.items():
         if short in said:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Literal
 
 from overview_dsp.devices.sensors import app_json
 from overview_dsp.devices.sensors.app_json import reading_of
@@ -38,7 +38,7 @@ from overview_dsp.devices.sensors.reading import (
     QUATERNION,
     SKIPPED,
     Counters,
-    Reading,
+    Decoder,
 )
 from overview_dsp.devices.sensors.text_lines import cells_of, columns_of, numbers_of
 from overview_dsp.devices.sensors.text_lines import reading_of as text_reading_of
@@ -134,13 +134,6 @@ LYING = 0.3
 """Of a sensor that lies face up, the two parts of its quaternion that tilt are smaller."""
 
 
-class Decoder(Protocol):
-    """Bytes in, readings out."""
-
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-
-
 @dataclass(frozen=True)
 class DetectedFormat:
     """What a stream is: its format; its columns; of labelled lines, their round."""
@@ -153,30 +146,39 @@ class DetectedFormat:
 
     def decoder(self, counters: Counters) -> Decoder:
         """What reads such a stream."""
-        if self.format == "frames":
-            return FrameDecoder(counters)
-        if self.format == "witmotion":
-            return WitDecoder(counters, self.columns)
-        if self.format == "teapot":
-            return TeapotDecoder(counters)
-        if self.format == "app":
-            return app_json.BatchDecoder(counters)
-        if self.format == "dualsense":
-            return DualSenseDecoder(counters)
-        if self.format == "joycon":
-            return JoyConDecoder(counters)
-        if self.format == "json":
-            return LineDecoder(counters, reading_of)
-        if self.round is not None:
-            return LineDecoder(counters, LabelledReader(self.round).reading_of)
-        return LineDecoder(counters, lambda line: text_reading_of(line, self.columns))
+        return _FORMATS[self.format][1](counters, self)
 
     def __str__(self) -> str:
-        names = {"frames": "binary frames", "json": "JSON lines", "text": "lines of ",
-                 "labels": "labelled lines of ", "witmotion": "WitMotion packets of ",
-                 "teapot": "teapot packets", "app": "an app's JSON",
-                 "dualsense": "a DualSense's reports", "joycon": "a Joy-Con's reports"}  # fmt: skip
-        return names[self.format] + ",".join(self.columns)
+        return _FORMATS[self.format][0] + ",".join(self.columns)
+
+
+def _text_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
+    return LineDecoder(counters, lambda line: text_reading_of(line, stream.columns))
+
+
+def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
+    assert stream.round is not None
+    return LineDecoder(counters, LabelledReader(stream.round).reading_of)
+
+
+_FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
+    "frames": ("binary frames", lambda counters, _: FrameDecoder(counters)),
+    "json": ("JSON lines", lambda counters, _: LineDecoder(counters, reading_of)),
+    "text": ("lines of ", _text_decoder),
+    "labels": ("labelled lines of ", _label_decoder),
+    "witmotion": (
+        "WitMotion packets of ",
+        lambda counters, stream: WitDecoder(counters, stream.columns),
+    ),
+    "teapot": ("teapot packets", lambda counters, _: TeapotDecoder(counters)),
+    "app": (
+        "an app's JSON",
+        lambda counters, _: LineDecoder(counters, app_json.readings_of, app_json.LONGEST),
+    ),
+    "dualsense": ("a DualSense's reports", lambda counters, _: DualSenseDecoder(counters)),
+    "joycon": ("a Joy-Con's reports", lambda counters, _: JoyConDecoder(counters)),
+}
+"""By format: it in words, and what reads it."""
 
 
 def detect(

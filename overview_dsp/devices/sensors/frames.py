@@ -44,9 +44,16 @@ the wire is a burst in the code: a CRC the other way round sees up to 24 bits of
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 
 from overview_dsp.devices.sensors.lines import Pieces
-from overview_dsp.devices.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
+from overview_dsp.devices.sensors.reading import (
+    ACCELERATION,
+    ANGULAR_VELOCITY,
+    Counters,
+    Decoder,
+    Reading,
+)
 
 LONGEST = 253
 """Bytes of a frame here: one code block, one byte of overhead."""
@@ -160,26 +167,20 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
     return reading
 
 
-class FrameDecoder:
-    """Frames from bytes that come in any cuts."""
+class FrameDecoder(Decoder):
+    """Readings from frames."""
 
     def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
-        self._counters = counters
+        super().__init__(counters)
         self._pieces = Pieces(FRAME)
 
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        self._counters.received_bytes += len(data)
-        readings = []
+    def _decode(self, data: bytes) -> Iterator[Reading]:
         for frame, left_out, first in self._pieces.ended(data, b"\0"):
             reading = decode_frame(frame)
             if reading is not None:
-                readings.append(reading)
+                yield reading
             elif first:
                 self._counters.fragments += bool(frame)
             elif frame:
                 self._counters.refuse(frame)
                 self._counters.noise_bytes += left_out
-        self._counters.readings += len(readings)
-        return readings

@@ -5,9 +5,9 @@ What a separator ends, frames or lines, from bytes that come in any cuts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
-from overview_dsp.devices.sensors.reading import Counters, Reading
+from overview_dsp.devices.sensors.reading import Counters, Decoder, Reading
 
 
 class Pieces:
@@ -61,7 +61,6 @@ class LineSplitter:
 
     def with_bytes(self, data: bytes) -> list[tuple[str, bytes]]:
         """As `feed`, each with the bytes it came as: signs are words in a line, and longer."""
-        self._counters.received_bytes += len(data)
         lines = []
         for piece, left_out, first in self._pieces.ended(data.replace(b"\r", b"\n"), b"\n"):
             text = came = piece.strip()
@@ -79,23 +78,27 @@ class LineSplitter:
         return lines
 
 
-class LineDecoder:
+class LineDecoder(Decoder):
     """Readings from lines."""
 
-    def __init__(self, counters: Counters, reading_of: Callable[[str], Reading | None]) -> None:
-        """`reading_of` reads a line: None if it is none, empty if there is nothing in it."""
-        self._counters = counters
-        self._reading_of = reading_of
-        self._lines = LineSplitter(counters)
+    def __init__(
+        self,
+        counters: Counters,
+        read: Callable[[str], Reading | list[Reading] | str | None],
+        longest: int = LONGEST,
+    ) -> None:
+        """`read` gives the reading of a line, or several: None if it is none, empty or a text if
+        there is nothing of use in it."""
+        super().__init__(counters)
+        self._read = read
+        self._lines = LineSplitter(counters, longest)
 
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        readings: list[Reading] = []
+    def _decode(self, data: bytes) -> Iterator[Reading]:
         for line, came in self._lines.with_bytes(data):
-            reading = self._reading_of(line)
-            if reading is None:
+            found = self._read(line)
+            if found is None:
                 self._counters.refuse(came)
-            elif reading:
-                readings.append(reading)
-        self._counters.readings += len(readings)
-        return readings
+            elif isinstance(found, list):
+                yield from found
+            elif found and isinstance(found, Mapping):
+                yield found

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import math
 import struct
-from abc import ABC, abstractmethod
+from abc import abstractmethod
+from collections.abc import Iterator
 
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
@@ -22,6 +23,7 @@ from overview_dsp.devices.sensors.reading import (
     ANGULAR_VELOCITY,
     QUATERNION,
     Counters,
+    Decoder,
     Reading,
 )
 
@@ -81,11 +83,11 @@ def as_wit_packets(notification: bytes) -> bytes:
     return b"".join(packets)
 
 
-class _Packets(ABC):
-    """Finds packets of fixed length by their first byte, in bytes that come in any cuts."""
+class _PacketDecoder(Decoder):
+    """Readings from packets of fixed length, found by their first byte."""
 
     def __init__(self, counters: Counters, first: bytes, length: int) -> None:
-        self._counters = counters
+        super().__init__(counters)
         self._first, self._length = first, length
         self._pending = bytearray()
         self._found = False
@@ -98,12 +100,9 @@ class _Packets(ABC):
     def _joined(self, reading: Reading) -> Reading | None:
         """The reading that a packet completes, if it does."""
 
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        self._counters.received_bytes += len(data)
+    def _decode(self, data: bytes) -> Iterator[Reading]:
         pending = self._pending
         pending += data
-        readings: list[Reading] = []
         noise = bytearray()
         at = 0
         while len(pending) - at >= self._length:
@@ -119,11 +118,9 @@ class _Packets(ABC):
             at += self._length
             joined = self._joined(read)
             if joined:
-                readings.append(joined)
+                yield joined
         self._give_up(noise)
         del pending[:at]
-        self._counters.readings += len(readings)
-        return readings
 
     def _give_up(self, noise: bytearray) -> None:
         if noise and self._found:
@@ -134,7 +131,7 @@ class _Packets(ABC):
         self._found = True
 
 
-class WitDecoder(_Packets):
+class WitDecoder(_PacketDecoder):
     """One reading of each round of packets, at the one that completes it."""
 
     def __init__(self, counters: Counters, columns: tuple[str, ...]) -> None:
@@ -157,11 +154,10 @@ class WitDecoder(_Packets):
         return joined
 
 
-class TeapotDecoder(_Packets):
+class TeapotDecoder(_PacketDecoder):
     """Quaternions, numbered."""
 
     def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
         super().__init__(counters, b"$", TEAPOT)
         self._number = 0
 

@@ -23,11 +23,17 @@ from __future__ import annotations
 
 import struct
 import zlib
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.devices.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters, Reading
+from overview_dsp.devices.sensors.reading import (
+    ACCELERATION,
+    ANGULAR_VELOCITY,
+    Counters,
+    Decoder,
+    Reading,
+)
 
 USB, BLUETOOTH, TRUE_UNITS, FULL = 0x01, 0x31, 0x05, 0x30
 """Ids of reports: DualSense by wire and by radio, its own units, Joy-Con."""
@@ -38,7 +44,8 @@ JOYCON_LEAST = 49
 
 _SIXTEEN = 1.0 / 32768.0
 _DUALSENSE_G, _DUALSENSE_DEG_S = 4.0 * _SIXTEEN, 2048.0 * _SIXTEEN
-_JOYCON_G, _JOYCON_DEG_S = 8.0 * _SIXTEEN, 2000.0 * _SIXTEEN
+_JOYCON_COLUMNS = ACCELERATION + ANGULAR_VELOCITY
+_JOYCON_UNITS = (8.0 * _SIXTEEN,) * 3 + (2000.0 * _SIXTEEN,) * 3
 _TICKS_A_SECOND = 3e6
 _NEAR = 0.5
 """A pad's own unit is that of its kind to this, or is no unit."""
@@ -101,20 +108,16 @@ def dualsense_motion(report: bytes) -> tuple[int, int, tuple[int, ...], tuple[in
     return report[at + 6], clock, tuple(numbers[:3]), tuple(numbers[3:])
 
 
-class _Reports(ABC):
-    """Reports behind their lengths, in bytes that come in any cuts."""
+class _ReportDecoder(Decoder):
+    """Readings from reports behind their lengths."""
 
     def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
-        self._counters = counters
+        super().__init__(counters)
         self._pending = bytearray()
 
-    def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
-        self._counters.received_bytes += len(data)
+    def _decode(self, data: bytes) -> Iterator[Reading]:
         pending = self._pending
         pending += data
-        readings: list[Reading] = []
         while pending and len(pending) > pending[0]:
             report = bytes(pending[1 : 1 + pending[0]])
             del pending[: 1 + pending[0]]
@@ -122,20 +125,17 @@ class _Reports(ABC):
             if found is None:
                 self._counters.refuse(report)
             else:
-                readings += found
-        self._counters.readings += len(readings)
-        return readings
+                yield from found
 
     @abstractmethod
     def _read(self, report: bytes) -> list[Reading] | None:
         """The readings of one report; None for one that can't be read."""
 
 
-class DualSenseDecoder(_Reports):
+class DualSenseDecoder(_ReportDecoder):
     """Readings in g, deg/s and the pad's own seconds, numbered."""
 
     def __init__(self, counters: Counters) -> None:
-        """What is wrong is counted in `counters`."""
         super().__init__(counters)
         self._units = PadUnits()
         self._number = 0
@@ -162,21 +162,17 @@ class DualSenseDecoder(_Reports):
         return [reading]
 
 
-class JoyConDecoder(_Reports):
+class JoyConDecoder(_ReportDecoder):
     """Readings in g and deg/s, three of a report."""
 
     def _read(self, report: bytes) -> list[Reading] | None:
         if len(report) < JOYCON_LEAST or report[0] != FULL:
             return None
-        readings = []
-        for at in range(13, 13 + 3 * _SAMPLE.size, _SAMPLE.size):
-            numbers = _SAMPLE.unpack_from(report, at)
-            pulled = (number * _JOYCON_G for number in numbers[:3])
-            turning = (number * _JOYCON_DEG_S for number in numbers[3:])
-            readings.append(
-                {
-                    **dict(zip(ACCELERATION, pulled, strict=True)),
-                    **dict(zip(ANGULAR_VELOCITY, turning, strict=True)),
-                }
-            )
-        return list(readings)
+        samples = _SAMPLE.iter_unpack(report[13 : 13 + 3 * _SAMPLE.size])
+        return [
+            {
+                name: number * unit
+                for name, number, unit in zip(_JOYCON_COLUMNS, numbers, _JOYCON_UNITS, strict=True)
+            }
+            for numbers in samples
+        ]

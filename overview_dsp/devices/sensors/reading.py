@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 COLUMNS: Mapping[str, str] = {
@@ -90,3 +91,22 @@ class Counters:
         """Count a piece that is no reading."""
         self.damaged += 1
         self.noise_bytes += len(piece)
+
+
+class Decoder(ABC):
+    """Readings from bytes that come in any cuts."""
+
+    def __init__(self, counters: Counters) -> None:
+        """What comes, and what is wrong with it, is counted in `counters`."""
+        self._counters = counters
+
+    def feed(self, data: bytes) -> list[Reading]:
+        """The readings that these bytes complete."""
+        self._counters.received_bytes += len(data)
+        readings = list(self._decode(data))
+        self._counters.readings += len(readings)
+        return readings
+
+    @abstractmethod
+    def _decode(self, data: bytes) -> Iterable[Reading]:
+        """As `feed`, which counts."""

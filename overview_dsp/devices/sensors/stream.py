@@ -9,9 +9,9 @@ from collections.abc import Iterable
 
 from overview_dsp.devices.sensors.app_json import LONGEST
 from overview_dsp.devices.sensors.clock import ArrivalClock, StampClock
-from overview_dsp.devices.sensors.decoders import Decoder, DetectedFormat, detect, detect_columns
+from overview_dsp.devices.sensors.decoders import DetectedFormat, detect, detect_columns
 from overview_dsp.devices.sensors.profile import DETECT, MOTOR_COLUMNS, Sensor
-from overview_dsp.devices.sensors.reading import STAMPS, Counters, Reading
+from overview_dsp.devices.sensors.reading import STAMPS, Counters, Decoder, Reading
 
 MODULO = 1 << 16
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.app_json import BatchDecoder, readings_of
+from overview_dsp.devices.sensors.app_json import readings_of
+from overview_dsp.devices.sensors.decoders import DetectedFormat
 from overview_dsp.devices.sensors.labelled_lines import LabelledReader, Round, learned, round_of
 from overview_dsp.devices.sensors.lines import LineDecoder
 from overview_dsp.devices.sensors.packets import (
@@ -218,7 +219,7 @@ def test_any_json_gives_finite_readings_or_none(said, key):
 def test_harmed_batches_are_finite_and_the_same_however_split(harms, where, phone):
     make = (lambda s: logger(s, ("gyroscope", "totalacceleration"))) if phone else phyphox
     data = harm(b"\n" + b"".join(map(make, STATES[1:8])), harms)
-    got, _ = decoded(BatchDecoder, data, where)
-    assert got == decoded(BatchDecoder, data, [])[0]
+    got, _ = decoded(DetectedFormat("app").decoder, data, where)
+    assert got == decoded(DetectedFormat("app").decoder, data, [])[0]
     assert finite(got)
     assert harms or len(got) == (14 if phone else 7)
