@@ -13,7 +13,7 @@ from overview_dsp.cli.options.declaring import cli_command
 from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
-    from overview_dsp.devices.controllers.midi_map import Control
+    from overview_dsp.devices.controllers.control_map import Control
 
 
 @click.group(name="midi", epilog="Example: overview midi learn nano theta2 -o nano.toml")
@@ -30,8 +30,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     is added to the list, or takes the place of what did the same. A knob without ends is known by
     its steps.
     """
-    from overview_dsp.devices.controllers.midi_learn import Learner
-    from overview_dsp.devices.controllers.midi_map import (
+    from overview_dsp.devices.controllers.control_map import (
         KEYS,
         TAPS,
         THETA2,
@@ -41,6 +40,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
         parse_map,
         write_map,
     )
+    from overview_dsp.devices.controllers.learning import Learner
     from overview_dsp.live.ports.midi import MidiPort
 
     require_target(target, (THETA2, TOUCH, TAPS))

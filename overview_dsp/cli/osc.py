@@ -13,7 +13,7 @@ from overview_dsp.cli.options.declaring import cli_command
 from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
-    from overview_dsp.devices.controllers.osc_map import OscControl
+    from overview_dsp.devices.controllers.control_map import OscControl
 
 
 @click.group(name="osc", epilog="Example: overview osc learn 0.0.0.0:9000 theta2 -o tablet.toml")
@@ -29,22 +29,21 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     is itself turned in the hand) or a parameter's id (`overview presets docs`). The control that is
     moved is added to the list, or takes the place of what did the same.
     """
-    from overview_dsp.devices.controllers.midi_map import THETA2, TOUCH
-    from overview_dsp.devices.controllers.osc_learn import DEVICE, OscLearner
-    from overview_dsp.devices.controllers.osc_map import (
+    from overview_dsp.devices.controllers.control_map import (
         SENSED,
+        THETA2,
+        TOUCH,
         OscControl,
         load_osc_map,
         parse_osc_map,
-        write_osc_map,
+        write_map,
     )
+    from overview_dsp.devices.controllers.learning import DEVICE, OscLearner
     from overview_dsp.live.ports.osc import OscPort
 
     require_target(target, (THETA2, TOUCH, DEVICE))
     to = "acceleration" if target == DEVICE else target
-    parse_osc_map(
-        write_osc_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target
-    )
+    parse_osc_map(write_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target)
     require_writable(learning.output)
     controls = load_osc_map(learning.output) if Path(learning.output).exists() else ()
     learner = OscLearner(target)
@@ -68,4 +67,4 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     words = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
-    save_learned(learning, write_osc_map((*kept, found)), report, words)
+    save_learned(learning, write_map((*kept, found)), report, words)

@@ -15,7 +15,7 @@ import pytest
 
 from overview_dsp.cli.options.input import _parts
 from overview_dsp.cli.options.output import callback_kind
-from overview_dsp.devices.controllers.osc_map import load_osc_map
+from overview_dsp.devices.controllers.control_map import load_osc_map
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.output import devices, saved_settings
 from overview_dsp.live.ports import midi, pads

@@ -12,7 +12,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.devices.controllers.midi_map import Control
+from overview_dsp.devices.controllers.control_map import Control
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.live.inputs.controllers import ControllerInput

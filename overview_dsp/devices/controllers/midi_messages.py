@@ -9,6 +9,7 @@ on at its position on the timeline until it is let go.
 
 from __future__ import annotations
 
+from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 from overview_dsp.devices.controllers.control_messages import (
     Counters,
     Dialled,
@@ -19,7 +20,6 @@ from overview_dsp.devices.controllers.control_messages import (
     Touched,
     theta2_at,
 )
-from overview_dsp.devices.controllers.midi_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 
 FINE = 32
 """A control change below this has its lower 7 bits so many numbers above."""

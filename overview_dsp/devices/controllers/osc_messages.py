@@ -9,7 +9,7 @@
 /overview/preset football    change to a preset by its name; 1 or 2: to one of two
 /overview/window 0 2700      show a part of the timeline, s
 
-Other addresses are those of a list (`osc_map`), or nothing.
+Other addresses are those of a list (`control_map`), or nothing.
 
 A device in the hand whose app says how it lies, message by message, as a control that turns.
 
@@ -23,6 +23,13 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from overview_dsp.devices.controllers.control_map import (
+    SENSED,
+    THETA2,
+    TOUCH,
+    OscControl,
+    sensor_of,
+)
 from overview_dsp.devices.controllers.control_messages import (
     Asked,
     Command,
@@ -33,8 +40,6 @@ from overview_dsp.devices.controllers.control_messages import (
     Turned,
     theta2_at,
 )
-from overview_dsp.devices.controllers.midi_map import THETA2, TOUCH
-from overview_dsp.devices.controllers.osc_map import SENSED, OscControl, sensor_of
 from overview_dsp.devices.sensors.angles import Angle, angle_of
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters

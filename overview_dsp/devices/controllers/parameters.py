@@ -9,8 +9,8 @@ from dataclasses import replace
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, PARAMETERS
+from overview_dsp.devices.controllers.control_map import TAPS, THETA2, TOUCH, Control
 from overview_dsp.devices.controllers.control_messages import Dialled, Nudged
-from overview_dsp.devices.controllers.midi_map import TAPS, THETA2, TOUCH, Control
 from overview_dsp.errors import InputError, did_you_mean
 
 NEAR = 1.0 / 64.0

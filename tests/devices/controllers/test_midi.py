@@ -13,15 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.controllers.control_messages import (
-    Dialled,
-    LetGo,
-    Nudged,
-    Touched,
-    Turned,
-)
-from overview_dsp.devices.controllers.midi_learn import Learner
-from overview_dsp.devices.controllers.midi_map import (
+from overview_dsp.devices.controllers.control_map import (
     DEFAULT,
     TAPS,
     TOUCH,
@@ -30,6 +22,14 @@ from overview_dsp.devices.controllers.midi_map import (
     parse_map,
     write_map,
 )
+from overview_dsp.devices.controllers.control_messages import (
+    Dialled,
+    LetGo,
+    Nudged,
+    Touched,
+    Turned,
+)
+from overview_dsp.devices.controllers.learning import Learner
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.live.ports.midi import MidiPort, midi_ports
 

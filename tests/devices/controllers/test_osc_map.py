@@ -10,16 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.controllers.control_messages import Dialled, LetGo, Touched, Turned
-from overview_dsp.devices.controllers.osc_learn import DEVICE, OscLearner
-from overview_dsp.devices.controllers.osc_map import (
+from overview_dsp.devices.controllers.control_map import (
     APPS,
     PHONE,
     OscControl,
     load_osc_map,
     parse_osc_map,
-    write_osc_map,
+    write_map,
 )
+from overview_dsp.devices.controllers.control_messages import Dialled, LetGo, Touched, Turned
+from overview_dsp.devices.controllers.learning import DEVICE, OscLearner
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from tests.devices.controllers.osc_bytes import message
 from tests.devices.sensors.shapes import RATE, STATES, G
@@ -164,10 +164,10 @@ def test_a_list_is_written_as_it_is_read(tmp_path):
         OscControl("/q", "quaternion", axes=PHONE, order="wxyz"),
     )
     path = tmp_path / "my.toml"
-    path.write_text(write_osc_map(controls))
+    path.write_text(write_map(controls))
     assert load_osc_map(path) == controls
     for app in APPS.values():
-        assert parse_osc_map(write_osc_map(app), "x") == app
+        assert parse_osc_map(write_map(app), "x") == app
     with pytest.raises(ov.InputError, match="gyrosc, zigsim, touchosc"):
         load_osc_map(tmp_path / "none.toml")
 
@@ -275,4 +275,4 @@ def test_what_is_learned_can_be_written(sent, to, noise):
     datagrams = [(n / 5.0, message(address, *values)) for n, (address, values) in enumerate(sent)]
     found = learned(to, [(0.0, noise), *datagrams, *((20.0 + n, noise) for n in range(3))])
     if found is not None:
-        assert parse_osc_map(write_osc_map((found,)), "x") == (found,)
+        assert parse_osc_map(write_map((found,)), "x") == (found,)

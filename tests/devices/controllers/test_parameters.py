@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.devices.controllers.control_map import Control
 from overview_dsp.devices.controllers.control_messages import Dialled
-from overview_dsp.devices.controllers.midi_map import Control
 from overview_dsp.devices.controllers.parameters import (
     PickUp,
     find_parameter,
