@@ -8,7 +8,7 @@ from typing import Any
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.design.presets.parameter import is_close_default, value_text
-from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.parameters import PARAMETERS, SECTIONS
 
 
 def character(preset: Preset) -> dict[str, float]:
@@ -76,15 +76,13 @@ def _drawn_lines(preset: Preset) -> list[str]:
 def describe(preset: Preset) -> str:
     """The preset as a page of text; a star marks what differs from the default."""
     lines = [f"{preset.name}: {preset.title}", preset.description, ""]
-    section = ""
-    for id, known in PARAMETERS.items():
-        if id.split(".")[0] != section:
-            section = id.split(".")[0]
-            lines.append(f"[{section}]")
-        value = preset.values[id]
-        star = " " if is_close_default(known, value) else "*"
-        shown = f"{value_text(value)} {known.unit}".strip()
-        lines.append(f" {star}{known.key:<18} {shown:<20} ({known.allowed}) {known.doc}")
+    for section, members in SECTIONS.items():
+        lines.append(f"[{section}]")
+        for key, known in members.items():
+            value = preset.values[known.id]
+            star = " " if is_close_default(known, value) else "*"
+            shown = f"{value_text(value)} {known.unit}".strip()
+            lines.append(f" {star}{key:<18} {shown:<20} ({known.allowed}) {known.doc}")
     facts = character(preset)
     lines += [
         "",
@@ -109,10 +107,7 @@ def describe_json(preset: Preset) -> dict[str, Any]:
         "parameters": {
             id: {
                 "value": preset.values[id],
-                "unit": known.unit,
-                "allowed": known.allowed,
-                "default": known.default,
-                "doc": known.doc,
+                **{key: getattr(known, key) for key in ("unit", "allowed", "default", "doc")},
             }
             for id, known in PARAMETERS.items()
         },

@@ -63,6 +63,9 @@ def _table(members: Any) -> str:
     return "\n".join(rows) + "\n"
 
 
+_SAID = ("id", "default", "allowed", "low", "high", "choices", "surface", "unit", "scale", "doc")
+
+
 def reference_json() -> list[dict[str, Any]]:
     """The reference as data: a dict a parameter.
 
@@ -74,18 +77,7 @@ def reference_json() -> list[dict[str, Any]]:
         (replace(known, id=f"kinds.NAME.modes.{known.id}") for known in MODE_PARAMETERS.values()),
     )
     return [
-        {
-            "id": known.id,
-            "default": known.default,
-            "allowed": known.allowed,
-            "low": known.low,
-            "high": known.high,
-            "choices": list(known.choices),
-            "surface": known.surface,
-            "unit": known.unit,
-            "scale": known.scale,
-            "doc": known.doc,
-        }
+        {key: getattr(known, key) for key in _SAID} | {"choices": list(known.choices)}
         for members in groups
         for known in members
     ]

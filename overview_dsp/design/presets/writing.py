@@ -8,8 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp import validation
-from overview_dsp.design.presets.model import TAG_SCALES, EventKind, Preset
-from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
+from overview_dsp.design.presets.model import EventKind, Preset
+from overview_dsp.design.presets.parameters import (
+    KIND_PARAMETERS,
+    MODE_PARAMETERS,
+    PARAMETERS,
+    SECTIONS,
+)
 from overview_dsp.design.presets.validation import SCHEMA
 from overview_dsp.files.atomic import whole_file
 
@@ -25,13 +30,7 @@ def preset_toml(preset: Preset) -> str:
     }
     if preset.authors:
         data["authors"] = list(preset.authors)
-    tags: dict[str, Any] = {
-        name: getattr(preset.tags, name)
-        for name in TAG_SCALES
-        if getattr(preset.tags, name) is not None
-    }
-    if preset.tags.usage:
-        tags["usage"] = list(preset.tags.usage)
+    tags = {name: tag for name, tag in vars(preset.tags).items() if tag not in (None, ())}
     if tags:
         data["tags"] = tags
     for id, known in PARAMETERS.items():
@@ -109,12 +108,12 @@ def started_from(extended: str, base: Preset, title: str) -> str:
         "",
         f"# The values are {base.name}'s: take the # away from what is to differ, headings too.",
     ]
-    section = ""
-    for id, known in PARAMETERS.items():
-        if id.split(".")[0] != section:
-            section = id.split(".")[0]
-            lines += ["", f"# [{section}]"]
-        lines.append(f"# {known.key} = {_plain(base.values[id])}  # {known.allowed}. {known.doc}")
+    for section, members in SECTIONS.items():
+        lines += ["", f"# [{section}]"]
+        lines += [
+            f"# {key} = {_plain(base.values[known.id])}  # {known.allowed}. {known.doc}"
+            for key, known in members.items()
+        ]
     for name, kind in base.kinds.items():
         lines += ["", f"# [kinds.{_key(name)}]"]
         lines += [
