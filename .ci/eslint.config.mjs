@@ -10,7 +10,7 @@ const browser = ["AbortSignal", "AudioContext", "AudioWorkletNode", "Blob", "Dev
   "AudioWorkletProcessor"];
 
 export default [
-  { ignores: ["**/jspsych/"] }, // as it was published
+  { ignores: ["**/jspsych/", "**/bundle/"] }, // as it was published; as it is made
   {
     files: ["**/*.js"],
     languageOptions: {

@@ -43,7 +43,7 @@ SERVER = {
     f"overview_dsp.{name}"
     for name in (
         *("web.app", "web.certificate", "web.connections", "web.control"),
-        *("web.data", "web.live_data", "web.media", "web.preset_link", "web.published"),
+        *("web.data", "web.live_data", "web.media", "web.published"),
         *("web.security.middleware", "web.security.request_body", "web.server"),
     )
 }

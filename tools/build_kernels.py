@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-TOOLS = ("build_wasm.py", "build_c.py", "build_objects.py", "write_layout.py")
+TOOLS = ("build_wasm.py", "build_c.py", "build_objects.py", "write_layout.py", "bundle_page.py")
 
 
 def main() -> None:

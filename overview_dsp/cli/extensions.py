@@ -54,7 +54,8 @@ if TYPE_CHECKING:
     from overview_dsp.offline.plots.saving import save_figure
     from overview_dsp.signal.surface.angle_map import AngleMap
     from overview_dsp.web.assets import START, TYPES, page_with
-    from overview_dsp.web.security.request_body import answering, json_object
+    from overview_dsp.web.messages import json_object
+    from overview_dsp.web.security.request_body import answering
     from overview_dsp.web.site_content import RATES
     from overview_dsp.web.site_data import kind_looks, window_json
     from overview_dsp.web.sound_data import patch_of, whole_bytes
@@ -78,7 +79,8 @@ _PLACES = {
     "offline.plots.saving": "save_figure",
     "signal.surface.angle_map": "AngleMap",
     "web.assets": "START TYPES page_with",
-    "web.security.request_body": "answering json_object",
+    "web.messages": "json_object",
+    "web.security.request_body": "answering",
     "web.site_content": "RATES",
     "web.site_data": "kind_looks window_json",
     "web.sound_data": "patch_of whole_bytes",

@@ -23,10 +23,11 @@ from starlette.websockets import WebSocket
 from overview_dsp.errors import InputError
 from overview_dsp.web.assets import asset, served_paths
 from overview_dsp.web.control import Session, serve_hand
+from overview_dsp.web.messages import json_object
 from overview_dsp.web.preset_data import preset_given
 from overview_dsp.web.security.auth_token import Access
 from overview_dsp.web.security.middleware import Guard, cookie_name
-from overview_dsp.web.security.request_body import answering, json_object
+from overview_dsp.web.security.request_body import answering
 
 
 def make_app(

@@ -13,7 +13,7 @@ where the update comes with it. A page that slept is told the news since the ver
 
 An update is uint32 n, n bytes of JSON ``{"version", "info", "view", "rate", "bytes"}`` (`info` what
 has changed of ``data/timeline.json``, `view` as ``data/window-0.json``), blanks up to a multiple of
-8, and a patch (`site_sound`) that makes the change to the whole's surface of that of version V,
+8, and a patch (`sound_data`) that makes the change to the whole's surface of that of version V,
 which is cut or filled up with 0 to `bytes` first. It is made once a version, however many pages
 want it, and an event's bytes are, too. Rate 0: no patch, as the host sounds.
 

@@ -1,4 +1,4 @@
-"""What comes over `/control`, a JSON object a message, checked.
+"""What pages send as JSON, checked: what comes over `/control`, a JSON object a message.
 
 From the page::
 
@@ -78,14 +78,7 @@ class Name:
 
 def decode_message(text: str) -> Events | Pong | Show | Name:
     """A message of a page; InputError, in a line, for anything else."""
-    try:
-        found = json.loads(text, parse_constant=_no_number)
-    except InputError:
-        raise
-    except (ValueError, RecursionError):
-        raise InputError("a message is a JSON object") from None
-    if not isinstance(found, dict):
-        raise InputError("a message is a JSON object")
+    found = json_object(text, "a message")
     keys = found.keys()
     if keys == {"events"}:
         return _events(found["events"])
@@ -143,5 +136,19 @@ def _number(given: Any, where: str, low: float, high: float) -> float:
     return value
 
 
-def _no_number(name: str) -> NoReturn:
-    raise InputError(f"{name} is no number of JSON's")
+def json_object(text: bytes | str, what: str = "the body") -> dict[str, Any]:
+    """Return the JSON object of a body, or of another text that errors call `what`."""
+
+    def refuse(name: str) -> NoReturn:
+        raise InputError(f"{name} is no number of JSON's")
+
+    try:
+        plain = text.decode() if isinstance(text, bytes) else text
+        found = json.loads(plain, parse_constant=refuse)
+    except InputError:
+        raise
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{what} is a JSON object")
+    return found

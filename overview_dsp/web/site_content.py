@@ -1,4 +1,4 @@
-"""The files of a timeline's page, each made when it is asked for: `site_data` and `site_sound`.
+"""The files of a timeline's page, each made when it is asked for: `site_data` and `sound_data`.
 
 A static folder holds them all; a server makes what a page asks for.
 """
@@ -15,9 +15,8 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.assets import packed
 from overview_dsp.web.site_data import site_windows, timeline_json, window_json
-from overview_dsp.web.sound_data import patch_of, whole_bytes, window_bytes
+from overview_dsp.web.sound_data import packed, patch_of, whole_bytes, window_bytes
 from overview_dsp.web.values import all_points, has_values, points_json
 
 RATES = (48_000, 44_100)

@@ -27,7 +27,7 @@
 What hasn't happened yet is drawn as a gap.
 
 Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
-resistance. A window's sound is beside it (`site_sound`).
+resistance. A window's sound is beside it (`sound_data`).
 
 The parts that a page can zoom to: each level a third as long, half overlapping.
 

@@ -9,7 +9,7 @@ keeps the surface: that will do where no parameter of the surface or of a kind d
 
 What a page sounds with: a window's bytes for one sample rate, and what differs at others.
 
-``sound/N.packed`` are `browser_memory`'s bytes, packed (`packing`), for the first rate, of the
+``sound/N.packed`` are `browser_memory`'s bytes, packed as below, for the first rate, of the
 whole's memory (N = 0) or of a change to window N (N = ``back``: to the whole again).
 ``sound/N-RATE.patch`` makes those of another rate of them, little-endian::
 
@@ -17,10 +17,19 @@ whole's memory (N = 0) or of a change to window N (N = ``back``: to the whole ag
     uint32 column (of 8 bytes), uint32 columns, the columns
 
 Only coefficients and clicks depend on the rate, not the half megabyte of friction.
+
+Packed are, by zlib's deflate, to every bit (`unpack.js`)::
+
+    uint8 order; the first byte of every column of 8, the second of every column, ...
+
+of columns that were, as int64 that wrap around, replaced `order` times by their differences to the
+column before, and then by (n << 1) ^ (n >> 63), so that small negative ones are small too. A
+friction table's neighbours are numbers of almost the same bits, on almost a straight line.
 """
 
 from __future__ import annotations
 
+import zlib
 from typing import Any
 
 import numpy as np
@@ -129,3 +138,21 @@ def patch_of(base: bytes, wanted: bytes) -> bytes:
         parts.append(np.array([first, count], "<u4").tobytes())
         parts.append(wanted[8 * first : 8 * (first + count)])
     return b"".join(parts)
+
+
+ORDERS = range(8)
+QUICK, BEST = 1, 9
+"""zlib's levels."""
+
+
+def packed(raw: bytes) -> bytes:
+    """Bytes, a multiple of 8 of them, packed."""
+    planes = [_planes(np.frombuffer(raw, "<i8"), order) for order in ORDERS]
+    return zlib.compress(min(planes, key=lambda one: len(zlib.compress(one, QUICK))), BEST)
+
+
+def _planes(columns: np.ndarray, order: int) -> bytes:
+    for _ in ORDERS[:order]:
+        columns = np.diff(columns, prepend=np.int64(0))
+    small = (columns << 1) ^ (columns >> 63)
+    return bytes([order]) + small.view(np.uint8).reshape(-1, 8).T.tobytes()

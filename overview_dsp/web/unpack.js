@@ -1,4 +1,4 @@
-// The kernel's bytes as a folder has them, unpacked: packing.py says how they were packed.
+// The kernel's bytes as a folder has them, unpacked: sound_data.py says how they were packed.
 
 /**
  * @param {ArrayBuffer} deflated

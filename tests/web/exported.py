@@ -11,6 +11,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+from overview_dsp.web.assets import WEB
+
 POLICY = "; ".join(
     [
         "default-src 'none'",
@@ -18,6 +20,9 @@ POLICY = "; ".join(
         *(f"{what}-src 'self'" for what in ("style", "img", "connect", "worker", "manifest")),
     ]
 )
+
+MODULES = "/modules"
+"""Where a test's script imports one of the page's modules, which a folder has as a bundle."""
 
 HELD = "/held.png"
 HOLDS_S = 120.0
@@ -27,6 +32,12 @@ class Handler(SimpleHTTPRequestHandler):
     def end_headers(self) -> None:
         self.send_header("Content-Security-Policy", POLICY)
         super().end_headers()
+
+    def translate_path(self, path: str) -> str:
+        folder, _, name = path.rpartition("/")
+        if folder != MODULES:
+            return super().translate_path(path)
+        return str(next(place / name for place in (WEB / "site", WEB) if (place / name).exists()))
 
     def do_GET(self) -> None:
         if self.path == HELD:  # a page that has it isn't loaded before

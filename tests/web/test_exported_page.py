@@ -18,8 +18,7 @@ import overview_dsp as ov
 from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.assets import packed
-from overview_dsp.web.sound_data import patch_of, window_bytes
+from overview_dsp.web.sound_data import packed, patch_of, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.null_sink import null_sink
@@ -203,7 +202,7 @@ def test_a_wrist_sweeps_the_whole_timeline_face_up_to_face_down(opened):
 
 def roll(page, beta, gamma):
     return page.evaluate(
-        "async ([b, g]) => (await import('./twist.js')).rollOf(b, g)", [beta, gamma]
+        "async ([b, g]) => (await import('./modules/twist.js')).rollOf(b, g)", [beta, gamma]
     )
 
 
@@ -225,7 +224,7 @@ def test_the_roll_is_the_turn_about_the_long_axis(opened, pitch):
 
 
 def test_the_start_can_be_calibrated_and_either_side_will_do(opened):
-    place = "async ([r, s]) => (await import('./twist.js')).placeOfRoll(r, s)"
+    place = "async ([r, s]) => (await import('./modules/twist.js')).placeOfRoll(r, s)"
     for start in (0.0, 0.5, -3.0):
         for turn in (0.0, 1.0, 3.0):
             for side in (1, -1):
@@ -234,8 +233,8 @@ def test_the_start_can_be_calibrated_and_either_side_will_do(opened):
 
 
 HANDS = """async (scene) => {
-    const { Hand } = await import("./hand.js");
-    const { Strokes } = await import("./strokes.js");
+    const { Hand } = await import("./modules/hand.js");
+    const { Strokes } = await import("./modules/strokes.js");
     const events = [];
     const now = performance.now.bind(performance);
     let time = 0;
@@ -478,7 +477,7 @@ def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, sp
         assert found == pytest.approx(surface.position_of(times - start), abs=1e-9)
         there = page.evaluate(
             "async (all) => {"
-            " const { secondsAt } = await import('./angle_map.js');"
+            " const { secondsAt } = await import('./modules/angle_map.js');"
             " return all.map((place) => secondsAt(overview.view, place)); }",
             even.tolist(),
         )
@@ -711,7 +710,7 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
         # as text: a list of millions of numbers takes the driver half a minute
         made = opened.evaluate(
             """async (texts) => {
-                const { patched } = await import("./data.js");
+                const { patched } = await import("./modules/data.js");
                 const bytes = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
                 const [base, patch] = texts.map((text) => bytes(text).buffer);
                 const hash = await crypto.subtle.digest("SHA-256", patched(base, patch));
@@ -723,7 +722,7 @@ def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
 
 
 UNPACK = """async (packed) => {
-    const { unpacked } = await import("./unpack.js");
+    const { unpacked } = await import("./modules/unpack.js");
     const bytes = await unpacked(Uint8Array.from(packed).buffer);
     return Array.from(new Uint8Array(bytes));
 }"""

@@ -27,7 +27,7 @@ MATCHES = [
 ]
 
 PLAY = """async (looks) => {
-    const { Motor } = await import("./vibration.js");
+    const { Motor } = await import("./modules/vibration.js");
     const calls = [];
     let now = 0;
     const motor = new Motor((pattern) => calls.push([now, [pattern].flat()]), () => []);

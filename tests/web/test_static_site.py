@@ -6,6 +6,8 @@ import contextlib
 import itertools
 import json
 import re
+import shutil
+import subprocess
 import zlib
 
 import numpy as np
@@ -18,12 +20,13 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
 from overview_dsp.web.site_data import site_windows
 from overview_dsp.web.static_site import write_site
+from tools.bundle_page import BUNDLE, MADE_OF, bundle, made_of
 
 
 def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
     own = page_files()
-    assert sum(len(content) for content in own.values()) < 180_000
-    assert sum(len(content) for content in folder_files(live=False).values()) < 155_000
+    assert sum(len(content) for content in own.values()) < 145_000
+    assert sum(len(content) for content in folder_files(live=False).values()) < 125_000
     for name, content in own.items():
         if name.endswith((".js", ".css", ".html", ".webmanifest")):
             text = content.decode()
@@ -35,6 +38,32 @@ def test_a_phone_gets_scripts_without_comments():
     for name, content in page_files().items():
         if name.endswith(".js"):
             assert not re.search(rb"(^|\s)//\s", content), name
+
+
+def test_a_phone_gets_few_scripts_whose_imports_are_there():
+    scripts = {name: file for name, file in page_files().items() if name.endswith(".js")}
+    assert len(scripts) <= 7
+    for name, content in scripts.items():
+        # "x" imported, import"x" for its effect, import("x") later
+        for needed in re.findall(rb"(?:from|import\(?)\"\./([\w.]+)\"", content):
+            assert needed.decode() in scripts, name
+    assert not re.search(rb"(?:from|import)\"\./", scripts["main.js"])
+
+
+def test_the_bundle_is_made_of_the_sources_as_they_are():
+    assert (BUNDLE / MADE_OF).read_text() == made_of()
+
+
+@pytest.mark.skipif(shutil.which("npm") is None, reason="needs npm: apt-get install npm")
+def test_the_bundle_made_anew_is_the_one_in_the_package(tmp_path):
+    try:
+        bundle(tmp_path / "bundle")
+    except subprocess.CalledProcessError as error:
+        if error.cmd[0] == "npm":
+            pytest.skip("needs a registry that npm can reach")
+        raise
+    again = {file.name: file.read_bytes() for file in (tmp_path / "bundle").iterdir()}
+    assert again == {file.name: file.read_bytes() for file in BUNDLE.iterdir()}
 
 
 def test_a_folder_is_whole_or_as_it_was(tmp_path, match, football):
@@ -52,7 +81,7 @@ def test_a_folder_is_whole_or_as_it_was(tmp_path, match, football):
 
 
 def patched(base: bytes, patch: bytes) -> bytes:
-    """Bytes with the runs of a patch, as `site_sound` says."""
+    """Bytes with the runs of a patch, as `sound_data` says."""
     replaces, runs = np.frombuffer(patch, "<u4", 2)
     assert not replaces
     made, at = bytearray(base), 8
@@ -65,7 +94,7 @@ def patched(base: bytes, patch: bytes) -> bytes:
 
 
 def unpacked(packed: bytes) -> bytes:
-    """As `packing` says, column by column."""
+    """As `sound_data` says, column by column."""
     order, *planes = zlib.decompress(packed)
     columns = np.array(planes, np.uint8).reshape(8, -1).T.copy().view("<u8").ravel()
     columns = (columns >> np.uint64(1)) ^ (np.uint64(0) - (columns & np.uint64(1)))

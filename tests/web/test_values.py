@@ -114,7 +114,9 @@ def test_highest_lowest_first_and_last_by_key_and_by_button(chromium, tmp_path):
 
 
 def test_the_highest_of_a_part_is_that_parts(chromium, tmp_path):
-    page_values = "async ([view, way]) => (await import('./values.js')).extremeOf(view, way)"
+    page_values = (
+        "async ([view, way]) => (await import('./modules/values.js')).extremeOf(view, way)"
+    )
     with page_of(
         chromium, ov.load_timeline("world-cup-final-2018"), "football", tmp_path / "s"
     ) as p:

@@ -23,6 +23,7 @@ from collections.abc import Callable, Collection, Mapping
 from http.cookies import CookieError, SimpleCookie
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.middleware.body_limit import RequestBodyLimitMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from overview_dsp.web.security.auth_token import WRONG_WITHIN_S, Access, Verdict
@@ -124,10 +125,6 @@ REFUSED = {
 }
 
 
-class _TooLargeError(Exception):
-    pass
-
-
 class Guard:
     """An ASGI application in front of another one.
 
@@ -149,7 +146,7 @@ class Guard:
         public: Collection[str],
         note: Callable[[str], None],
     ) -> None:
-        self._app = app
+        self._app = RequestBodyLimitMiddleware(app, MAX_BODY)
         self._access = access
         self._names = names
         self._public = public
@@ -176,12 +173,9 @@ class Guard:
         if refusal is not None:
             await refuse(scope, answer, *refusal)
             return
-        inner = _bounded(receive) if scope["type"] == "http" else receive
+        inner = _in_time(receive) if scope["type"] == "http" else receive
         try:
             await self._app(scope, inner, answer)
-        except _TooLargeError:
-            if not started:
-                await refuse(scope, answer, 413, f"a request holds up to {MAX_BODY:,} bytes")
         except TimeoutError:
             if not started:
                 await refuse(scope, answer, 408, f"a request arrives in {BODY_WITHIN_S:.0f} s")
@@ -255,22 +249,18 @@ def _cookie(headers: Headers, name: str) -> str | None:
     return None if found is None else found.value
 
 
-def _bounded(receive: Receive) -> Receive:
-    """`receive` for a body of bounded size that must come in time."""
-    size = 0
+def _in_time(receive: Receive) -> Receive:
+    """Return `receive` for a body that must come within `BODY_WITHIN_S`."""
     complete = False
     until = asyncio.get_running_loop().time() + BODY_WITHIN_S
 
-    async def bounded() -> Message:
-        nonlocal size, complete
+    async def in_time() -> Message:
+        nonlocal complete
         if complete:  # only waits for the end of the connection
             return await receive()
         async with asyncio.timeout_at(until):
             message = await receive()
-        size += len(message.get("body", b""))
-        if size > MAX_BODY:
-            raise _TooLargeError
         complete = not message.get("more_body", False)
         return message
 
-    return bounded
+    return in_time

@@ -1,10 +1,8 @@
-"""What a request asks for, checked: one clear line for what it isn't."""
+"""The answer to a request that takes its time: in a thread, with one clear line for bad input."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Awaitable, Callable
-from typing import Any, NoReturn
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -28,20 +26,3 @@ def answering(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
             return PlainTextResponse(f"{error}\n", 503)
 
     return endpoint
-
-
-def json_object(body: bytes) -> dict[str, Any]:
-    """The JSON object of a body."""
-
-    def refuse(name: str) -> NoReturn:
-        raise InputError(f"{name} is no number of JSON's")
-
-    try:
-        found = json.loads(body.decode(), parse_constant=refuse)
-    except InputError:
-        raise
-    except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        raise InputError("the body is a JSON object")
-    return found

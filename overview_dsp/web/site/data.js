@@ -122,7 +122,7 @@ const ends = ({ start_s, end_s }) => [start_s, end_s];
 const changed = async (asked) => (await post("sound/change", asked)).arrayBuffer();
 
 /**
- * Bytes with some columns replaced (site_sound.py says how).
+ * Bytes with some columns replaced (sound_data.py says how).
  * @param {ArrayBuffer} base
  * @param {ArrayBuffer} patch
  */

@@ -5,7 +5,12 @@ import { by } from "./dom.js";
 import { Picture } from "./picture.js";
 import { firstPart } from "./windows.js";
 
-try {
+// not awaited: what is imported later imports this file's bundle, which has to have ended
+start().catch((error) => {
+  by("fault").textContent = `The page can't begin: ${error.message}`;
+});
+
+async function start() {
   const data = await Data.open();
   const { info } = data;
   by("title").textContent = info.title;
@@ -15,6 +20,4 @@ try {
   picture.show(view);
   const { begin } = await import("./page.js");
   await begin(data, picture, view);
-} catch (error) {
-  by("fault").textContent = `The page can't begin: ${error.message}`;
 }
