@@ -253,9 +253,15 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     until(lambda: running.holder[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01))
     assert running.holder[0] == "midi"
     applied, _ = running.take_applied(before)
-    held = [2.0, *(event["theta2"] for event in applied if event["touching"])]
+    held = applied[applied["touching"]]
     assert len(held) > 20
-    assert np.abs(np.diff(held)).max() < 0.4
+    # it begins where the fader is, and goes over within twist.join_ms: half as fast again in the
+    # middle, beside what the wheel itself turns by; a busy machine's messages lie further apart
+    assert held["theta2"][0] == pytest.approx(2.0)
+    blend_s = running.preset.number("twist.join_ms") * 1e-3
+    apart_s = np.diff(held["sample"]) / running.sample_rate
+    fastest = 1.5 * 2.0 / blend_s * (apart_s + 0.01) + 0.08
+    assert (np.abs(np.diff(held["theta2"])) < np.minimum(fastest, 1.9)).all()
     # the fader that lies at 2.0 is turned again
     for theta2 in np.linspace(2.0, 3.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
