@@ -287,3 +287,10 @@ def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembe
     )
     save_settings("Pad (ALSA)", PAD)
     assert refusal() == given.replace("asked for;", f"asked for, as {path} remembers;")
+
+
+def test_any_gain_above_0_db_is_limited_at_the_ceiling():
+    memory = np.zeros(layout.TOTAL)
+    for gain_db, limited in ((0.0, 0.0), (0.5, 1.0), (6.0, 1.0)):
+        OutputSettings().changed(click={"gain_db": gain_db}).write(memory, 48_000.0)
+        assert memory[layout.L_WANTED + 2 * layout.SIGNALS] == limited

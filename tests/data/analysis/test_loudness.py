@@ -169,3 +169,12 @@ def test_channels_count_by_their_place() -> None:
     assert weights_of_mask(0x33, 4) == (1, 1, 1.41, 1.41)
     assert weights_of_mask(0x3, 6) is None
     assert layout_of(11) is None
+
+
+def test_samples_missing_in_one_channel_only_harm_nothing_else() -> None:
+    sound = np.stack([sine((-20.0, 8.0))] * 2, axis=1)
+    sound[96_000:100_000, 1] = np.nan
+    steps = measured(sound)
+    assert np.isfinite(steps.energy).all()
+    assert int(steps.count.sum()) == len(sound) - 4000
+    assert steps.integrated() == pytest.approx(-20.0, abs=0.2)

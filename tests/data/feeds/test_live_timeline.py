@@ -236,3 +236,11 @@ def test_too_many_samples_are_merged_two_by_two_and_the_loudest_stays(monkeypatc
     assert curve.last_s == 9999.0
     assert curve.value.max() == 9.0
     assert abs(curve.time_s[int(np.argmax(curve.value))] - 777.0) < 1.0
+
+
+def test_an_event_that_was_retracted_by_its_id_before_it_came_stays_away():
+    live = ov.LiveTimeline()
+    assert not live.retract("g9")
+    live.append(events=[ov.Event(786.0, "goal", "1-0")], ids=["g9"])
+    live.append(events=[ov.Event(800.0, "goal", "1-0")], ids=["g10"])
+    assert [event.time_s for event in live.snapshot().events] == [800.0]

@@ -357,3 +357,25 @@ def test_a_crowd_that_is_heard_cheers_as_the_one_that_is_read(follow, crowd_file
     assert heard.events == read.events
     assert heard.intensity == read.intensity
     assert len(read.events) >= 3
+
+
+def test_a_source_that_was_back_is_tried_again_soon_when_it_is_lost_anew(monkeypatch):
+    monkeypatch.setattr(follower_module, "AGAIN_S", (0.001, 60.0))
+
+    class Losing:
+        name, ends_within_s = "losing", 1.0
+        times = 0
+
+        def come(self):
+            self.times += 1
+            if self.times > 25:  # without a reset, the wait has grown to a minute by then
+                return
+            yield b"\n"
+            raise sources.LostError("gone")
+
+    one = Follower(ov.LiveTimeline(), Losing()).start()
+    try:
+        assert wait_until(lambda: one.over)
+    finally:
+        one.close()
+    assert one.lost == 25

@@ -228,3 +228,9 @@ def test_the_pulse_wave_is_one(data_folder: Path) -> None:
     assert timeline.provenance.startswith("pulse wave")
     assert timeline.duration_s == pytest.approx(24.83)
     assert 20 <= len(beats_of(timeline)) <= 40
+
+
+def test_a_hole_between_the_times_leaves_the_rate_as_it_is(tmp_path: Path) -> None:
+    rows = [f"{t:.3f},{v:.4f}" for t, v in zip(TIMES, LEAD, strict=True) if not 8.0 <= t < 11.0]
+    timeline = load_timeline(write(tmp_path, ["time,ecg", *rows]))
+    assert "at 250 Hz" in timeline.provenance

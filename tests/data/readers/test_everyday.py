@@ -227,3 +227,10 @@ def test_any_header_of_known_columns_gives_a_timeline_or_two_lines(
     width = max(len(names), 1)
     lines = [",".join(cells[i : i + width]) for i in range(0, len(cells), width)]
     check(tmp_path / "x", ("\n".join([",".join(names), *lines]) + "\n").encode(), {})
+
+
+def test_an_end_is_a_moment_and_a_length_counts_from_the_begin(tmp_path: Path) -> None:
+    ends = "start,end,name\n0:10,0:20,Intro\n0:50,1:10,The first verse\n"
+    assert load(tmp_path, ends).duration_s == 70.0
+    lengths = "start,duration,name\n0:10,0:10,Intro\n0:50,0:20,The first verse\n"
+    assert load(tmp_path, lengths).duration_s == 70.0

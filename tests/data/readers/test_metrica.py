@@ -163,3 +163,12 @@ def test_what_is_no_event_is_a_detail_that_is_felt_when_zoomed() -> None:
     assert [event.kind for event in without_ticks(part)] == [
         *("goal", "touch", "near_miss", "near_miss", "shot"),
     ]
+
+
+def test_a_clock_that_begins_anew_in_each_period_lays_the_third_after_the_second() -> None:
+    text = metrica(
+        "Home,PASS,,1,0,1,P", "Home,PASS,,1,2800,2801,P", "Home,PASS,,2,10,11,P",
+        "Away,PASS,,2,2700,2701,P", "Home,SHOT,ON TARGET-GOAL,3,8,9,P", "Away,PASS,,3,900,901,P",
+    )  # fmt: skip
+    assert found(text, "goal") == [(5510.0, "1-0 P")]
+    assert decode(text).duration_s == 6403.0

@@ -13,7 +13,9 @@ import overview_dsp as ov
 from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
-from overview_dsp.offline.export.clip import clip_of, felt_error
+from overview_dsp.offline.export import ahap
+from overview_dsp.offline.export.clip import Transient, clip_of, felt_error
+from overview_dsp.offline.export.haptic import with_emphasis
 from overview_dsp.offline.export.reading import course, modes, read_clip, with_layer
 from overview_dsp.offline.export.writing import export
 
@@ -359,3 +361,22 @@ def walked(node):
         node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
     ):
         yield from walked(inner)
+
+
+def test_before_its_first_point_a_curve_leaves_a_vibration_as_it_is():
+    pattern = levels_of(continuous((0.0, 1.0, 1.0), curve=(0.5, [(0.0, 0.2), (0.5, 0.2)])))
+    assert pattern[400] == 1.0
+    assert pattern[600] == pytest.approx(0.04)
+
+
+def levels_of(document):
+    level, _ = ahap.decoded(ahap.Ahap.model_validate(document))
+    return level
+
+
+def test_an_emphasis_ends_where_the_next_one_begins():
+    struck = [Transient(0.010, 0.9, 0.0, "goal"), Transient(0.020, 0.4, 1.0, "foul")]
+    level = with_emphasis(np.zeros(100), struck)
+    assert (level[10:20] == 0.9).all()
+    assert (level[20:32] == 0.4).all()
+    assert not level[32:].any()

@@ -235,3 +235,16 @@ def test_a_header_may_end_with_its_unit(header: str, unit: str, tmp_path: Path) 
     curve = load_timeline(path).intensity
     assert curve is not None
     assert curve.unit == unit
+
+
+def test_a_mistake_in_one_of_several_series_is_named_by_its_line(tmp_path: Path) -> None:
+    rows = [
+        f"2020-01-{day:02d},{name},{day * factor}"
+        for day in range(1, 8)
+        for name, factor in (("AAA", 1), ("BBB", 10))
+    ]
+    rows[11] = "2020-01-06,BBB,oops"
+    text = "\n".join(["date,symbol,price", *rows, ""])
+    words = refusal(lambda: load(tmp_path, text, match="BBB"))
+    assert "line 13" in words
+    assert "'oops' isn't a number" in words

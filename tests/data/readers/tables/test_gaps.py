@@ -144,3 +144,10 @@ def test_no_time_at_all_for_a_row_without_a_value_is_no_row(tmp_path: Path) -> N
     text = series([(day, i) for i, day in enumerate(days(5))]) + ",\n,\n"
     timeline = load(tmp_path, text)
     assert times(timeline) == [i * DAY for i in range(5)]
+
+
+def test_a_value_of_99_below_zero_among_wide_ones_is_no_loggers_mark(tmp_path: Path) -> None:
+    rows = [(day, -99 if i == 4 else 10 * i - 40) for i, day in enumerate(days(9))]
+    timeline = load(tmp_path, series(rows))
+    assert timeline.gaps == ()
+    assert min(values(timeline)) == -99.0
