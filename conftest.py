@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytest_plugins = ["tests.web.browser_fixtures"]
+
 STUDIES = Path(__file__).parent / "studies" / "tests"
 
 

@@ -1,18 +1,9 @@
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import pytest
 
 from overview_dsp.web.static_site import write_site
-from tests.web.browser import launched, opened_chromium, opened_driver, opened_firefox
-
-
-@pytest.fixture(scope="session")
-def driver():
-    with opened_driver() as one:
-        yield one
+from tests.web.browser import opened_chromium, opened_firefox
 
 
 @pytest.fixture(scope="session")
@@ -23,24 +14,9 @@ def browser(driver):
 
 
 @pytest.fixture(scope="session")
-def chromium(driver):
-    """A browser as people have it: a page sounds only after a touch."""
-    with launched(driver) as one:
-        yield one
-
-
-@pytest.fixture(scope="session")
 def firefox(tmp_path_factory):
     with opened_firefox(tmp_path_factory.mktemp("firefox")) as page:
         yield page
-
-
-@pytest.fixture(scope="session")
-def axe():
-    folder = os.environ.get("OVERVIEW_AXE")
-    if not folder or not (Path(folder) / "axe.min.js").is_file():
-        pytest.skip("needs axe-core: npm install axe-core, and its folder in OVERVIEW_AXE")
-    return (Path(folder) / "axe.min.js").read_text()
 
 
 @pytest.fixture(scope="session")
