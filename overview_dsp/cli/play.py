@@ -98,13 +98,13 @@ def command(
 
             source = host = HostSession(player, source)
             routes = data.routes("host", choice.linear)
-            opened = stack.enter_context(open_server(server, host, routes, data.growth is not None))
+            opened = stack.enter_context(open_server(server, host, routes, data.follow is not None))
             invitation = opened.text
         terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
         if screen == "json" or not terminal:
             print_lines(player, source, received, seconds, controls.osc_out is not None)
         elif screen == "lines":
-            from overview_dsp.live.screen.lines import run as run_lines
+            from overview_dsp.live.screen.plain_mode import run as run_lines
 
             run_lines(player, source, lambda: bool(received), say)
         else:
@@ -112,8 +112,9 @@ def command(
 
             run(player, source, lambda: bool(received), invitation)
         lines = sources.lines
-        if lines is not None and lines.refused:
+        if lines is not None and lines.rejected:
             note(
-                f"{lines.refused} lines weren't `theta2 touching`; the first: {lines.first_refused}"
+                f"{lines.rejected} lines weren't `theta2 touching`; the first: "
+                f"{lines.first_rejected}"
             )
     exit_if_stopped(received)

@@ -67,12 +67,12 @@ def command(
         if audio == "here":
             refuse_options("is for --audio host; the page sounds by itself", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
-        if publish is not None and data.growth is not None:
+        if publish is not None and data.follow is not None:
             from overview_dsp.web.published import Published
 
             preset = choice.load(data.preset)
-            stack.callback(Published(data.growth.live, preset, publish, note).close)
-        growing = data.growth is not None
+            stack.callback(Published(data.follow.live, preset, publish, note).close)
+        growing = data.follow is not None
         if audio == "host":
             from overview_dsp.web.session import HostSession
 

@@ -209,7 +209,7 @@ async def _preset_events(name: str, linear: bool) -> AsyncIterator[str]:
         await asyncio.sleep(LOOK_EVERY_S)
         looks += 1
         try:
-            changed = await asyncio.to_thread(watch.changed)
+            changed = await asyncio.to_thread(watch.pop_changed)
         except InputError as error:
             yield f"event: refused\ndata: {json.dumps(str(error))}\n\n"
             continue

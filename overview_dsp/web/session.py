@@ -36,7 +36,7 @@ class HostSession(Input):
     def use(self, preset: Preset) -> None:
         """Change to a preset soon, gliding and crossfaded; InputError if it can't sound here."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.shown, preset)  # refused here, where the error reaches the page
+        build_surface(self._player.window_timeline, preset)  # refused here, where the error reaches the page
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:
@@ -72,9 +72,9 @@ class HostSession(Input):
         return () if self._other is None else self._other.take_messages()
 
     @property
-    def words(self) -> str:
+    def status_text(self) -> str:
         """The other input's."""
-        return "" if self._other is None else self._other.words
+        return "" if self._other is None else self._other.status_text
 
     def report(self) -> Mapping[str, Any]:
         """The other input's."""

@@ -200,7 +200,7 @@ def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
         (("--set", "tactor.gain"), ("no KEY=VALUE",)),
         (("--set", "tactor.gain=loud"), ("--set tactor.gain=loud: 'loud' is not a number",)),
         (("--set", "tactor.gain=nan"), ("'nan' is not a number",)),
-        (("--set", "tactor.gain=99"), ("gain 99 is out of range; it is -60 to 24",)),
+        (("--set", "tactor.gain=99"), ("gain 99 is out of range; must be -60 to 24",)),
         (("--set", "click.mute=maybe"), ("click.mute=maybe: must be yes or no",)),
         (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain is given twice",)),
     ],

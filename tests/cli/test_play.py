@@ -80,13 +80,13 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--block-size", "-1"], "block size -1; it is 1 to 8192 frames, or 0"),
+        (["--block-size", "-1"], "block size -1 must be 0 to 8192 frames"),
         (["--seconds", "nan"], "--seconds nan; it is 0 or more"),
         (["--seconds", "-1"], "--seconds -1; it is 0 or more"),
         (["--sample-rate", "0"], "sample rate 0 Hz is out of range"),
         (["--set", "click.gain=99"], "gain 99 is out of range"),
-        (["--set", "click.channel=2"], "can't share channel 2"),
-        (["--set", "tactor.channel=3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
+        (["--set", "click.channel=2"], "both use channel 2"),
+        (["--set", "tactor.channel=3+x"], "channel '3+x' must be a number, several numbers (3+4), or 0"),
         (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),

@@ -62,9 +62,13 @@ class Session:
         monkeypatch.setattr(growing, "time", self)
         self.live = live
         self.messages = []
-        growth = growing.Growth(
+        follow = growing.FollowSettings(
             live,
-            **{k: keywords.pop(k) for k in ("after_s", "tell", "map_is_given") if k in keywords},
+            **{
+                k: keywords.pop(k)
+                for k in ("after_s", "tell", "layout_is_explicit")
+                if k in keywords
+            },
         )
         self.player = Player(
             live.felt() if timeline is None else timeline,
@@ -74,7 +78,7 @@ class Session:
             sample_rate=RATE,
             max_block_size=BLOCK,
             callback="python",
-            growth=growth if timeline is None else None,
+            follow=follow if timeline is None else None,
             **keywords,
         )
 

@@ -19,7 +19,7 @@ from overview_dsp.devices.sensors.pads import framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.live.inputs.sensors import NamedInput
-from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.ports.bluetooth import UART, WITMOTION, BlePort
 from overview_dsp.live.ports.pads import PadPort, find_pad
 from overview_dsp.live.ports.phones import PhyphoxPort, PostPort
@@ -120,7 +120,7 @@ class Phone:
     """phyphox on a phone that is twisted."""
 
     def __init__(self, names=("accX", "accY", "accZ", "acc_time", "illum")):
-        self.asked = []
+        self.queued_commands = []
         phone = self
 
         class Handler(BaseHTTPRequestHandler):
@@ -144,7 +144,7 @@ class Phone:
         self.address = f"http://127.0.0.1:{self.server.server_port}"
 
     def answer(self, path):
-        self.asked.append(path)
+        self.queued_commands.append(path)
         if path == "/config":
             return json.dumps({"title": "x", "buffers": [{"name": n} for n in self.names]}).encode()
         if path == "/control?cmd=start":
@@ -163,7 +163,7 @@ class Phone:
 def running(match, football):
     engine = ov.Engine(football, match)
     engine.prepare(48_000, 4800)
-    stream = SilentStream(engine, 256)
+    stream = NullStream(engine, 256)
     stream.start()
     yield engine
     stream.close()
@@ -174,8 +174,8 @@ def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(ru
     hand = NamedInput(running, "phyphox", phone.address, load_sensor("imu"), PhyphoxPort)
     until(lambda: running.holder is not None)
     assert running.holder[0] == "serial"
-    assert phone.asked[:2] == ["/config", "/control?cmd=start"]
-    assert phone.asked[2] == "/get?accX&accY&accZ&acc_time"
+    assert phone.queued_commands[:2] == ["/config", "/control?cmd=start"]
+    assert phone.queued_commands[2] == "/get?accX&accY&accZ&acc_time"
     report = hand.report()
     assert report["damaged"] == 0
     assert report["told"] == "an app's JSON"
@@ -244,9 +244,9 @@ def made_bleak(uuid, name="WT901BLE68", notifications=()):
 
     class Scanner:
         @staticmethod
-        async def find_device_by_filter(is_meant, timeout):
+        async def find_device_by_filter(is_wanted_device, timeout):
             advertised = SimpleNamespace(local_name=name)
-            return device if is_meant(device, advertised) else None
+            return device if is_wanted_device(device, advertised) else None
 
     class Client:
         def __init__(self, found, disconnected):

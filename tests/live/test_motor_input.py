@@ -107,7 +107,7 @@ def test_a_turning_knob_is_braked_and_a_resting_one_is_not(bench):
     assert bench.targets()[-1] == 0.0
     report = bench.input.report()["force"]
     assert report["alive"]
-    assert "mN·m" in bench.input.words
+    assert "mN·m" in bench.input.status_text
 
 
 def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
@@ -116,7 +116,7 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
     assert bench.targets()[-1] < 0.0
     silent_at = bench.clock.now
     messages = ()
-    while not any("said nothing" in said for said in messages):
+    while not any("no data from the motor" in said for said in messages):
         assert bench.clock.now < silent_at + 2.0
         bench.clock.now += 0.002
         bench.port.step()
@@ -160,7 +160,7 @@ def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
     bench.there = False
     gone, bench.port.lost = bench.port, True
     until(lambda: gone.closed)
-    assert "no force" in bench.input.words
+    assert "no force" in bench.input.status_text
     bench.there = True
     until(lambda: bench.port is not gone)
     bench.turn(0.0, 0.3)
@@ -248,7 +248,7 @@ def test_a_knob_that_runs_the_surface_itself_is_given_it_and_played(board):
     report = board.input.report()
     assert (report["damaged"], report["lost"]) == (0, 0)
     assert (report["force"]["on_board"], report["force"]["ready"]) == (True, True)
-    assert "made on its board" in board.input.words
+    assert "made on its board" in board.input.status_text
 
 
 def test_a_changed_surface_and_another_hand_reach_the_board(board, football):
@@ -387,7 +387,7 @@ def test_a_motor_that_falls_silent_is_let_go(motor):
     assert not force["alive"]
     assert force["torque_nm"] == 0.0
     assert not lines[-2]["touching"]
-    assert "said nothing for 40 ms" in said
+    assert "no data from the motor for 40 ms" in said
 
 
 @pytest.mark.parametrize(

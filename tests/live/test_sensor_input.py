@@ -137,13 +137,13 @@ def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     assert bench.engine.holder[0] == "serial"
     bench.there = False
     bench.port.lost = True
-    bench.until(lambda: any("unplugged" in said for said in bench.input.take_messages()))
+    bench.until(lambda: any("disconnected" in said for said in bench.input.take_messages()))
     bench.run(0.1)
     assert bench.engine.holder is None
     assert not bench.input.report()["connected"]
-    assert "unplugged" in bench.input.words
+    assert "disconnected" in bench.input.status_text
     bench.there = True
-    bench.until(lambda: any("is back" in said for said in bench.input.take_messages()))
+    bench.until(lambda: any("reconnected" in said for said in bench.input.take_messages()))
     assert len(bench.opened) == 2
     assert bench.opened[0].closed
     bench.send(b"\n")
@@ -226,7 +226,7 @@ def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
         bench.run(0.01)
         messages += bench.input.take_messages()
     assert bench.engine.holder is None
-    assert sum("the disk is let go" in line for line in messages) == 1
+    assert sum("disk released" in line for line in messages) == 1
     assert sum(said in line for line in messages) == 1
     bench.send(b"\n")
     bench.turn(0.9, 10)
@@ -253,8 +253,8 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
     here["elsewhere"] = "1:2:mine"
     bench.until(lambda: bench.input.report()["connected"])
     assert bench.input.report()["port"] == "elsewhere"
-    assert serial.find_again("elsewhere", "1:2:mine") == "elsewhere"
-    assert serial.find_again("elsewhere", "") == "elsewhere"
+    assert serial.find_device_again("elsewhere", "1:2:mine") == "elsewhere"
+    assert serial.find_device_again("elsewhere", "") == "elsewhere"
 
 
 def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
@@ -323,7 +323,7 @@ def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
     for n in range(600):
         behind = 0.2 if n < 200 else 0.0
         now = round((n * 1e-3 + behind) * 48_000.0)
-        clock.saw(n * 1e-3, now)
+        clock.observe(n * 1e-3, now)
         stamp = clock.stamp(n * 1e-3, now)
         if n > 450:
             assert stamp - now <= 2 * 0.012 * 48_000.0 + 1
@@ -333,7 +333,7 @@ def test_far_too_much_is_given_up_and_counted(bench):
     bench.turn(0.0, 2)
     bench.send(b"12,12\n" * 20_000)
     assert bench.input.report()["overrun_bytes"] > 0
-    assert "overrun bytes" in bench.input.words
+    assert "overrun bytes" in bench.input.status_text
 
 
 @pytest.mark.parametrize("block", [64, 256, 1024])
@@ -347,7 +347,7 @@ def test_events_are_spread_as_the_sensor_took_them(block):
         true = n * 1e-3
         arrival = true + 2e-3 + 1e-3 * dice.random()
         now = int(arrival * rate * drift // block) * block
-        clock.saw(true, now)
+        clock.observe(true, now)
         stamps.append(clock.stamp(true, now))
         waits.append(stamps[-1] - now)
     steps = np.diff(stamps[2000:])
@@ -492,6 +492,6 @@ def test_a_machine_that_is_held_up_makes_some_events_late_and_not_all():
     for n in range(5000):
         held_up = 0.08 if n % 100 < 10 else 0.0
         now = round((n * 1e-3 + held_up) * 48_000.0)
-        clock.saw(n * 1e-3, now)
+        clock.observe(n * 1e-3, now)
         clock.stamp(n * 1e-3, now)
     assert clock.added_latency_s[1] <= 0.0121

@@ -18,7 +18,7 @@ from overview_dsp.data.feeds import net, sources
 from overview_dsp.data.feeds.feed_lines import encode_line, take_line
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.data.feeds.sources import Crowd
-from overview_dsp.live.inputs.feeds import source_named
+from overview_dsp.live.inputs.feeds import open_source
 from tests.data.feeds.feeds import lines_of
 from tests.data.feeds.servers import FeedServer, wait_until
 
@@ -36,7 +36,7 @@ def follow():
     followers = []
 
     def following(text, stdin=None, **live):
-        one = Follower(ov.LiveTimeline(**live), source_named(str(text), stdin))
+        one = Follower(ov.LiveTimeline(**live), open_source(str(text), stdin))
         followers.append(one)
         return one.start()
 
@@ -290,7 +290,7 @@ def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):
 )
 def test_a_source_that_cannot_be_is_one_line(text, word):
     with pytest.raises(ov.InputError, match=word):
-        source_named(text, io.BytesIO())
+        open_source(text, io.BytesIO())
 
 
 def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):

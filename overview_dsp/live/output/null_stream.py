@@ -1,4 +1,4 @@
-"""An output that nobody hears: a thread that runs the engine in time, where there is no device."""
+"""Output without a device: a thread that runs the engine in real time and discards the sound."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from overview_dsp.live.output.stream import Stream, compile_python_path, connect
 from overview_dsp.signal.engine.engine import Engine
 
 MAX_BLOCK = 1 << 20
-"""Frames of the longest block: no output asks for more than some thousands."""
+"""Maximum block size in frames, far above that of any output."""
 
 
-class SilentStream(Stream):
-    """Runs an engine at its sample rate and throws the sound away, where there is no device.
+class NullStream(Stream):
+    """Stream that runs an engine in real time and discards the sound, without a device.
 
-    As a context it starts and closes. Thread: main; the engine's `process` runs in a thread of its
-    own.
+    As a context manager it starts and closes. Thread: main; the engine's `process` runs in a thread
+    of its own.
 
     Parameters
     ----------
     engine : Engine
-        Prepared.
+        Prepared engine.
     block_size : int
-        Frames.
+        Block size in frames.
     settings : OutputSettings or None
-        As `OutputStream` takes them.
+        Settings as in `OutputStream`.
 
     Raises
     ------
@@ -41,7 +41,7 @@ class SilentStream(Stream):
     --------
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
-    >>> with ov.live.SilentStream(engine) as stream:
+    >>> with ov.live.NullStream(engine) as stream:
     ...     engine.control(theta2=1.2, touching=True)
     >>> stream.active
     False
@@ -61,7 +61,7 @@ class SilentStream(Stream):
         compile_python_path(engine)
 
     def _start(self) -> None:
-        self._thread = threading.Thread(target=self._run, name="silent output", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="null output", daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
@@ -83,13 +83,13 @@ class SilentStream(Stream):
 
     @property
     def active(self) -> bool:
-        """Whether the engine is running."""
+        """State of the stream: True while it runs the engine."""
         return self._thread is not None and self._thread.is_alive()
 
     @property
     def _latency_s(self) -> float:
-        """How long a block lasts, s."""
+        """Duration of a block, s."""
         return self.block_size / self._engine.sample_rate
 
     def __repr__(self) -> str:
-        return f"<SilentStream: {'playing' if self.active else 'not playing'}>"
+        return f"<NullStream: {'playing' if self.active else 'not playing'}>"

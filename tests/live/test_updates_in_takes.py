@@ -203,7 +203,7 @@ def test_a_read_only_folder_is_refused_before_anything_is_played(disk, engine):
 def test_with_no_place_at_all_it_is_kept_until_there_is_one(
     disk, engine, match, football, monkeypatch
 ):
-    monkeypatch.setattr(recorder, "other_places", lambda path: iter(()))
+    monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
     (disk / "filler").write_bytes(b"x" * 12_000)
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
@@ -221,7 +221,7 @@ def test_with_no_place_at_all_it_is_kept_until_there_is_one(
 
 
 def test_what_never_finds_a_place_is_said_in_the_end(disk, engine, monkeypatch):
-    monkeypatch.setattr(recorder, "other_places", lambda path: iter(()))
+    monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
     until_it_moves(engine, take, said)
@@ -245,7 +245,7 @@ def test_after_a_kill_the_take_is_whole_and_the_next_start_says_where(tmp_path):
     assert process.stdout is not None
     reports = [json.loads(process.stdout.readline()) for _ in range(2)]
     # another session says nothing of one that still plays
-    assert recovery.take_cut_short() == []
+    assert recovery.pop_interrupted_takes() == []
     process.kill()
     process.communicate()
     gesture = ov.load_gesture(take)
@@ -255,9 +255,9 @@ def test_after_a_kill_the_take_is_whole_and_the_next_start_says_where(tmp_path):
     def again():
         return overview("play", MATCH, "--device", "none", "--seconds", 0.1).err
 
-    (said,) = [line for line in again().splitlines() if "cut short" in line]
+    (said,) = [line for line in again().splitlines() if "interrupted take" in line]
     assert str(take) in said
-    assert "cut short" not in again()
+    assert "interrupted take" not in again()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")

@@ -9,7 +9,7 @@ from overview_dsp.live.output import saved_settings
 from overview_dsp.live.output.saved_settings import resolve_output, save_settings
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.session.commands import poll
-from overview_dsp.live.session.opened import OpenedPlayer, PlayerSettings
+from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
 
 
 @pytest.fixture
@@ -73,7 +73,7 @@ def test_a_player_without_sound_shows_its_window_saves_its_take_and_remembers_no
         player.say("once more")
     assert "once more" in notes
     assert len(said) == 1
-    assert said[0].startswith(f"{take}: the take")
+    assert said[0].startswith(f"take saved as {take}")
     assert ov.load_gesture(take).duration_s > 0.0
     assert not kept.exists()
 

@@ -11,7 +11,7 @@ from scipy.signal import butter, sosfilt
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels import layout
-from overview_dsp.live.takes.takes import timeline_beside
+from overview_dsp.live.takes.takes import timeline_path
 from tests.live.stepped_session import RATE, Session, event
 
 
@@ -44,7 +44,7 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
 ):
     live.map = map
     one = session()
-    snapshot = one.shown
+    snapshot = one.window_timeline
     alone = ov.Engine(one.player.engine.preset, snapshot)
     alone.prepare(RATE, 160)
     one.player.touch(0.12)
@@ -63,11 +63,11 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
         alone.process(out)
         heard.append(out.copy())
     assert np.array_equal(one.samples, np.concatenate(heard))
-    assert one.shown is snapshot or map == "whole"  # what lies ahead comes at once
+    assert one.window_timeline is snapshot or map == "whole"  # what lies ahead comes at once
     one.player.release()
     one.run(1.5)
-    assert one.shown is live.felt()
-    assert one.shown.kinds()["goal"] == 50
+    assert one.window_timeline is live.felt()
+    assert one.window_timeline.kinds()["goal"] == 50
 
 
 def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched(
@@ -76,7 +76,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
     """The map is the whole: no place moves; the hand goes on and meets what is new."""
     take = tmp_path / "take.csv"
     one = session(record=take)
-    alone = ov.Engine(one.player.engine.preset, one.shown)
+    alone = ov.Engine(one.player.engine.preset, one.window_timeline)
     alone.prepare(RATE, 160)
     one.player.touch(0.04)
     alone.control(0.04 * math.pi, True, 0)
@@ -85,8 +85,8 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
         at = 1000.0 + 20.0 * n
         live.append(events=[event(at, "goal" if n == 25 else "foul", str(n))], clock_s=at)
         one.run(0.06)
-    assert one.shown.until_s > 1900.0
-    assert one.shown.kinds()["goal"] == 1
+    assert one.window_timeline.until_s > 1900.0
+    assert one.window_timeline.kinds()["goal"] == 1
     out, heard = np.empty((160, 2), np.float32), []
     for _ in one.output.sound:
         alone.process(out)
@@ -98,17 +98,17 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
     one.run(1.0)
     struck = [found.kind for found, _ in one.player.engine.take_struck_events()]
     assert "goal" in struck
-    assert one.player.growing.told == []
+    assert one.player.live_updates.announced == []
     joined = one.player.engine.surface.friction
     one.player.release()
     one.run(2.5)
-    assert one.shown is live.felt()
+    assert one.window_timeline is live.felt()
     assert not np.array_equal(one.player.engine.surface.friction, joined)  # all of it now
     heard = one.samples
     one.player.close()
     changes = ov.load_gesture(take).changes
     assert any("ahead" in change.what.get("timeline", {}) for change in changes)
-    again = ov.render(str(timeline_beside(take)), "football", str(take), RATE, tail="none").samples
+    again = ov.render(str(timeline_path(take)), "football", str(take), RATE, tail="none").samples
     count = min(len(heard), len(again))
     assert np.array_equal(again[:count], heard[:count])
 
@@ -125,16 +125,16 @@ def test_nothing_comes_under_a_hand_where_places_move_or_what_is_behind_has_chan
     one.run(0.2)
     one.player.touch(0.08)
     one.run(0.2)
-    before = one.shown
+    before = one.window_timeline
     new = 100 if how == "behind" else 2000
     live.append(events=[event(new, "goal", "1-0")], clock_s=2000.0)
     if how == "retracted":
         live.retract(event(300, "foul", "a"))
     one.run(0.5)
-    assert one.shown is before
+    assert one.window_timeline is before
     one.player.release()
     one.run(0.1)
-    assert one.shown is not before
+    assert one.window_timeline is not before
 
 
 def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
@@ -145,10 +145,10 @@ def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
     one.run(2.0)
     live.append(events=[event(1500, "goal", "1-0")], clock_s=1600.0)
     one.run(0.3)
-    assert one.shown.until_s == 800.0
+    assert one.window_timeline.until_s == 800.0
     one.player.release()
     one.run(1.0)
-    assert one.shown.until_s == 1600.0
+    assert one.window_timeline.until_s == 1600.0
     trace = one.trace
     theta, omega = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("theta1", "omega1"))
     moved = np.diff(theta) - (omega[1:] + omega[:-1]) / 2.0 / RATE
@@ -165,9 +165,9 @@ def test_an_update_waits_for_a_disk_that_is_still_on_its_way(session, live):
     one.run(0.3)
     meters = one.player.engine.meters
     assert (meters.touching, meters.engaged) == (False, True)
-    assert one.shown.until_s == 800.0
+    assert one.window_timeline.until_s == 800.0
     one.run(2.0)
-    assert one.shown.until_s == 1600.0
+    assert one.window_timeline.until_s == 1600.0
     trace = one.trace
     cursor, engaged = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("cursor", "engaged"))
     assert cursor[engaged > 0.5].max() == pytest.approx(0.9, abs=0.008)
@@ -180,9 +180,9 @@ def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, 
     one.run(0.1)
     live.append(events=[event(900, "foul")], clock_s=900.0)
     one.run(0.3)
-    assert one.shown is not live.felt()
+    assert one.window_timeline is not live.felt()
     one.run(0.3)
-    assert one.shown is live.felt()
+    assert one.window_timeline is live.felt()
 
 
 def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_path):
@@ -196,14 +196,14 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
     one.run(0.1)
     live.end(live.felt().duration_s)
     one.run(0.5)
-    assert one.shown.until_s is None
+    assert one.window_timeline.until_s is None
     assert one.player.engine.surface.angle_map.is_linear
     one.player.release()
     one.run(0.5)
     assert not one.player.engine.surface.angle_map.is_linear
     heard = one.samples
     one.player.close()
-    again = ov.render(str(timeline_beside(take)), "football", str(take), RATE, tail="none").samples
+    again = ov.render(str(timeline_path(take)), "football", str(take), RATE, tail="none").samples
     count = min(len(heard), len(again))
     assert np.array_equal(again[:count], heard[:count])
 
@@ -250,10 +250,10 @@ def test_a_goal_is_under_the_hand_within_a_tenth_of_a_second(session, live):
         live.append(events=[event(900 + 10 * n, "goal", f"{n}-0")], clock_s=900.0 + 10 * n)
         one.run(0.1)
         # what tells of it is the goal itself, and then it is in the timeline
-        kinds = one.shown.kinds()
+        kinds = one.window_timeline.kinds()
         assert kinds == {"goal": 1} or kinds["goal"] == n + 1
         one.run(1.5)
-        assert one.shown is live.felt()
+        assert one.window_timeline is live.felt()
 
 
 def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
@@ -273,12 +273,12 @@ def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
     assert struck
     assert set(struck) == {"goal"}
     assert "new: goal 1-0 Parris at 15:50.0" in one.messages
-    assert one.shown is live.felt()
+    assert one.window_timeline is live.felt()
     assert not one.player.engine.meters.touching
     live.retract(event(950, "goal", "1-0 Parris"))
     one.run(0.2, look)
-    assert "taken back: goal 1-0 Parris at 15:50.0" in one.messages
-    assert "goal" not in one.shown.kinds()
+    assert "retracted: goal 1-0 Parris at 15:50.0" in one.messages
+    assert "goal" not in one.window_timeline.kinds()
 
 
 @pytest.mark.parametrize(
@@ -296,15 +296,15 @@ def test_what_is_told_is_chosen(session, live, keywords, told):
     for new in (event(900, "foul", "x"), event(950, "goal", "y")):
         live.append(events=[new], clock_s=new.time_s)
         one.run(1.5)
-    assert [new.kind for new in one.player.growing.told] == told
+    assert [new.kind for new in one.player.live_updates.announced] == told
 
 
 def test_what_happened_long_before_is_no_news(session, live):
     one = session()
     live.append(events=[event(400, "goal", "late")])
     one.run(0.5)
-    assert one.player.growing.told == []
-    assert "goal" in one.shown.kinds()
+    assert one.player.live_updates.announced == []
+    assert "goal" in one.window_timeline.kinds()
 
 
 def test_a_hand_takes_the_disk_from_what_is_told(session, live):
@@ -312,10 +312,10 @@ def test_a_hand_takes_the_disk_from_what_is_told(session, live):
     one.run(0.1)
     live.append(events=[event(900, "goal")], clock_s=900.0)
     one.run(0.06)
-    assert one.shown.kinds() == {"goal": 1}
+    assert one.window_timeline.kinds() == {"goal": 1}
     one.player.touch(0.3)
     one.run(0.04)
-    assert one.shown is live.felt()
+    assert one.window_timeline is live.felt()
     one.run(1.0)
     assert one.player.engine.holder == ("touch", pytest.approx(0.3 * math.pi))
 
@@ -327,25 +327,25 @@ def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):
     live.append(events=[event(900, "goal", "1-0")], clock_s=900.0)
     one.run(1.0)
     assert "new: goal 1-0 at 15:00.0" in one.messages
-    assert one.player.growing.told == []
+    assert one.player.live_updates.announced == []
     one.player.release()
     one.run(0.1)
-    assert [new.kind for new in one.player.growing.told] == ["goal"]
+    assert [new.kind for new in one.player.live_updates.announced] == ["goal"]
 
 
 def test_map_and_length_change_while_it_runs(session, live):
     one = session()
     one.run(0.1)
-    assert (one.shown.duration_s, one.shown.until_s) == (5700.0, 800.0)
-    one.player.ask("map", "so-far")
+    assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (5700.0, 800.0)
+    one.player.queue_command("map", "so-far")
     one.run(0.2)
-    assert (one.shown.duration_s, one.shown.until_s) == (824.0, 800.0)
-    one.player.ask("map", "whole")
-    one.player.ask("expect", "2h")
+    assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (824.0, 800.0)
+    one.player.queue_command("map", "whole")
+    one.player.queue_command("expect", "2h")
     one.run(0.2)
-    assert (one.shown.duration_s, one.shown.until_s) == (7200.0, 800.0)
+    assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (7200.0, 800.0)
     for words in (("map", "half"), ("expect", "soon")):
-        one.player.ask(*words)
+        one.player.queue_command(*words)
     one.run(0.1)
     assert sum("half" in line or "soon" in line for line in one.messages) == 2
 
@@ -355,17 +355,17 @@ def test_the_map_is_a_presets_choice_until_a_person_makes_one(session, live, tmp
     path.write_text(preset_path("football").read_text() + '\n[follow]\nmap = "so-far"\n')
     one = session()
     one.run(0.1)
-    assert one.shown.duration_s == 5700.0
+    assert one.window_timeline.duration_s == 5700.0
     one.player.use_preset(str(path))
     one.run(0.2)
-    assert one.shown.duration_s == 824.0
-    one.player.ask("map", "whole")
+    assert one.window_timeline.duration_s == 824.0
+    one.player.queue_command("map", "whole")
     one.run(0.2)
-    assert one.shown.duration_s == 5700.0
-    given = session(map_is_given=True)
+    assert one.window_timeline.duration_s == 5700.0
+    given = session(layout_is_explicit=True)
     given.player.use_preset(str(path))
     given.run(0.2)
-    assert given.shown.duration_s == 5700.0
+    assert given.window_timeline.duration_s == 5700.0
 
 
 def test_a_part_that_is_shown_stays_while_the_whole_grows(session, live):
@@ -375,7 +375,7 @@ def test_a_part_that_is_shown_stays_while_the_whole_grows(session, live):
     live.append(events=[event(500, "foul", "late"), event(900, "foul")], clock_s=900.0)
     one.run(0.1)
     assert one.player.window == (200.0, 800.0)
-    assert [e.time_s for e in one.shown.events if e.kind == "foul"] == [100.0, 300.0]
+    assert [e.time_s for e in one.window_timeline.events if e.kind == "foul"] == [100.0, 300.0]
 
 
 def test_a_take_of_a_live_session_is_replayed_as_it_grew_to_the_bit(
@@ -394,7 +394,7 @@ def test_a_take_of_a_live_session_is_replayed_as_it_grew_to_the_bit(
     live.append(events=[event(900, "foul", "z")], clock_s=900.0)
     one.run(0.5)
     one.player.close()
-    beside = ov.load_timeline(timeline_beside(take))
+    beside = ov.load_timeline(timeline_path(take))
     gesture = ov.load_gesture(take)
     assert {"timeline", "pattern", "window"} <= {key for c in gesture.changes for key in c.what}
     rendered = ov.render(beside, "football", gesture, RATE, tail="none").samples
@@ -408,7 +408,7 @@ def test_a_take_of_a_live_session_is_replayed_as_it_grew_to_the_bit(
         assert len(heard) > 6.0 * RATE
         assert np.array_equal(rendered[: len(heard)], heard[: len(rendered)])
         assert np.abs(heard).max() > 0.01
-    assert not any("left out" in line for line in again.messages)
+    assert not any("ignored" in line for line in again.messages)
     again.player.close()
 
 
@@ -429,7 +429,7 @@ def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tm
     one.run(2.5)
     live.retract(event(850, "goal", "1-0"))
     live.gap(820.0, 840.0, "no camera")
-    one.player.ask("map", "so-far")
+    one.player.queue_command("map", "so-far")
     one.run(0.3)
     one.player.show(0.0, one.player.timeline.duration_s)
     one.player.tap(0.7)
@@ -438,10 +438,10 @@ def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tm
     one.run(0.5)
     heard = one.samples
     one.player.close()
-    assert "to the bit" in one.player.takes.words[0]
-    assert str(timeline_beside(take)) in one.player.takes.words[0]
+    assert "bit-identical" in one.player.takes.summaries[0]
+    assert str(timeline_path(take)) in one.player.takes.summaries[0]
     again = ov.render(
-        str(timeline_beside(take)), "football", str(take), sample_rate=RATE, tail="none"
+        str(timeline_path(take)), "football", str(take), sample_rate=RATE, tail="none"
     ).samples
     count = min(len(heard), len(again))
     assert abs(len(heard) - len(again)) <= 400

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import overview_dsp as ov
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen.app import PlayApp
-from overview_dsp.live.session.growing import Growth
+from overview_dsp.live.session.live_updates import FollowSettings
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from tests.live.screen.test_app import run
@@ -20,10 +20,10 @@ def test_it_says_how_far_the_data_reach_and_what_is_new():
         player = Player(
             live.felt(),
             PresetWatch("football"),
-            lambda engine, settings: SilentStream(engine, 256, settings),
+            lambda engine, settings: NullStream(engine, 256, settings),
             OutputSettings(),
             callback="python",
-            growth=Growth(live),
+            follow=FollowSettings(live),
         )
         app = PlayApp(player)
         async with app.run_test(size=(100, 30)) as pilot:

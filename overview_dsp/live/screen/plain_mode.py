@@ -1,7 +1,7 @@
-"""The session as plain lines, for a screen reader or a terminal of any sort: the same keys.
+"""Plain mode: a session as lines of text, for screen readers and simple terminals.
 
-A line says where the disk is, and the event it is on, when that has changed and the hand rests;
-what a key did is said at once.
+The keys are those of the full screen. A line reports the disk's position and event after both have
+stayed the same for a short time. Actions of keys are reported at once.
 """
 
 from __future__ import annotations
@@ -15,14 +15,13 @@ from collections.abc import Callable, Iterator
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions
-from overview_dsp.live.screen.timeline_view import place_words
+from overview_dsp.live.screen.timeline_view import position_text
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.status import Status
 
-LOOK_EVERY_S = 0.03
-RESTED_S = 0.25
-"""How long the disk has stayed on one place before that is said."""
+POLL_EVERY_S = 0.03
+STABLE_S = 0.25
+"""Time that the position text stays the same before it is reported."""
 
 ESCAPES = {
     "[C": "right", "[D": "left", "[H": "home", "[F": "end", "OC": "right", "OD": "left",
@@ -31,8 +30,8 @@ ESCAPES = {
 NAMES = {" ": "space", "\r": "enter", "\n": "enter", "\x03": "q"}
 
 
-def keys_of(text: str) -> Iterator[str]:
-    """The names of the keys in what a terminal sent."""
+def parse_keys(text: str) -> Iterator[str]:
+    """Yield the names of the keys in text from a terminal."""
     while text:
         if text[0] != "\x1b":
             yield NAMES.get(text[0], text[0])
@@ -51,50 +50,45 @@ def run(
     stopped: Callable[[], bool],
     say: Callable[[str], None] = lambda line: print(line, flush=True),
 ) -> None:
-    """Play until `q` or `stopped()`; errors of the player are raised."""
+    """Play until `q` or `stopped()`; raise errors of the player."""
     actions = KeyActions(player, say)
     say(f"{player.timeline.title}. ? for the keys, q to quit.")
-    said = seen = ""
+    reported = last = ""
     since = time.monotonic()
     with _raw_keys() as read:
         while not stopped():
             status = poll(player, source)
             for line in status.messages:
                 say(line)
-            for key in keys_of(read()):
+            for key in parse_keys(read()):
                 if key == "q":
                     player.close()
                     return
                 actions.press(key)
-            words = _words(player, status)
-            if words != seen:
-                seen, since = words, time.monotonic()
-            if seen != said and time.monotonic() - since >= RESTED_S:
-                said = seen
-                say(said)
+            text = position_text(player, status.cursor) + ("" if status.touching else ", released")
+            if text != last:
+                last, since = text, time.monotonic()
+            if last != reported and time.monotonic() - since >= STABLE_S:
+                reported = last
+                say(reported)
         player.close()
-
-
-def _words(player: Player, status: Status) -> str:
-    place = place_words(player, status.cursor)
-    return place if status.touching else f"{place}, let go"
 
 
 @contextlib.contextmanager
 def _raw_keys() -> Iterator[Callable[[], str]]:
-    """Reads the keys that were pressed, waiting a little for one, without a line's end."""
+    """Yield a function that waits a short time for keys and returns them without line ends."""
     file = sys.stdin.fileno()
     try:
         import termios
         import tty
-    except ImportError:  # where a console has no such mode: whole lines
-        yield lambda: sys.stdin.readline()
+    except ImportError:  # Windows, where only whole lines can be read
+        yield sys.stdin.readline
         return
     before = termios.tcgetattr(file)
     tty.setcbreak(file)
 
     def read() -> str:
-        if not select.select([file], [], [], LOOK_EVERY_S)[0]:
+        if not select.select([file], [], [], POLL_EVERY_S)[0]:
             return ""
         data = os.read(file, 1024)
         if not data:  # closed

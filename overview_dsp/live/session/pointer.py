@@ -1,4 +1,4 @@
-"""The finger of mouse and keys: it holds, moves, taps and releases."""
+"""Pointer of mouse and keys, which touches, moves, taps and releases."""
 
 from __future__ import annotations
 
@@ -7,35 +7,35 @@ from overview_dsp.live.session.session import Session
 from overview_dsp.units import HALF_TURN
 
 
-class Finger:
-    """One finger on an engine's disk.
+class Pointer:
+    """Input of mouse and keys to an engine.
 
     Thread: control.
 
     Attributes
     ----------
     position : float
-        Where it holds or held last, 0 to 1.
-    holding : bool
-        Whether it is down; False again once the engine begins again.
+        Present or last position of its touch, 0 to 1.
+    touching : bool
+        Whether it touches; False after the engine restarts.
     """
 
     def __init__(self, session: Session, output: ReconnectingStream) -> None:
         self._engine, self._output = session.engine, output
         self.position = 0.0
-        self.holding = False
+        self.touching = False
 
     def touch(self, position: float) -> None:
-        """Hold at `position` (0 to 1): a tap if it wasn't down, else it moves there."""
+        """Touch at `position` (0 to 1), or move there during a touch."""
         self.position = min(max(position, 0.0), 1.0)
-        self.holding = True
-        if self._output.playing:  # else nobody would take it, and it would be stale
+        self.touching = True
+        if self._output.playing:  # without an output the event would be applied too late
             self._engine.control(self.position * HALF_TURN, True)
 
     def release(self) -> None:
-        """Release: the disk goes on to `position`, then recoils."""
-        if self.holding:
-            self.holding = False
+        """Release: the disk arrives at `position`, then it recoils."""
+        if self.touching:
+            self.touching = False
             self._engine.control(self.position * HALF_TURN, False)
 
     def tap(self, position: float) -> None:

@@ -1,4 +1,4 @@
-"""A player on the device that the user chose: opened, reported, closed and remembered."""
+"""Opening a player on the device that the user chose, and saving its settings at the end."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from overview_dsp.live.output.portaudio_stream import CallbackKind
 from overview_dsp.live.output.saved_settings import resolve_output, save_settings
 from overview_dsp.live.output.settings import is_pad
 from overview_dsp.live.output.stream_opener import MAX_BLOCK, StreamOpener
-from overview_dsp.live.session.growing import Growth
+from overview_dsp.live.session.live_updates import FollowSettings
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from overview_dsp.live.takes.recovery import take_cut_short
+from overview_dsp.live.takes.recovery import pop_interrupted_takes
 from overview_dsp.signal.actuators.stage import warn_of_carrier
 from overview_dsp.signal.engine.coefficients import announce_compile
 
@@ -30,38 +30,39 @@ class PlayerSettings:
     Parameters
     ----------
     preset
-        Name or path.
+        Name or path of the preset.
     compare
-        A second preset to switch to, or None.
+        Second preset to switch to, or None.
     linear
-        Whether the presets' angle maps are left out.
+        Whether the presets are used without their angle maps.
     window
-        The part of the timeline (s) that is shown first; None is the whole.
-    growth
-        How the session follows a timeline that grows; None for one that is finished.
+        First window of the timeline, s; None shows the whole timeline.
+    follow
+        Settings of a live timeline; None for a complete one.
     device
-        Output: name or number; None is the default, `"none"` no sound, `"pad"` a game pad.
+        Name or number of the output. None is the default, `"none"` no sound, `"pad"` a game pad.
     block_size
-        Frames; 0 is the device's own.
+        Block size in frames; 0 lets the device choose.
     sample_rate
-        Hz; None is the device's own.
+        Sample rate, Hz; None is the device's default.
     callback
-        What PortAudio calls.
+        Kind of PortAudio callback.
     actuator
-        Name or file; `"none"` for none, None for the one last used with the device.
+        Name or file of the actuator. `"none"` is no actuator, None the one last used with the
+        device.
     click, tactor
-        Changes to the settings last used with the device: fields of `SignalSettings`.
+        Changes to the settings last used with the device, as fields of `SignalSettings`.
     record
-        File that the take is written to, from the first sample on; None for none.
+        File of a take that starts at the first sample; None for no take.
     seed
-        Of the texture noise.
+        Seed of the texture noise.
     """
 
     preset: str
     compare: str | None = None
     linear: bool = False
     window: tuple[float, float] | None = None
-    growth: Growth | None = None
+    follow: FollowSettings | None = None
     device: str | None = None
     block_size: int = 256
     sample_rate: float | None = None
@@ -74,9 +75,9 @@ class PlayerSettings:
 
 
 class OpenedPlayer:
-    """A player that is opened by settings; as a context it gives the player, and closes it.
+    """Context manager that opens a player and closes it.
 
-    Closed, it saves the take, and remembers the settings of the device if they were changed.
+    At the end it saves the take, and the device's settings if they were changed.
     """
 
     def __init__(
@@ -86,12 +87,12 @@ class OpenedPlayer:
         note: Callable[[str], None],
         say: Callable[[str], None],
     ) -> None:
-        """Open it; `note` receives messages for the user, `say` a line on each take in the end.
+        """Open the player; `note` receives messages, `say` one line per take at the end.
 
         Raises
         ------
         OverviewError
-            A device, file or value that can't be used.
+            A device, file or value can't be used.
         """
         self._note, self._say = note, say
         self._window = settings.window and timeline.require_window(*settings.window)
@@ -99,8 +100,8 @@ class OpenedPlayer:
         if settings.record is not None:
             require_writable(settings.record)
             require_writable(os.path.splitext(settings.record)[0] + ".json")
-        for take in take_cut_short():
-            note(f"a take was cut short; it is in {take} (overview render ... --gesture {take})")
+        for take in pop_interrupted_takes():
+            note(f"interrupted take saved as {take} (overview render ... --gesture {take})")
         watch = PresetWatch(settings.preset, settings.linear)
         other = None if settings.compare is None else PresetWatch(settings.compare, settings.linear)
         self._device, rate, channels = None, 48_000.0, 0  # without sound
@@ -111,8 +112,8 @@ class OpenedPlayer:
         self._resolved = resolve_output(self._device, *changes, settings.actuator, channels)
         output = self._resolved.settings
         if self._device is not None and is_pad(self._device, channels):
-            driven = "none" if output.actuator is None else output.actuator.name
-            note(f"{self._device} is a pad: {output.placed}, actuator {driven}")
+            actuator = "none" if output.actuator is None else output.actuator.name
+            note(f"{self._device} is a game pad: {output.channels_text}, actuator {actuator}")
         if output.actuator is not None:
             warn_of_carrier(output.actuator, watch.preset.number("tactor.frequency_hz"))
         native = settings.callback == "native" and self._device is not None
@@ -128,7 +129,7 @@ class OpenedPlayer:
             record=settings.record,
             seed=settings.seed,
             other=other,
-            growth=settings.growth,
+            follow=settings.follow,
         )
 
     def __enter__(self) -> Player:
@@ -140,10 +141,10 @@ class OpenedPlayer:
         self.player.close()
         for message in self.player.take_messages():
             self._note(message)
-        for line in self.player.takes.words:
+        for line in self.player.takes.summaries:
             self._say(line)
-        # what belongs to another device, chosen meanwhile, isn't this one's
+        # not if the user changed to another device during the session
         same = self.player.output.opener is self._opener
-        played = self.player.output.settings
-        if same and self._device is not None and self._resolved.differ(played):
-            save_settings(self._device, played)
+        last = self.player.output.settings
+        if same and self._device is not None and self._resolved.differ(last):
+            save_settings(self._device, last)
