@@ -36,7 +36,8 @@ class HostSession(Input):
     def use(self, preset: Preset) -> None:
         """Change to a preset soon, gliding and crossfaded; InputError if it can't sound here."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.window_timeline, preset)  # refused here, where the error reaches the page
+        # rejected here, where the error reaches the page
+        build_surface(self._player.window_timeline, preset)
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:

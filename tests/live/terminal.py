@@ -39,7 +39,7 @@ class Terminal:
             preexec_fn=take_terminal,
         )
         os.close(theirs)
-        self.window_timeline = bytearray()
+        self.shown = bytearray()
         self.frozen = False
         self._closed = False
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -51,7 +51,7 @@ class Terminal:
                 time.sleep(0.01)
                 continue
             try:
-                self.window_timeline += os.read(self.ours, 65_536)
+                self.shown += os.read(self.ours, 65_536)
             except OSError:  # nobody writes any more
                 return
 
@@ -71,10 +71,8 @@ class Terminal:
     def wait_for(self, condition, seconds=60.0):
         until = time.monotonic() + seconds
         while not condition():
-            assert self.process.poll() is None, self.window_timeline.decode(errors="replace")[
-                -3000:
-            ]
-            assert time.monotonic() < until, self.window_timeline.decode(errors="replace")[-3000:]
+            assert self.process.poll() is None, self.shown.decode(errors="replace")[-3000:]
+            assert time.monotonic() < until, self.shown.decode(errors="replace")[-3000:]
             time.sleep(0.002)
         return time.monotonic()
 

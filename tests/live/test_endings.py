@@ -99,7 +99,7 @@ def end_one(server, folder, name, seconds):
     }
     terminal = Terminal(["play", MATCH, "--device", "system", "--record", take], environment)
     began = terminal.wait_for(lambda: take.exists() and take.stat().st_size > 0)
-    shown = terminal.wait_for(lambda: b"DSP load" in terminal.window_timeline)
+    shown = terminal.wait_for(lambda: b"DSP load" in terminal.shown)
     until = shown + seconds
     while time.monotonic() < until:
         terminal.press(RIGHT)

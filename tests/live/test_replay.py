@@ -14,7 +14,7 @@ from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live.inputs.takes_and_lines import parse_command
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream_opener import StreamOpener
-from overview_dsp.live.session import presets
+from overview_dsp.live.session import loop, presets
 from overview_dsp.live.session.commands import COMMANDS, poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
@@ -241,6 +241,25 @@ def test_a_gesture_that_is_not_looped_is_played_once(session):
     assert player.engine.meters.strikes > 0
 
 
+def test_a_pass_ends_some_seconds_after_its_gesture_though_the_disk_never_rests(
+    session, monkeypatch
+):
+    player, sound = session()
+    monkeypatch.setattr(loop, "LONGEST_TAIL_S", 0.5)
+    player.loop.begin(ov.tap(0.5, 0.2), "tap", repeats=False)
+    seconds = ov.tap(0.5, 0.2).duration_s
+
+    def poll_until(time_s):
+        while player.engine.sample_time < time_s * player.engine.sample_rate:
+            sound.play(0.02)
+            player.loop.poll(at_rest=False)
+
+    poll_until(seconds + 0.4)
+    assert player.loop.playing
+    poll_until(seconds + 0.6)
+    assert not player.loop.playing
+
+
 def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
     player, sound = session(other="plain")
     player.queue_command("record")
@@ -259,7 +278,7 @@ def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
     player.queue_command("preset", "heart")
     wait(player, lambda: player.engine.preset.name == "heart", sound)
     for words, why in (
-        (("window", "5"), "window 5: wrong number of words; must be window START END"),
+        (("window", "5"), "window 5: wrong number of arguments; must be window START END"),
         (("window", "x", "y"), "window start 'x' must be a number"),
         (("window", "9", "1"), "window 9 1"),
         (("record", "on"), "it takes 0 or 1"),

@@ -7,11 +7,13 @@ import math
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.live.output import sample_player
 from overview_dsp.live.output.sample_player import NullSamplePlayer
 from overview_dsp.live.output.settings import SignalSettings
 from overview_dsp.live.output.threshold import RisingTone, find_threshold
@@ -108,6 +110,37 @@ def test_an_output_that_nobody_hears_takes_its_time():
     output.start()
     assert not output.over
     time.sleep(0.06)
+    assert output.over
+
+
+def test_the_played_time_is_that_delivered_less_the_latency(monkeypatch):
+    now = [100.0]
+    opened = []
+
+    class Stream:
+        latency = 0.25
+
+        def __init__(self, **settings):
+            self.callback = settings["callback"]
+            opened.append(self)
+
+    monkeypatch.setattr(
+        sample_player,
+        "import_sounddevice",
+        lambda: SimpleNamespace(OutputStream=Stream, PortAudioError=ValueError),
+    )
+    monkeypatch.setattr(sample_player, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    output = sample_player.SamplePlayer(np.ones((1000, 1), dtype=np.float32), 1000.0)
+    assert output.played_s == 0.0
+    out = np.empty((500, 1), dtype=np.float32)
+    opened[0].callback(out, 500, None, None)
+    assert output.played_s == pytest.approx(0.25)
+    now[0] += 0.1
+    assert output.played_s == pytest.approx(0.35)
+    opened[0].callback(out, 500, None, None)
+    assert output.played_s == pytest.approx(0.75)
+    assert not output.over
+    now[0] += 0.3
     assert output.over
 
 

@@ -50,7 +50,7 @@ class ControllerInput(ThreadedInput):
         open_port: Callable[[], Port],
         make_reader: Callable[[Counters], Reader],
         silent_s: float | None = None,
-        queue_command: Callable[..., None] = lambda *words: None,
+        queue_command: Callable[..., None] = lambda *arguments: None,
     ) -> None:
         """Open the port and start; `open_port` is called again when the port is lost.
 

@@ -34,7 +34,7 @@ class Input(Protocol):
         return {}
 
     def close(self) -> None:
-        """Release the disk and close what was opened."""
+        """Release the disk and close all ports."""
         return
 
 

@@ -109,7 +109,7 @@ class TextLineInput(Input):
         self,
         lines: Iterable[str],
         engine: Engine,
-        queue_command: Callable[..., None] = lambda *words: None,
+        queue_command: Callable[..., None] = lambda *arguments: None,
     ) -> None:
         """Start to read; `queue_command` receives the words of each command."""
         self._queue_command = queue_command

@@ -35,8 +35,8 @@ class SignalSettings:
     Parameters
     ----------
     channel : int or tuple of int
-        Output channel, from 1; 0 is none. Several channels, such as a pad's two voice coils, get
-        the same samples.
+        Output channel, from 1; 0 for no output. Several channels, such as a pad's two voice
+        coils, get the same samples.
     gain_db : float
         Gain, -60 to 24 dB.
     mute : bool

@@ -212,7 +212,7 @@ class ActiveWindow:
             )
 
     def _apply_requests(self) -> None:
-        """Apply what is requested; without a free surface slot it waits for the next poll."""
+        """Apply all requests; without a free surface slot they wait for the next poll."""
         requests = (self._requested_timeline, self._requested_window, self._requested_preset)
         if requests == (None, None, None):
             return

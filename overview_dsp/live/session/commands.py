@@ -35,21 +35,21 @@ def poll(player: Player, source: Input | None = None) -> Status:
     return replace(status, messages=(*status.messages, *source.take_messages()))
 
 
-def execute(player: Player, name: str, *words: str) -> None:
+def execute(player: Player, name: str, *arguments: str) -> None:
     """Execute one of `COMMANDS`; an error is shown to the user."""
-    command = " ".join((name, *words))
+    command = " ".join((name, *arguments))
     if name not in COMMANDS:
         player.say(f"{command}: unknown command; must be one of {', '.join(FORMS.values())}")
         return
     try:
-        inspect.signature(COMMANDS[name]).bind(player, *words)
+        inspect.signature(COMMANDS[name]).bind(player, *arguments)
     except TypeError:
-        player.say(f"{command}: wrong number of words; must be {FORMS[name]}")
+        player.say(f"{command}: wrong number of arguments; must be {FORMS[name]}")
         return
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            COMMANDS[name](player, *words)
+            COMMANDS[name](player, *arguments)
         except OverviewError as error:
             player.say(f"{command}: {error}")
     for one in caught:

@@ -52,7 +52,7 @@ class Loop:
 
     @property
     def playing(self) -> bool:
-        """Whether a gesture is replayed."""
+        """State of the loop: True while it replays a gesture."""
         return self._gesture is not None
 
     @property

@@ -48,7 +48,7 @@ class PlayerSettings:
     callback
         Kind of PortAudio callback.
     actuator
-        Name or file of the actuator. `"none"` is no actuator, None the one last used with the
+        Name or file of the actuator. `"none"` removes it, None uses the one last used with the
         device.
     click, tactor
         Changes to the settings last used with the device, as fields of `SignalSettings`.

@@ -229,9 +229,9 @@ class Player:
 
     # --- the session ----------------------------------------------------------------------------
 
-    def queue_command(self, *words: str) -> None:
+    def queue_command(self, *arguments: str) -> None:
         """Queue a command, which the next `commands.poll` executes; from any thread."""
-        self.queued_commands.append(words)
+        self.queued_commands.append(arguments)
 
     def poll(self) -> Status:
         """Update all parts of the session; return its status."""

@@ -36,7 +36,7 @@ class Recorder:
     path : Path
         Present path of the take.
     differs : str
-        Reason why a render of the take isn't bit-identical to what was played; empty if it is.
+        Reason why a render of the take isn't bit-identical to the played samples; otherwise empty.
     """
 
     def __init__(

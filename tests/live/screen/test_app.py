@@ -16,7 +16,7 @@ import overview_dsp as ov
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.screen import PlayApp, lines
+from overview_dsp.live.screen import PlayApp, plain_mode
 from overview_dsp.live.screen import app as app_module
 from overview_dsp.live.screen.terminal import TerminalWriter
 from overview_dsp.live.screen.timeline_view import TimelineView
@@ -402,9 +402,9 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     def reading():
         yield read
 
-    monkeypatch.setattr(lines, "_raw_keys", reading)
+    monkeypatch.setattr(plain_mode, "_raw_keys", reading)
     began = time.monotonic()
-    lines.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
+    plain_mode.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
     assert said[0].startswith(player.timeline.title)
     assert "drag" in said[1]
     assert "clicks muted" in said
@@ -423,7 +423,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     ],
 )
 def test_keys_are_told_from_what_a_terminal_sends(text, keys):
-    assert list(lines.parse_keys(text)) == keys
+    assert list(plain_mode.parse_keys(text)) == keys
 
 
 class Pipe:
