@@ -186,7 +186,7 @@ def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(ru
 
 def test_a_phone_that_cannot_be_asked_is_one_line():
     phone = Phone(names=("illum",))
-    for address, word in ((phone.address, "no accelerometer"), ("http://", "is no address"),
+    for address, word in ((phone.address, "no accelerometer"), ("http://", "must be the URL"),
                           ("http://127.0.0.1:1", "remote access")):  # fmt: skip
         with pytest.raises(ov.InputError, match=word) as caught:
             PhyphoxPort(address)
@@ -286,7 +286,7 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     assert counters.damaged == 0
     left["now"]()
     until(lambda: left.get("closed"))
-    with pytest.raises(PortLostError, match="out of reach"):
+    with pytest.raises(PortLostError, match="out of range"):
         port.receive(0.05)
     port.close()
 
@@ -299,7 +299,8 @@ def test_a_uart_by_radio_says_what_it_would_over_a_wire():
 
 
 @pytest.mark.parametrize(
-    ("uuid", "wanted", "word"), [(UART, "other", "in reach"), ("00002a00", "wt901", "no service")]
+    ("uuid", "wanted", "word"),
+    [(UART, "other", "no such sensor found"), ("00002a00", "wt901", "no supported service")],
 )
 def test_a_sensor_that_cannot_be_heard_is_one_line(uuid, wanted, word):
     bleak, _ = made_bleak(uuid)

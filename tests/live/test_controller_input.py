@@ -137,7 +137,7 @@ def test_who_says_nothing_for_long_has_let_go(opened, running):
     hand, port = opened.open("osc", OscReader, silent_s=0.3)
     port.put(message("/overview/theta2", 1.0, 1))
     until(lambda: running.holder is not None)
-    said(hand, "silent for 0.3 s")
+    said(hand, "no messages for 0.3 s")
     until(lambda: running.holder is None)
     # and takes hold again
     port.put(message("/overview/theta2", 2.0, 0), message("/overview/theta2", 2.0, 1))
@@ -181,7 +181,7 @@ def test_values_that_cannot_be_are_said_once_a_parameter_and_counted(opened, run
         hand.poll(running)
     (line,) = hand.take_messages()
     assert "100" in line
-    assert "counted on" in line
+    assert "only counted" in line
     assert hand.report()["refused"] == hand.report()["unknown"] == 20
 
 
@@ -350,7 +350,7 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
         client.sendto(message("/overview/touch", 0), ("127.0.0.1", number))
         until(lambda: running.holder is None)
         assert hand.report()["refused"] == 1
-        with pytest.raises(ov.InputError, match="another program listens"):
+        with pytest.raises(ov.InputError, match="another program uses this port"):
             OscPort(str(number))
     finally:
         client.close()
@@ -443,13 +443,13 @@ def test_addresses_that_are_nothing_are_counted_and_one_of_them_is_said(engine):
     hand.close()
     assert hand.counters.unknown == 50
     assert len(said) == 1
-    assert "the first of them; counted on" in said[0]
+    assert "further ones are only counted" in said[0]
 
 
 def test_osc_asks_for_takes_replays_presets_and_windows(engine):
     port, asked = MadePort(), []
     hand = ControllerInput(
-        engine, "osc", lambda: port, OscReader, ask=lambda *words: asked.append(words)
+        engine, "osc", lambda: port, OscReader, queue_command=lambda *words: asked.append(words)
     )
     port.put(
         message("/overview/record"),

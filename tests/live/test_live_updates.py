@@ -225,7 +225,7 @@ def test_no_click_comes_with_an_update(monkeypatch, preset):
             # new while it moves, under the hand: the harshest moment there is
             def change(one=one):
                 live.append(intensity=[(float(n), 0.9) for n in range(0, 1000, 10)])
-                one.player.active_window.grow(live.felt())
+                one.player.active_window.update_timeline(live.felt())
 
         else:
             change = None
@@ -285,9 +285,9 @@ def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
     ("keywords", "told"),
     [
         ({"preset": "football-discreet"}, []),
-        ({"preset": "football-discreet", "tell": "goal"}, ["goal"]),
-        ({"tell": "none"}, []),
-        ({"tell": "foul"}, ["foul", "goal"]),
+        ({"preset": "football-discreet", "announce": "goal"}, ["goal"]),
+        ({"announce": "none"}, []),
+        ({"announce": "foul"}, ["foul", "goal"]),
     ],
 )
 def test_what_is_told_is_chosen(session, live, keywords, told):
@@ -337,14 +337,14 @@ def test_map_and_length_change_while_it_runs(session, live):
     one = session()
     one.run(0.1)
     assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (5700.0, 800.0)
-    one.player.queue_command("map", "so-far")
+    one.player.queue_command("layout", "so-far")
     one.run(0.2)
     assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (824.0, 800.0)
-    one.player.queue_command("map", "whole")
-    one.player.queue_command("expect", "2h")
+    one.player.queue_command("layout", "whole")
+    one.player.queue_command("expected-duration", "2h")
     one.run(0.2)
     assert (one.window_timeline.duration_s, one.window_timeline.until_s) == (7200.0, 800.0)
-    for words in (("map", "half"), ("expect", "soon")):
+    for words in (("layout", "half"), ("expected-duration", "soon")):
         one.player.queue_command(*words)
     one.run(0.1)
     assert sum("half" in line or "soon" in line for line in one.messages) == 2
@@ -359,7 +359,7 @@ def test_the_map_is_a_presets_choice_until_a_person_makes_one(session, live, tmp
     one.player.use_preset(str(path))
     one.run(0.2)
     assert one.window_timeline.duration_s == 824.0
-    one.player.queue_command("map", "whole")
+    one.player.queue_command("layout", "whole")
     one.run(0.2)
     assert one.window_timeline.duration_s == 5700.0
     given = session(layout_is_explicit=True)
@@ -429,7 +429,7 @@ def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tm
     one.run(2.5)
     live.retract(event(850, "goal", "1-0"))
     live.gap(820.0, 840.0, "no camera")
-    one.player.queue_command("map", "so-far")
+    one.player.queue_command("layout", "so-far")
     one.run(0.3)
     one.player.show(0.0, one.player.timeline.duration_s)
     one.player.tap(0.7)

@@ -174,7 +174,7 @@ def test_a_motor_that_reports_too_seldom_is_reported_once(bench):
     for n in range(140):
         bench.clock.now += 0.02
         bench.port.step(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
-    said = [one for one in bench.input.take_messages() if "times a second" in one]
+    said = [one for one in bench.input.take_messages() if "reports per second" in one]
     assert len(said) == 1
     assert "motor.downsample" in said[0]
 

@@ -39,7 +39,7 @@ def test_a_device_keeps_its_actuator_until_another_or_none_is_named(kept):
     assert played(None).actuator is None
     assert played(None).tactor.gain_db == -3.0
     kept.write_text(kept.read_text().replace('"actuator": null', '"actuator": "gone"'))
-    with pytest.raises(ov.InputError, match=r"outputs\.json: the actuator of 'pad': no actuator"):
+    with pytest.raises(ov.InputError, match=r"outputs\.json: actuator of 'pad': no actuator"):
         played(None)
     with pytest.raises(ov.InputError, match=r"^no actuator is called 'gone'"):
         played("gone")

@@ -124,7 +124,7 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
 def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     session, match, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(presets, "LOOK_EVERY_S", 0.0)
+    monkeypatch.setattr(presets, "CHECK_EVERY_S", 0.0)
     mine = tmp_path / "mine.toml"
     shutil.copy(preset_path("plain"), mine)
     player, sound = session(str(mine), record=tmp_path / "take.csv")
@@ -211,13 +211,13 @@ def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
     player.toggle_take()
     (line,) = player.takes.summaries
     assert "bit-identical" not in line
-    assert "the disk held or moving" in line
+    assert "the disk was touched or moving" in line
 
 
 def test_takes_and_replays_alternate_and_replace_none(session):
     player, sound = session()
     player.toggle_replay()
-    assert any("nothing to replay yet" in line for line in poll(player).messages)
+    assert any("no take to replay" in line for line in poll(player).messages)
     for number in range(3):
         player.toggle_take()
         assert poll(player).recording is not None
@@ -281,7 +281,7 @@ def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
         (("window", "5"), "window 5: wrong number of arguments; must be window START END"),
         (("window", "x", "y"), "window start 'x' must be a number"),
         (("window", "9", "1"), "window 9 1"),
-        (("record", "on"), "it takes 0 or 1"),
+        (("record", "on"), "'on' must be 0, 1 or left out"),
         (("preset", "nothing"), "no preset is called 'nothing'"),
     ):
         player.queue_command(*words)

@@ -130,7 +130,7 @@ def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
     assert bench.engine.holder[0] == "serial"
-    bench.until(lambda: any("silent" in said for said in bench.input.take_messages()))
+    bench.until(lambda: any("no data" in said for said in bench.input.take_messages()))
     bench.run(0.1)
     assert bench.engine.holder is None
     bench.turn(0.9, 10)
@@ -265,7 +265,7 @@ def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
     bench.until(lambda: not bench.input.report()["connected"])
     bench.until(lambda: bench.refused > 3)
     messages = bench.input.take_messages()
-    assert sum("held by another program" in line for line in messages) == 1
+    assert sum("used by another program" in line for line in messages) == 1
     bench.there = True
     bench.until(lambda: bench.input.report()["connected"])
 
@@ -464,7 +464,7 @@ def test_a_port_is_held_by_one_program(device):
     path = str(device())
     port = SerialPort(path)
     try:
-        with pytest.raises(ov.InputError, match="held by another program"):
+        with pytest.raises(ov.InputError, match="used by another program"):
             SerialPort(path)
     finally:
         port.close()

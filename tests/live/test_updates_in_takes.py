@@ -208,7 +208,7 @@ def test_with_no_place_at_all_it_is_kept_until_there_is_one(
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
     heard = until_it_moves(engine, take, said)
-    assert "kept in memory" in said[0]
+    assert "stays in memory" in said[0]
     heard.append(play(engine, *SLOW))
     take.poll()
     assert ov.load_gesture(disk / "take.csv").duration_s > 0.0
@@ -225,7 +225,7 @@ def test_what_never_finds_a_place_is_said_in_the_end(disk, engine, monkeypatch):
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
     until_it_moves(engine, take, said)
-    with pytest.raises(ov.OutputError, match=r"No space left.*whole up to \d"):
+    with pytest.raises(ov.OutputError, match=r"No space left.*complete up to \d"):
         take.close()
     assert ov.load_gesture(disk / "take.csv").duration_s > 1.0
 

@@ -266,7 +266,7 @@ def test_without_a_server_there_is_no_address(player):
 class CountingHand(Input):
     """A sensor that has counted something and has something to say."""
 
-    words = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
+    status_text = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
 
     def __init__(self):
         self._messages = ["hold it still"]
@@ -295,7 +295,7 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
 
 
 def test_a_message_goes_when_it_was_read(player, monkeypatch):
-    monkeypatch.setattr(app_module, "SHOWN_S", 0.5)
+    monkeypatch.setattr(app_module, "MESSAGE_S", 0.5)
 
     async def inside():
         app = PlayApp(player, CountingHand())
