@@ -286,7 +286,7 @@ def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):
 
 @pytest.mark.parametrize(
     ("text", "word"),
-    [("", "names a file"), ("pcm:abc", "pcm:RATE"), ("pcm:48000:2:3", "pcm:RATE")],
+    [("", "must be a file"), ("pcm:abc", "pcm:RATE"), ("pcm:48000:2:3", "pcm:RATE")],
 )
 def test_a_source_that_cannot_be_is_one_line(text, word):
     with pytest.raises(ov.InputError, match=word):
