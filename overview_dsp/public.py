@@ -97,7 +97,7 @@ def dataframe(columns: Mapping[str, Any]) -> DataFrame:
     return DataFrame(dict(columns))
 
 
-def drawn(module: str, name: str, *arguments: Any) -> Figure:
+def plot_with(module: str, name: str, *arguments: Any) -> Figure:
     """Call a function that draws, of a module that is imported when it is needed."""
     figure: Figure = getattr(import_module(f"{PACKAGE}.{module}"), name)(*arguments)
     return figure

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import __version__
-from overview_dsp.batch.grid import Case, Study
+from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.compiling import sources_digest
@@ -74,7 +74,7 @@ def preset_digest(preset: Preset) -> str:
 class Keys:
     """The keys of a study's cases."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: RenderGrid) -> None:
         """Digest the study's inputs, once."""
         self._timelines = [_of_timeline(timeline) for timeline in study.timelines.values()]
         self._presets = [preset_digest(preset) for preset in study.presets.values()]

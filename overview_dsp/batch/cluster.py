@@ -14,8 +14,8 @@ from typing import Any
 
 from overview_dsp.batch.cache_keys import PROGRAM
 from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.task import Done, Job, Worker
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError
 
 MOST_RETRIES = 10
@@ -37,7 +37,7 @@ def _same(packed: bytes) -> bytes:
     return packed
 
 
-def _run(packed: bytes, program: str, jobs: Sequence[Job]) -> Done:
+def _run(packed: bytes, program: str, jobs: Sequence[Job]) -> TaskResult:
     if program != PROGRAM:
         raise OverviewError(
             f"a worker has another version of this program or of numba ({PROGRAM}, here "
@@ -71,7 +71,7 @@ class Cluster:
         threads: int = sum(self._client.nthreads().values())
         return max(1, threads)
 
-    def run(self, study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
+    def run(self, study: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
         """Run tasks on the cluster's workers; results come as they are there.
 
         Raises
@@ -94,7 +94,7 @@ class Cluster:
         try:
             for future in waiting:
                 try:
-                    done: Done = future.result()
+                    done: TaskResult = future.result()
                 except OverviewError:
                     raise
                 except Exception as error:

@@ -36,7 +36,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Study:
+class RenderGrid:
     """A grid of renders, and where they go.
 
     Attributes

@@ -32,7 +32,7 @@ from dataclasses import fields
 from typing import Any, TypeVar
 
 from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Settings, Study
+from overview_dsp.batch.grid import RenderGrid, Settings
 from overview_dsp.batch.storage import is_address, local_copy, read_text
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.registry import BUNDLED
@@ -126,7 +126,7 @@ class JobsTable:
         return found
 
 
-def load_study(where: str | os.PathLike[str], out: str | None = None) -> Study:
+def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGrid:
     """The study of a jobs file (a path or an address), its inputs loaded.
 
     `out` is taken in place of the file's.
@@ -152,7 +152,7 @@ def read_grid(
     out: str,
     timelines: Mapping[str, Timeline] | None = None,
     gestures: Mapping[str, Gesture] | None = None,
-) -> Study:
+) -> RenderGrid:
     """The study of a table, its inputs loaded; given timelines and gestures come before its own.
 
     Raises
@@ -168,7 +168,7 @@ def read_grid(
     if "gestures" in file.data or not gestures:
         gestures |= file.collected("gestures", _gestures(file))
     parameters = _parameters(file, presets)
-    study = Study(out, timelines, presets, gestures, parameters, _seeds(file), _settings(file))
+    study = RenderGrid(out, timelines, presets, gestures, parameters, _seeds(file), _settings(file))
     if len(study) > MOST_CASES:
         raise InputError(f"{file.where}: {len(study):,} renders; a study has up to {MOST_CASES:,}")
     return study

@@ -15,8 +15,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection, get_context, parent_process
 
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.task import Done, Job, Worker
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError, OverviewWarning
 
 MOST_DEATHS = 3
@@ -36,7 +36,7 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def _begin(study: Study) -> None:
+def _begin(study: RenderGrid) -> None:
     global _worker
     # Ctrl-C is the parent's to answer
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -52,7 +52,7 @@ def _note(message: Warning | str, category: type[Warning], *where: object) -> No
         _notes.append(str(message))
 
 
-def _run(jobs: Sequence[Job]) -> tuple[Done, list[str]]:
+def _run(jobs: Sequence[Job]) -> tuple[TaskResult, list[str]]:
     assert _worker is not None
     done = _worker.run(jobs)
     notes = list(dict.fromkeys(_notes))
@@ -60,7 +60,7 @@ def _run(jobs: Sequence[Job]) -> tuple[Done, list[str]]:
     return done, notes
 
 
-def run_here(study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
+def run_here(study: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
     """Run tasks in this process, one after another."""
     worker = Worker(study)
     for jobs in tasks:
@@ -68,8 +68,8 @@ def run_here(study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
 
 
 def run_in_processes(
-    study: Study, tasks: Sequence[Sequence[Job]], processes: int
-) -> Iterator[Done]:
+    study: RenderGrid, tasks: Sequence[Sequence[Job]], processes: int
+) -> Iterator[TaskResult]:
     """Run tasks in `processes` processes; results come as they are there.
 
     Raises
@@ -99,8 +99,8 @@ def run_in_processes(
 
 
 def _run_once(
-    study: Study, left: dict[int, Sequence[Job]], processes: int
-) -> Iterator[tuple[int, tuple[Done, list[str]]]]:
+    study: RenderGrid, left: dict[int, Sequence[Job]], processes: int
+) -> Iterator[tuple[int, tuple[TaskResult, list[str]]]]:
     pool = ProcessPoolExecutor(
         min(processes, len(left)),
         # not forked: threads of libraries don't survive that
@@ -108,7 +108,7 @@ def _run_once(
         initializer=_begin,
         initargs=(study,),
     )
-    waiting: dict[Future[tuple[Done, list[str]]], int] = {}
+    waiting: dict[Future[tuple[TaskResult, list[str]]], int] = {}
     numbers = iter(list(left))
     try:
         while True:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from overview_dsp import __version__
 from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import InputError, OverviewError
@@ -84,7 +84,7 @@ def _decoded(name: str, data: bytes) -> Any:
     return found.select(schema.names).cast(schema).replace_schema_metadata(None)
 
 
-def read_rows(place: Place) -> tuple[Any, list[str]]:
+def read_rows(place: Storage) -> tuple[Any, list[str]]:
     """What is known of a place: a table of parts' columns, and the names of the parts.
 
     Raises
@@ -121,7 +121,7 @@ def finished_rows(table: Any, sizes: Mapping[str, int]) -> dict[str, int]:
 
 
 def rows_of(
-    place: Place, table: Any, finished: Mapping[str, int], keys: Sequence[str]
+    place: Storage, table: Any, finished: Mapping[str, int], keys: Sequence[str]
 ) -> NDArray[np.int64]:
     """The table's row of each key: the finished one, else the last that failed.
 
@@ -143,7 +143,7 @@ def rows_of(
     return np.array(rows, np.int64)
 
 
-def encode_manifest(study: Study, table: Any, rows: NDArray[np.int64]) -> bytes:
+def encode_manifest(study: RenderGrid, table: Any, rows: NDArray[np.int64]) -> bytes:
     """The study's manifest; case `i` has the measures of row `rows[i]` of the table."""
     arrow = library("pyarrow")
     count = len(study)

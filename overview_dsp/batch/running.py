@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
 from overview_dsp.batch.cache_keys import Keys
-from overview_dsp.batch.grid import Study
+from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.local import run_here, run_in_processes
-from overview_dsp.batch.storage import Place, is_address
-from overview_dsp.batch.task import Done, Job
+from overview_dsp.batch.storage import Storage, is_address
+from overview_dsp.batch.task import Job, TaskResult
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import pause
 from overview_dsp.design.presets.library import load_preset
@@ -31,7 +31,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BatchResult:
     """What became of a study.
 
     Attributes
@@ -50,13 +50,13 @@ class Outcome:
     manifest: str
 
 
-def run_study(
-    study: Study,
+def run_batch(
+    study: RenderGrid,
     *,
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Progress | None = None,
-) -> Outcome:
+) -> BatchResult:
     """Render what isn't finished of a study, then write its manifest.
 
     Stopped or killed at any moment, it goes on where it was when it is run again. Files, hashes and
@@ -64,7 +64,7 @@ def run_study(
 
     Parameters
     ----------
-    study : Study
+    study : RenderGrid
     workers : int or None
         Processes of this machine; None is one a core, 1 works in this one.
     scheduler : str or None
@@ -81,7 +81,7 @@ def run_study(
     if not is_address(study.out):
         # a cluster's workers stand in other folders
         study = replace(study, out=os.path.abspath(study.out))
-    place = Place(study.out)
+    place = Storage(study.out)
     if workers is not None and workers < 1:
         raise InputError(f"workers = {workers}; it is 1 or more")
     if place.of_one_process and (workers != 1 or scheduler is not None):
@@ -118,10 +118,10 @@ def run_study(
     place.clean()
     at = f"{study.out.rstrip('/')}/{manifest.MANIFEST}"
     rendered = len(missing) - len(failed)
-    return Outcome(len(keys), found, rendered, tuple(sorted(failed)), at)
+    return BatchResult(len(keys), found, rendered, tuple(sorted(failed)), at)
 
 
-def _keys(study: Study) -> list[str]:
+def _keys(study: RenderGrid) -> list[str]:
     keys = Keys(study)
     return [keys.key(study.case(index)) for index in range(len(study))]
 
@@ -131,11 +131,13 @@ def _tasks(jobs: Sequence[Job], at_a_time: int) -> list[Sequence[Job]]:
     return [jobs[first : first + size] for first in range(0, len(jobs), size)]
 
 
-Run = Callable[[Study, Sequence[Sequence[Job]]], Iterator[Done]]
+Run = Callable[[RenderGrid, Sequence[Sequence[Job]]], Iterator[TaskResult]]
 
 
 @contextmanager
-def _runner(study: Study, workers: int | None, scheduler: str | None) -> Iterator[tuple[Run, int]]:
+def _runner(
+    study: RenderGrid, workers: int | None, scheduler: str | None
+) -> Iterator[tuple[Run, int]]:
     """Where the work is done, and how many tasks at a time."""
     if scheduler is not None:
         from overview_dsp.batch.cluster import Cluster

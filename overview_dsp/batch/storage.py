@@ -28,7 +28,7 @@ def is_address(text: str) -> bool:
     return "://" in text
 
 
-class Place:
+class Storage:
     """A folder or an address, from any process that reaches it."""
 
     def __init__(self, where: str) -> None:

@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.batch.grid import Case, Study
+from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
-from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.measurements import MEASURED_COLUMNS, measures
+from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import OutputError, OverviewError
@@ -31,7 +31,7 @@ Job = tuple[int, str]
 
 
 @dataclass(frozen=True)
-class Done:
+class TaskResult:
     """What a worker reports of its cases: how many were finished, and which failed why."""
 
     finished: int
@@ -46,15 +46,15 @@ def sound_name(key: str, format: str) -> str:
 class Worker:
     """What one worker keeps between its tasks. Thread: any; a memory block a thread."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: RenderGrid) -> None:
         """Open the study's place; nothing is rendered yet."""
         self.study = study
-        self.place = Place(study.out)
+        self.place = Storage(study.out)
         self._surfaces = SurfaceCache()
         self._own = threading.local()
         self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
 
-    def run(self, jobs: Sequence[Job]) -> Done:
+    def run(self, jobs: Sequence[Job]) -> TaskResult:
         """Render, measure and store some cases; those that can't be rendered are reported.
 
         Raises
@@ -98,7 +98,7 @@ class Worker:
                 self._keep(rows)
                 written = time.monotonic()
         self._keep(rows)
-        return Done(len(jobs) - len(failed), tuple(failed))
+        return TaskResult(len(jobs) - len(failed), tuple(failed))
 
     def _keep(self, rows: list[dict[str, Any]]) -> None:
         if rows:

@@ -32,11 +32,11 @@ def command(
     Stopped or killed, it goes on where it was when it is called again. A render that fails is
     listed, the others are made; then it ends with 1.
     """
-    from overview_dsp.batch import load_study, run_study
+    from overview_dsp.batch import load_jobs, run_batch
 
     if workers is not None and scheduler is not None:
         raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")
-    study = load_study(jobs, output)
+    study = load_jobs(jobs, output)
     if dry_run:
         report = {"out": study.out, "cases": len(study)}
         show(as_json, report, f"{study.out}: {len(study)} renders")
@@ -50,7 +50,7 @@ def command(
 
     try:
         with progress_bar(f"rendering {len(study)}") as bar:
-            outcome = run_study(study, workers=workers, scheduler=scheduler, progress=progress)
+            outcome = run_batch(study, workers=workers, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
         error = OverviewError(
             f"stopped with {count} of {len(study)} finished; run it again to go on"

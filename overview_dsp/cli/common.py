@@ -14,7 +14,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import keep, release, whole_file
+from overview_dsp.files.atomic import atomic_file, protect_input, unprotect_inputs
 
 if TYPE_CHECKING:
     from overview_dsp.design.gestures import Gesture
@@ -73,21 +73,21 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a whole text file, or nothing; OutputError."""
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def keep_input(path: str) -> None:
+def protect_inputs(path: str) -> None:
     """Let no output of the command take the place of a file that it reads."""
-    keep(path)
-    click.get_current_context().call_on_close(release)
+    protect_input(path)
+    click.get_current_context().call_on_close(unprotect_inputs)
 
 
 def read_gesture(text: str) -> Gesture:
     """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
     for part in text.split("+"):
-        keep_input(part)
-        keep_input(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
+        protect_inputs(part)
+        protect_inputs(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
     return ov.parse_gesture(text)
 
 

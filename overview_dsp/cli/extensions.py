@@ -16,9 +16,9 @@ commands   `cli_command`, `option`, `SECONDS`: a command whose signature declare
            options; `announce_compile`, `note`, `progress_bar`, `show`;
            `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: end as the other
            commands do; `Server`, `require_server`, `open_server`: a server with a token
-files      `whole_folder`, `sound_bytes`; `read_text`, `parse_toml`,
+files      `atomic_folder`, `sound_bytes`; `read_text`, `parse_toml`,
            `faults_at_their_line`: TOML, whose errors name their line
-grids      `Study`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
+grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
            a jobs file, and the digest that names each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
 pictures   `save_figure`, `plot_style`
@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from overview_dsp.batch.cache_keys import PROGRAM, Keys
-    from overview_dsp.batch.grid import Study
+    from overview_dsp.batch.grid import RenderGrid
     from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
     from overview_dsp.cli.common import announce_compile, note, progress_bar, show
     from overview_dsp.cli.live_session import SECONDS
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
     from overview_dsp.design.gestures.model import SOURCES
     from overview_dsp.design.presets.parameter import Value
-    from overview_dsp.files.atomic import whole_folder
+    from overview_dsp.files.atomic import atomic_folder
     from overview_dsp.files.sound import sound_bytes
     from overview_dsp.files.toml import faults_at_their_line, parse_toml, read_text
     from overview_dsp.kernels.layout import CLICK, TACTOR
@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 
 _PLACES = {
     "batch.cache_keys": "PROGRAM Keys",
-    "batch.grid": "Study",
+    "batch.grid": "RenderGrid",
     "batch.jobs_file": "KEYS JobsTable read_grid",
     "cli.common": "announce_compile note progress_bar show",
     "cli.live_session": "SECONDS",
@@ -71,7 +71,7 @@ _PLACES = {
     "cli.signals": "ended_by_signals exit_if_stopped wait_for_end",
     "design.gestures.model": "SOURCES",
     "design.presets.parameter": "Value",
-    "files.atomic": "whole_folder",
+    "files.atomic": "atomic_folder",
     "files.sound": "sound_bytes",
     "files.toml": "faults_at_their_line parse_toml read_text",
     "kernels.layout": "CLICK TACTOR",

@@ -39,7 +39,7 @@ class Session:
     seed: int = SEED
 
 
-def seconds_given(context: Any, parameter: Any, seconds: float | None) -> float | None:
+def check_seconds(context: Any, parameter: Any, seconds: float | None) -> float | None:
     """Return how long to play; written so that NaN fails."""
     if seconds is not None and not 0.0 <= seconds < math.inf:
         raise InputError(f"--seconds {seconds:g}; it is 0 or more")
@@ -47,12 +47,12 @@ def seconds_given(context: Any, parameter: Any, seconds: float | None) -> float 
 
 
 SECONDS = option(
-    "Stop after S seconds.", heading=Session.heading, metavar="S", callback=seconds_given
+    "Stop after S seconds.", heading=Session.heading, metavar="S", callback=check_seconds
 )
 
 
 @contextmanager
-def opened_player(
+def open_player(
     data: OpenedData,
     output: Output,
     session: Session,
@@ -92,7 +92,7 @@ def opened_player(
         yield player, received
 
 
-def print_lines(
+def play_headless(
     player: Player,
     source: Input | None,
     received: list[int],

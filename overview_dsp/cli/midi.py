@@ -26,7 +26,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     """Move a control of the port NAME: from now on it does TARGET.
 
     TARGET is theta2 (the angle), touch (the disk is held while it is pressed), taps (keys, each a
-    place on the timeline) or a parameter's id (`overview presets docs`). The control that is moved
+    place on the timeline) or a parameter's id (`overview presets reference`). The control that is moved
     is added to the list, or takes the place of what did the same. A knob without ends is known by
     its steps.
     """

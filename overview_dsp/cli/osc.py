@@ -26,7 +26,7 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     """Move a control that sends OSC to PORT (or HOST:PORT): from now on it does TARGET.
 
     TARGET is theta2 (the angle), touch (the disk is held while it is pressed), device (what sends
-    is itself turned in the hand) or a parameter's id (`overview presets docs`). The control that is
+    is itself turned in the hand) or a parameter's id (`overview presets reference`). The control that is
     moved is added to the list, or takes the place of what did the same.
     """
     from overview_dsp.devices.controllers.control_map import (

@@ -9,9 +9,9 @@ from contextlib import ExitStack
 import click
 
 from overview_dsp.cli.common import note, read_gesture, say
-from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.live_session import SECONDS, Session, open_player, play_headless
 from overview_dsp.cli.options.declaring import cli_command, option
-from overview_dsp.cli.options.follow import Feed, opened_data
+from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.input import FORCE_BLOCK, Controls, parse_sources
 from overview_dsp.cli.options.output import Output
 from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
@@ -80,10 +80,10 @@ def command(
     movement = None if replay is None else read_gesture(path)
     sources = parse_sources(controls.input)
     with ExitStack() as stack:
-        data = stack.enter_context(opened_data(timeline, feed, reading, window, choice.preset))
+        data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         block = {"usual_block": FORCE_BLOCK} if sources.force else {}
         player, received = stack.enter_context(
-            opened_player(data, output, session, choice.linear, compare, **block)
+            open_player(data, output, session, choice.linear, compare, **block)
         )
         if movement is not None:
             player.loop.begin(movement, os.path.basename(path), path != replay)
@@ -102,7 +102,7 @@ def command(
             invitation = opened.text
         terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
         if screen == "json" or not terminal:
-            print_lines(player, source, received, seconds, controls.osc_out is not None)
+            play_headless(player, source, received, seconds, controls.osc_out is not None)
         elif screen == "lines":
             from overview_dsp.live.screen.lines import run as run_lines
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import click
 
 from overview_dsp.cli.common import note
-from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.live_session import SECONDS, Session, open_player, play_headless
 from overview_dsp.cli.options.declaring import cli_command, option, refuse_options
-from overview_dsp.cli.options.follow import Feed, opened_data
+from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.output import Output
 from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
 from overview_dsp.cli.options.server import Server, ServerAddress, open_server, require_server
@@ -62,7 +62,7 @@ def command(
     if publish is not None and feed.follow is None:
         raise click.UsageError("--publish is for --follow; overview export --to web has the rest")
     with ExitStack() as stack:
-        data = stack.enter_context(opened_data(timeline, feed, reading, window, choice.preset))
+        data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         require_server()
         if audio == "here":
             refuse_options("is for --audio host; the page sounds by itself", Output, Session)
@@ -76,11 +76,11 @@ def command(
         if audio == "host":
             from overview_dsp.web.session import HostSession
 
-            with opened_player(data, output, session, choice.linear) as (player, received):
+            with open_player(data, output, session, choice.linear) as (player, received):
                 host = HostSession(player)
                 with open_server(server, host, routes, growing) as opened:
                     _report(opened, as_json)
-                    print_lines(player, host, received, seconds)
+                    play_headless(player, host, received, seconds)
         else:
             with (
                 ended_by_signals() as received,

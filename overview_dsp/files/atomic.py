@@ -26,17 +26,17 @@ def output_error(path: Path, error: OSError) -> InputError | OutputError:
 _inputs: set[tuple[int, int]] = set()
 
 
-def keep(path: str | os.PathLike[str]) -> None:
+def protect_input(path: str | os.PathLike[str]) -> None:
     """Let no output of this process take the place of this file, if there is one.
 
-    For what a command reads, until it ends (`release`): one wrong name, and it would be lost.
+    For what a command reads, until it ends (`unprotect_inputs`): one wrong name, and it would be lost.
     """
     found = _identity(path)
     if found is not None:
         _inputs.add(found)
 
 
-def release() -> None:
+def unprotect_inputs() -> None:
     """Outputs may take the place of any file again."""
     _inputs.clear()
 
@@ -97,7 +97,7 @@ def remove_temporaries() -> None:
 
 
 @contextlib.contextmanager
-def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
+def atomic_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
     """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.
 
     The temporary name keeps the suffix, so a writer that looks at it chooses the same format. A
@@ -106,7 +106,7 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
     Raises
     ------
     InputError
-        The folder doesn't exist or can't be written, or the file is one to `keep`.
+        The folder doesn't exist or can't be written, or the file is one to `protect_input`.
     OutputError
         The disk is full or broken.
     """
@@ -145,7 +145,7 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 
 
 @contextlib.contextmanager
-def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
+def atomic_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
     """Give a temporary folder beside `path`; rename it into place on success, delete it otherwise.
 
     A folder that is there already is replaced if it is empty or holds the file `ours`.

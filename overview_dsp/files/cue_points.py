@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.atomic import atomic_file, output_error
 
 MOST_BYTES = 2**32 - 1
 
@@ -57,7 +57,7 @@ def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
     padding = bytes(size % 2)
     if size + len(padding) + len(chunks) - 8 > MOST_BYTES:
         raise InputError(f"{path}: a WAV file of 4 GB holds no cue points; use a transcript")
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         try:
             shutil.copyfile(path, temporary)
             with open(temporary, "r+b") as file:

@@ -37,7 +37,7 @@ class Library:
         return installed if installed.is_dir() else _PACKAGE.parent / self.sort
 
     @property
-    def own_folder(self) -> Path:
+    def user_folder(self) -> Path:
         """A person's own, which may not be there yet."""
         given = os.environ.get(self.variable)
         if given:
@@ -52,19 +52,19 @@ class Library:
         return _names_in(self.bundled_folder)
 
     @property
-    def own(self) -> tuple[str, ...]:
+    def user(self) -> tuple[str, ...]:
         """Names of a person's own, sorted; a bundled name stays the bundled one's."""
         if not self.variable:
             return ()
-        return tuple(sorted(set(_names_in(self.own_folder)) - set(self.bundled)))
+        return tuple(sorted(set(_names_in(self.user_folder)) - set(self.bundled)))
 
     def path(self, name: str | Path) -> Path:
         """The file that is named; InputError if there is none."""
         text = str(name)
         if text in self.bundled:
             return self.bundled_folder / (text + SUFFIX)
-        if text in self.own:
-            return self.own_folder / (text + SUFFIX)
+        if text in self.user:
+            return self.user_folder / (text + SUFFIX)
         path = Path(text)
         if path.suffix == SUFFIX or path.parent != Path("."):
             # os.path: a name that is too long is no file, where pathlib raises
@@ -74,7 +74,7 @@ class Library:
             raise InputError(f"{path}: {what}; give {self.one}'s {SUFFIX} file or a name")
         raise InputError(
             f"no {self.one.split()[-1]} is called {shown(text)}"
-            f"{did_you_mean(text, (*self.bundled, *self.own))} (or give the path of a .toml file)"
+            f"{did_you_mean(text, (*self.bundled, *self.user))} (or give the path of a .toml file)"
         )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.atomic import atomic_file, output_error
 
 PACKED = {"PCM_16": 2, "PCM_24": 3, "PCM_32": 4}
 """Bytes of a sample, for the subtypes that are packed here."""
@@ -168,7 +168,7 @@ class SoundWriter:
 
         # an error on the way leaves by the inner stack, which takes the temporary file with it
         with contextlib.ExitStack() as stack:
-            temporary = stack.enter_context(whole_file(self.path))
+            temporary = stack.enter_context(atomic_file(self.path))
             try:
                 self._file = soundfile.SoundFile(
                     str(temporary),
@@ -317,7 +317,7 @@ class _Samples(Protocol):
     def sample_rate(self) -> float: ...
 
 
-class Sounding:
+class SavableSound:
     """Has `samples`, float32 (frames, 2), at a `sample_rate` (Hz), and may be kept as a file."""
 
     def save(self: _Samples, path: str | os.PathLike[str], subtype: str | None = None) -> None:

@@ -106,10 +106,10 @@ def require_known(table: Iterable[str], known: Collection[str], before: str = ""
     """InputError, which begins with the key, for one that isn't known."""
     for key in table:
         if key not in known:
-            raise InputError(f"{before}{shown_key(key)}: unknown key{did_you_mean(key, known)}")
+            raise InputError(f"{before}{format_key(key)}: unknown key{did_you_mean(key, known)}")
 
 
-def shown_key(key: str) -> str:
+def format_key(key: str) -> str:
     """A key as an error names it: quoted where it may hold anything."""
     return key if key.isprintable() and not any(c.isspace() for c in key) else repr(key)
 

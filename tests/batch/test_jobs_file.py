@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.batch import Study, load_study
+from overview_dsp.batch import RenderGrid, load_jobs
 from overview_dsp.batch.grid import Settings
-from tests.batch.studies import CASES, JOBS, study_in
+from tests.batch.grids import CASES, JOBS, study_in
 
 REST = 'out = "o"\ntimelines = ["world-cup-final-2018"]\ngestures = ["tap:1"]\n'
 
@@ -35,7 +35,7 @@ def test_any_grid_numbers_its_cases_from_0_without_a_gap(sizes, seeds):
         {str(i): None for i in range(size)} for size in sizes
     )
     values = {str(n): tuple(map(float, of)) for n, of in enumerate(parameters)}
-    study = Study("o", timelines, presets, gestures, values, tuple(seeds), Settings())
+    study = RenderGrid("o", timelines, presets, gestures, values, tuple(seeds), Settings())
     cases = [study.case(index) for index in range(len(study))]
     assert len({(c.timeline, c.preset, c.gesture, c.values, c.seed) for c in cases}) == len(study)
 
@@ -145,7 +145,7 @@ def test_what_is_wrong_is_one_line_that_names_it(tmp_path, text, words):
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path):
     with pytest.raises(ov.InputError, match="no such"):
-        load_study(tmp_path / "no such")
+        load_jobs(tmp_path / "no such")
 
 
 @given(data=st.data())

@@ -85,7 +85,7 @@ def test_a_temporary_file_is_known_before_it_is_there(folder, monkeypatch):
         patched.setattr(os, "open", made)
         patched.setattr(os, "unlink", made)  # stopped again while it cleans up
         with pytest.raises(KeyboardInterrupt):
-            atomic.whole_file("a.wav").__enter__()
+            atomic.atomic_file("a.wav").__enter__()
     assert len(os.listdir(folder)) == 1
     atomic.remove_temporaries()
     assert os.listdir(folder) == []

@@ -118,7 +118,7 @@ class OpenedData:
 
 
 @contextmanager
-def opened_data(
+def open_data(
     timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
 ) -> Iterator[OpenedData]:
     """Open a finished timeline, or follow one that grows meanwhile; errors as they."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import overview_dsp as ov
-from overview_dsp.cli.common import keep_input, progress_bar
+from overview_dsp.cli.common import progress_bar, protect_inputs
 from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
@@ -134,7 +134,7 @@ def open_window(path: str, reading: Reading, window: Window) -> Timeline:
 
 def open_timeline(path: str, reading: Reading) -> Timeline:
     """Load a timeline, with a progress bar where that takes long; errors as `load_timeline`."""
-    keep_input(path)
+    protect_inputs(path)
     options = reading.load_options()
     with progress_bar(f"reading {path}") as progress:
         return ov.load_timeline(path, progress=progress, **options)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import keep_input, show, write_text
+from overview_dsp.cli.common import protect_inputs, show, write_text
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
@@ -51,7 +51,9 @@ def new(
     if output is None and name in LIBRARY.bundled:
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     preset = ov.load_preset(base)
-    path = Path(output) if output is not None else make_folder(LIBRARY.own_folder) / (name + SUFFIX)
+    path = (
+        Path(output) if output is not None else make_folder(LIBRARY.user_folder) / (name + SUFFIX)
+    )
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
@@ -156,7 +158,7 @@ def import_(
         return
     laid = clips_in(clip, kind)
     for path in laid.values():
-        keep_input(str(path))
+        protect_inputs(str(path))
     preset = made = ov.load_preset(base)
     for name, path in laid.items():
         made = with_layer(made, name, read_clip(path), cast("Layer", layer))

@@ -1,4 +1,4 @@
-"""`overview presets`: list, show, check, diff, docs, schema."""
+"""The commands `overview presets` list, show, check, diff, reference and schema."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def list_(
         preset = load_preset(name)
         return all(tagged(preset, tag) for tag in tags) and (use is None or serves(preset, use))
 
-    names = [*LIBRARY.bundled, *LIBRARY.own]
+    names = [*LIBRARY.bundled, *LIBRARY.user]
     if tags or use is not None:
         names = [name for name in names if wanted(name)]
     list_profiles(
@@ -111,8 +111,8 @@ def _shown(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else "-" if value is None else str(value)
 
 
-@cli_command("presets docs > parameters.md", group=command)
-def docs(*, as_json: bool = JSON) -> None:
+@cli_command("presets reference > parameters.md", group=command)
+def reference_(*, as_json: bool = JSON) -> None:
     """Print the parameter reference, as Markdown."""
     from overview_dsp.design.presets.reference import reference, reference_json
 
