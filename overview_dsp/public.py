@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,9 +92,7 @@ def dataframe(columns: Mapping[str, Any]) -> DataFrame:
     try:
         from pandas import DataFrame
     except ImportError as error:
-        raise InputError(
-            'a DataFrame needs pandas: pip install "overview-dsp[dataframes]"'
-        ) from error
+        raise InputError(f"a DataFrame needs pandas: {install_command('dataframes')}") from error
     return DataFrame(dict(columns))
 
 

@@ -1,4 +1,4 @@
-"""Studies: a grid of renders to files, on one machine or a cluster, with a manifest of measures."""
+"""Render grids to sound files, on one machine or a cluster, with a manifest of measurements."""
 
 from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.jobs_file import load_jobs

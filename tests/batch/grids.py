@@ -30,7 +30,7 @@ def jobs_file(folder: Path, text: str = JOBS) -> Path:
     return path
 
 
-def study_in(folder: Path, text: str = JOBS, out: str | None = None):
+def grid_in(folder: Path, text: str = JOBS, out: str | None = None):
     return load_jobs(jobs_file(folder, text), out)
 
 

@@ -17,6 +17,7 @@ from overview_dsp.cli.options.input import _parts
 from overview_dsp.cli.options.output import callback_kind
 from overview_dsp.devices.controllers.control_map import load_osc_map
 from overview_dsp.errors import OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.output import devices, saved_settings
 from overview_dsp.live.ports import midi, pads
 from tests.cli.running import MATCH, ROOT, overview, refused
@@ -99,21 +100,21 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("module", "arguments", "hint"),
+    ("module", "arguments", "extra"),
     [
-        ("pythonosc", ("--input", "osc:9000"), "pip install 'overview-dsp[osc]'"),
-        ("pythonosc", ("--osc-out", "9000"), "pip install 'overview-dsp[osc]'"),
-        ("rtmidi", ("--input", "midi:x"), "pip install 'overview-dsp[midi]'"),
-        ("hid", ("--input", "pad:"), "pip install 'overview-dsp[pads]'"),
-        ("bleak", ("--input", "ble:x"), "pip install 'overview-dsp[ble]'"),
+        ("pythonosc", ("--input", "osc:9000"), "osc"),
+        ("pythonosc", ("--osc-out", "9000"), "osc"),
+        ("rtmidi", ("--input", "midi:x"), "midi"),
+        ("hid", ("--input", "pad:"), "pads"),
+        ("bleak", ("--input", "ble:x"), "ble"),
     ],
 )
 def test_a_missing_library_is_one_line_that_says_how_to_get_it(
-    monkeypatch, module, arguments, hint
+    monkeypatch, module, arguments, extra
 ):
     for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
         monkeypatch.setitem(sys.modules, other, None)
-    refused(overview(*PLAY, *arguments), hint, code=1)
+    refused(overview(*PLAY, *arguments), install_command(extra), code=1)
 
 
 def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
@@ -168,8 +169,8 @@ def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     for name in ("rtmidi", "rtmidi2", "hid", "hidraw"):
         monkeypatch.setitem(sys.modules, name, None)
     missing = overview("devices", "--listen", 0).out
-    assert "overview-dsp[midi]" in missing
-    assert "overview-dsp[pads]" in missing
+    assert install_command("midi") in missing
+    assert install_command("pads") in missing
 
 
 @pytest.fixture

@@ -21,6 +21,7 @@ import pytest
 from websockets.sync.client import connect
 
 import overview_dsp as ov
+from overview_dsp.installation import install_command
 from tests.cli.running import environment, overview, refused
 
 MATCH = "world-cup-final-2018"
@@ -214,8 +215,8 @@ def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == "uvicorn" else found(name)
     )
-    refused(overview("serve", MATCH), "uvicorn", "pip install 'overview-dsp[web]'")
-    refused(overview("play", MATCH, "--device", "none", "--remote"), "overview-dsp[web]")
+    refused(overview("serve", MATCH), "uvicorn", install_command("web"))
+    refused(overview("play", MATCH, "--device", "none", "--remote"), install_command("web"))
 
 
 def test_an_address_before_the_timeline_does_not_swallow_it():

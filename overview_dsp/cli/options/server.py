@@ -15,6 +15,7 @@ import click
 from overview_dsp.cli.common import note
 from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -55,7 +56,7 @@ def require_server() -> None:
     """InputError, with how to install it, if a package that a server needs is missing."""
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
-        raise InputError(f"the page needs {', '.join(missing)}: pip install 'overview-dsp[web]'")
+        raise InputError(f"the page needs {', '.join(missing)}: {install_command('web')}")
 
 
 @dataclass(frozen=True)
