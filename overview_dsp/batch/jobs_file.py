@@ -153,7 +153,7 @@ class JobsTable:
         found = checked(Jobs, self.data, self._name)
         if isinstance(found, Jobs):
             return found
-        raise self.error(found[0].words, *found[0].path)
+        raise self.error(found[0].message, *found[0].path)
 
     def resolve(self, text: str) -> str:
         """Return a path or URL that is relative to the folder of the file."""
@@ -181,7 +181,7 @@ class JobsTable:
 
 def _allowed(key: str) -> str:
     found = [one for one in Jobs.model_fields[key].metadata if isinstance(one, Allowed)]
-    return found[0].words
+    return found[0].text
 
 
 def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGrid:
@@ -349,7 +349,7 @@ def _flatten(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
 def _range(given: dict[str, Any]) -> list[float]:
     found = checked(Range, given)
     if not isinstance(found, Range):
-        raise InputError(f"{found[0].words}; must be {_RANGE}, with 2 to {MAX_STEPS:,} steps")
+        raise InputError(f"{found[0].message}; must be {_RANGE}, with 2 to {MAX_STEPS:,} steps")
     if found.scale == "log" and not (found.first > 0.0 and found.last > 0.0):
         raise InputError(f"{shown(given)}; must be {_RANGE}")
     return found.values()

@@ -444,7 +444,7 @@ def test_the_command_reports_what_it_did(tmp_path, monkeypatch):
     assert outcome.code == 0
     assert f"{CASES // 3} rendered" in outcome.out
     report = json.loads(overview("batch", "jobs.toml", "--workers", 1, "--json").out)
-    assert (report["found"], report["rendered"], report["failed"]) == (CASES // 3, 0, [])
+    assert (report["cached"], report["rendered"], report["failed"]) == (CASES // 3, 0, [])
     assert os.path.samefile(report["manifest"], tmp_path / "study" / "manifest.parquet")
     refused(overview("batch", "none.toml"), "none.toml")
     refused(overview("batch", "jobs.toml", "--workers", 2, "--scheduler", "x"), "--scheduler")

@@ -429,7 +429,8 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
         import narwhals.stable.v2 as nw
     except ImportError as error:
         raise InputError(
-            f"{what} needs narwhals: {install_command('dataframes')}, or give its columns as a dict of lists"
+            f"{what} needs narwhals: {install_command('dataframes')}, or give its columns as a "
+            "dict of lists"
         ) from error
     if hasattr(frame, "collect") and not hasattr(frame, "to_numpy"):
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
