@@ -1,25 +1,25 @@
-"""Names that commands of other distributions may use, besides `ov` itself.
+"""Public names for commands in other distributions, beside `ov`.
 
 A distribution adds a command to `overview` by the entry-point group `overview_dsp.commands`. The
-entry point's name is the command's, it names a `click.Command`, and the summary of its
-distribution is its line in the list of commands. It is imported when the command is called:
+name of the entry point is that of the command, and its value is a `click.Command`. The summary of
+the distribution stands in the list of commands. The entry point is imported when the command runs:
 
     [project.entry-points."overview_dsp.commands"]
     study = "overview_studies.cli:command"
 
-Such a command uses `ov`, `overview_dsp.errors` and these names; everything else is private. They
-change with the version, so its distribution requires `overview-dsp` of the same version. Each is
-imported when it is first used.
+Such a command uses `ov`, `overview_dsp.errors` and these names; everything else is private. The
+names change between versions, so the distribution must require `overview-dsp` of its own version.
+Each name is imported when it is first used.
 
 =========  ==========================================================================
-commands   `cli_command`, `option`, `SECONDS`: a command whose signature declares its
-           options; `announce_compile`, `note`, `progress_bar`, `show`;
-           `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: end as the other
-           commands do; `Server`, `require_server`, `open_server`: a server with a token
+commands   `cli_command`, `option`, `SECONDS`: a command with the options in its
+           signature; `announce_compile`, `note`, `progress_bar`, `show`;
+           `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: handling of
+           signals; `Server`, `require_server`, `open_server`: a server with a token
 files      `atomic_folder`, `sound_bytes`; `read_text`, `parse_toml`,
-           `faults_at_their_line`: TOML, whose errors name their line
+           `faults_at_their_line`: TOML, with errors that name the line
 grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
-           a jobs file, and the digest that names each
+           a jobs file, and the cache key of each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
 pictures   `save_figure`, `plot_style`
 page       `page_with`, `START`, `TYPES`, `RATES`, `kind_looks`, `window_json`,
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
     from overview_dsp.web.site_data import kind_looks, window_json
     from overview_dsp.web.sound_data import patch_of, whole_bytes
 
-_PLACES = {
+_MODULES = {
     "batch.cache_keys": "PROGRAM Keys",
     "batch.grid": "RenderGrid",
     "batch.jobs_file": "KEYS JobsTable read_grid",
@@ -88,10 +88,10 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> object:
-    """Import a name of the list when it is first used."""
+    """Import a name when it is first used."""
     if name == "plot_style":
         return import_module("overview_dsp.offline.plots.style")
-    for module, names in _PLACES.items():
+    for module, names in _MODULES.items():
         if name in names.split():
             value: object = getattr(import_module(f"overview_dsp.{module}"), name)
             globals()[name] = value

@@ -131,7 +131,12 @@ def test_a_long_ogg_is_written_whole(tmp_path):
         ("a.sd2", RATE, None, "no sound format"),
         ("a.wav", RATE, "PCM_17", "WAV has no subtype 'PCM_17'; allowed: ALAW"),
         ("a.flac", RATE, "FLOAT", "FLAC has no subtype 'FLOAT'; allowed: PCM_16"),
-        ("a.wav", 44_100.5, None, "sample rate is 44100.5 Hz; must be a whole number, such as 44100"),
+        (
+            "a.wav",
+            44_100.5,
+            None,
+            "is 44100.5 Hz; must be a whole number, such as 44100",
+        ),
         ("a.wav", math.nan, None, "is nan Hz; must be a whole number"),
         ("a.wav", math.inf, None, "is inf Hz; must be a whole number"),
         ("a.htk", RATE, None, "HTK PCM_16 can't hold 2 channels at 8000 Hz"),
