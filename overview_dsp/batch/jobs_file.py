@@ -175,7 +175,7 @@ class JobsTable:
         except InputError as error:
             raise self.error(f"{name}: {error}", key) from None
         if not found:
-            raise self.error(f"{name} is missing; it is {_allowed(key)}", key)
+            raise self.error(f"{name} is missing; must be {_allowed(key)}", key)
         return found
 
 
@@ -200,7 +200,7 @@ def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGr
     if out is None:
         given = file.jobs().out
         if given is None:
-            raise file.error("out is missing; it is a folder or a URL (s3://bucket/study)")
+            raise file.error("out is missing; must be a folder or a URL (s3://bucket/study)")
         out = file.resolve(given)
     return read_grid(file, out)
 
@@ -346,12 +346,12 @@ def _flatten(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
             yield f"{prefix}{key}", value
 
 
-def _range(given: dict[str, Any]) -> list[float]:
-    found = checked(Range, given)
+def _range(table: dict[str, Any]) -> list[float]:
+    found = checked(Range, table)
     if not isinstance(found, Range):
         raise InputError(f"{found[0].message}; must be {_RANGE}, with 2 to {MAX_STEPS:,} steps")
     if found.scale == "log" and not (found.first > 0.0 and found.last > 0.0):
-        raise InputError(f"{shown(given)}; must be {_RANGE}")
+        raise InputError(f"{shown(table)}; must be {_RANGE}")
     return found.values()
 
 

@@ -68,7 +68,7 @@ def _encoded(table: Any) -> bytes:
 
 
 def encode_part(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """Return rows (a key and measurements) as JSON lines; a missing measurement is none."""
+    """Return rows (a key and measurements) as JSON lines; a missing measurement becomes null."""
     return "".join(json.dumps(row) + "\n" for row in rows).encode()
 
 

@@ -1,4 +1,4 @@
-"""Measurements of a render: its length, levels, felt events and hashes."""
+"""Measurements of a render: length, levels, felt events and hashes."""
 
 from __future__ import annotations
 

@@ -41,13 +41,12 @@ def command(
     session: Session,
     seconds: float | None = SECONDS,
     screen: str = option(
-        "full; lines: text for screen readers; json: one line per second.  "
-        "[default: full in a terminal, else json]",
+        "full, lines (for screen readers) or json.  [default: full in a terminal, else json]",
         heading=Session.heading,
         type=click.Choice(["full", "lines", "json"]),
     ),
 ) -> None:
-    """Play TIMELINE live: drag, tap and release the disk with the mouse, keys or other inputs.
+    """Play TIMELINE live, by mouse, keys, sensors, controllers or a take.
 
     --follow replaces TIMELINE by a live source. Without a terminal, the command prints one line of
     JSON per second and a summary. A saved change of the preset file is heard at once. Channels,

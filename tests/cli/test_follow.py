@@ -42,6 +42,10 @@ def test_speed_is_kept(tmp_path):
         (("play", "--follow", "x.feed", "--layout", "level"), ("level", "so-far")),
         (("play", "--follow", "x.feed", "--value-column", "Close"), ("--value-column", "--follow")),
         (("play", "--follow", "x.feed", "--update-held-after", "-1"), ("--update-held-after",)),
+        (
+            ("play", "--follow", "x.feed", "--update-held-after", "nan"),
+            ("--update-held-after is nan; must be 0 s or more",),
+        ),
         (("play", "--follow", "pcm:loud"), ("pcm:RATE",)),
         (("serve", MATCH, "--announce", "goal"), ("--announce", "--follow")),
     ],

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from overview_dsp.cli.options.input import _parts
+from overview_dsp.cli.options.input import _settings
 from overview_dsp.cli.options.output import callback_kind
 from overview_dsp.devices.controllers.control_map import load_osc_map
 from overview_dsp.errors import OverviewError
@@ -230,6 +230,6 @@ def test_with_lines_of_json_an_error_is_a_line_of_json(option):
 
 
 def test_parts_follow_a_port_whose_name_has_a_comma():
-    assert _parts("", "midi", "a, b 1:0,map=x.toml") == ("a, b 1:0", {"map": "x.toml"})
+    assert _settings("", "midi", "a, b 1:0,map=x.toml") == ("a, b 1:0", {"map": "x.toml"})
     parts = {"sensor": "imu", "force": "", "baud": "9600"}
-    assert _parts("", "serial", "/dev/x,sensor=imu,force,baud=9600") == ("/dev/x", parts)
+    assert _settings("", "serial", "/dev/x,sensor=imu,force,baud=9600") == ("/dev/x", parts)

@@ -61,7 +61,7 @@ class Controls:
         "Take or gesture as the input; loop repeats it.", metavar="TAKE.csv[,loop]"
     )
     remote: str | None = option(
-        "Serve a page as an input, for a phone or a browser.  [default: 127.0.0.1:8765]",
+        "Serve a page as an input.  [default: 127.0.0.1:8765]",
         metavar="[HOST:PORT]",
         is_flag=False,
         flag_value="",
