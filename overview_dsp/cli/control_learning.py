@@ -50,8 +50,8 @@ def require_target(target: str, known: tuple[str, ...]) -> None:
             find_parameter(ov.load_preset("football"), target)
         except InputError as error:
             raise InputError(
-                f"{error}; TARGET is {', '.join(known)} or a parameter's id (`overview presets "
-                "docs`)"
+                f"{error}; TARGET must be {', '.join(known)} or the id of a parameter "
+                "(overview presets reference)"
             ) from None
 
 

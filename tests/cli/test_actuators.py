@@ -93,7 +93,7 @@ def test_the_list_names_every_actuator_and_leaves_out_a_broken_one(tmp_path, mon
     done = overview("actuators", "list")
     assert done.code == 0
     assert [line.split()[0] for line in done.out.splitlines()] == list(actuator_names())[:-1]
-    assert "note: left out: " in done.err
+    assert "note: not listed: " in done.err
     assert "mine.toml" in done.err
     report = json.loads(overview("actuators", "list", "--json").out)
     assert "c2" in [entry["name"] for entry in report]

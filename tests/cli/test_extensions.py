@@ -123,9 +123,9 @@ def test_every_name_of_the_list_is_there_described_and_known_to_a_type_checker()
     described = inspect.getdoc(extensions)
     for name in names:
         assert f"`{name}`" in described, name
-    listed = {name for line in extensions._PLACES.values() for name in line.split()}
+    listed = {name for line in extensions._MODULES.values() for name in line.split()}
     assert listed | {"plot_style"} == names
-    for module, line in extensions._PLACES.items():
+    for module, line in extensions._MODULES.items():
         home = importlib.import_module(f"overview_dsp.{module}")
         for name in line.split():
             assert getattr(extensions, name) is getattr(home, name)

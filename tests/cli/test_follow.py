@@ -36,7 +36,7 @@ def test_speed_is_kept(tmp_path):
         (("feed", MATCH, "--speed", "0"), ("--speed", "above 0")),
         (("feed", "nothing.json"), ("nothing.json",)),
         (("play",), ("--follow",)),
-        (("play", MATCH, "--follow", "x.feed"), ("leave", MATCH)),
+        (("play", MATCH, "--follow", "x.feed"), ("replaces TIMELINE; remove", MATCH)),
         (("play", MATCH, "--expected-duration", "95m"), ("--expected-duration", "--follow")),
         (("play", "--follow", "x.feed", "--expected-duration", "soon"), ("soon", "95m")),
         (("play", "--follow", "x.feed", "--layout", "level"), ("level", "so-far")),

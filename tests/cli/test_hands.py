@@ -33,18 +33,24 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "midi:"), ("midi:", "overview devices")),
         (("--input", "osc:x"), ("'x'", "9000")),
         (("--input", "osc:70000"), ("70000", "9000")),
-        (("--input", "osc:9000", "--input", "osc:9001"), ("osc:9001", "one of a kind")),
-        (("--input", "sweep:1", "--input", "osc:9000"), ("plays alone",)),
-        (("--input", "sweep:1", "--input", "sweep:1"), ("one of a kind",)),
-        (("--input", "osc:9000,sensor=imu"), ("sensor is for serial:", "osc: takes map")),
-        (("--input", "serial:x,map=x.toml"), ("map is for osc:, midi:",)),
+        (
+            ("--input", "osc:9000", "--input", "osc:9001"),
+            ("osc:9001", "a second source of this kind"),
+        ),
+        (("--input", "sweep:1", "--input", "osc:9000"), ("excludes other sources",)),
+        (("--input", "sweep:1", "--input", "sweep:1"), ("a second source of this kind",)),
+        (("--input", "osc:9000,sensor=imu"), ("sensor applies to serial:", "osc: allows map")),
+        (("--input", "serial:x,map=x.toml"), ("map applies to osc:, midi:",)),
         (("--input", "midi:x,map=nowhere.toml"), ("nowhere.toml", "midi learn")),
         (("--osc-out", "x"), ("'x'", "9000")),
-        (("--input", "midi:x,mapp=zigsim"), ("unknown part 'mapp'", "did you mean 'map'")),
+        (("--input", "midi:x,mapp=zigsim"), ("unknown setting 'mapp'", "did you mean 'map'")),
         (("--input", "osc:9000,map=zigsin"), ("osc learn", "zigsim")),
         (("--input", "http://"), ("http", "phyphox")),
         (("--input", "post:x"), ("'x'", "9000")),
-        (("--input", "post:8000", "--input", "serial:x"), ("serial:x", "one of a kind")),
+        (
+            ("--input", "post:8000", "--input", "serial:x"),
+            ("serial:x", "a second source of this kind"),
+        ),
     ],
 )
 def test_wrong_hands_are_one_line(arguments, words):
@@ -57,7 +63,7 @@ def test_wrong_hands_are_one_line(arguments, words):
 def test_what_cannot_be_learned_is_one_line_with_what_can(tmp_path, learner, known):
     words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))
     assert "did you mean 'tactor.gain_db'?" in words
-    assert f"TARGET is {known} or a parameter's id" in words
+    assert f"TARGET must be {known} or the id of a parameter" in words
 
 
 def free_port():
@@ -198,12 +204,12 @@ def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
         (("--device", "Card"), ("--device", "--set")),
         (("--device", "none", "--set", "click.gain=1"), ("none has no settings",)),
         (("--set", "tactor.gian=1"), ("did you mean 'tactor.gain'?", "click.ceiling")),
-        (("--set", "tactor.gain"), ("no KEY=VALUE",)),
+        (("--set", "tactor.gain"), ("not KEY=VALUE",)),
         (("--set", "tactor.gain=loud"), ("--set tactor.gain=loud: 'loud' is not a number",)),
         (("--set", "tactor.gain=nan"), ("'nan' is not a number",)),
         (("--set", "tactor.gain=99"), ("gain 99 is out of range; it is -60 to 24",)),
         (("--set", "click.mute=maybe"), ("click.mute=maybe: must be yes or no",)),
-        (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain is given twice",)),
+        (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain occurs twice",)),
     ],
 )
 def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, arguments, words):
@@ -215,7 +221,7 @@ def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, argum
 def test_the_callback_is_chosen_by_an_environment_variable(monkeypatch):
     monkeypatch.setenv("OVERVIEW_CALLBACK", "java")
     line = refused(overview(*PLAY, "--seconds", 0.1))
-    assert line == "error: OVERVIEW_CALLBACK=java: must be native or python"
+    assert line == "error: OVERVIEW_CALLBACK is java; must be native or python"
     monkeypatch.setenv("OVERVIEW_CALLBACK", "python")
     assert callback_kind() == "python"
     assert overview(*PLAY, "--seconds", 0.1).code == 0
@@ -226,7 +232,7 @@ def test_the_callback_is_chosen_by_an_environment_variable(monkeypatch):
 @pytest.mark.parametrize("option", [("--screen", "json"), ("--screen=json",)])
 def test_with_lines_of_json_an_error_is_a_line_of_json(option):
     done = overview(*PLAY, *option, "--seconds", -1)
-    assert json.loads(done.err) == {"error": "--seconds -1; it is 0 or more", "exit_code": 2}
+    assert json.loads(done.err) == {"error": "--seconds is -1; must be 0 or more", "exit_code": 2}
 
 
 def test_parts_follow_a_port_whose_name_has_a_comma():

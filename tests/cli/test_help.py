@@ -7,28 +7,11 @@ import click
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.cli import COMMANDS, app
+from overview_dsp.cli import COMMANDS
 from overview_dsp.cli.options.declaring import MAX_OPTIONS, GroupedCommand, GroupOption
+from tests.cli.commands import ALL
 from tests.cli.running import ROOT, overview, overview_process, refused
 from tests.docs.markdown_blocks import PAGES, blocks_of
-
-
-def commands(
-    group: click.Group, path: tuple[str, ...] = ()
-) -> dict[tuple[str, ...], click.Command]:
-    """Every command by its words, groups too."""
-    found: dict[tuple[str, ...], click.Command] = {}
-    context = click.Context(group)
-    for name in group.list_commands(context):
-        command = group.get_command(context, name)
-        assert command is not None
-        found[*path, name] = command
-        if isinstance(command, click.Group):
-            found |= commands(command, (*path, name))
-    return found
-
-
-ALL = commands(app)
 
 REFERENCE = ROOT / "docs" / "reference" / "cli.md"
 SCREEN_LINES = 40

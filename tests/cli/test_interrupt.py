@@ -45,7 +45,7 @@ def test_a_render_that_is_stopped_leaves_no_file_and_ends_as_signals_do(folder, 
     assert command.returncode == 128 + getattr(signal, name)
     # click goes to a new line after the terminal's ^C
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
-    assert lines == ["error: stopped; nothing was left behind"]
+    assert lines == ["error: stopped; no partial output is left"]
     assert out == ""
     assert os.listdir(folder) == []
 
@@ -72,7 +72,7 @@ def test_an_export_that_is_stopped_leaves_nothing(folder):
         command.kill()
         command.wait()
     assert command.returncode == 128 + signal.SIGTERM
-    assert "nothing was left behind" in err
+    assert "no partial output is left" in err
     assert os.listdir(folder) == []
 
 
