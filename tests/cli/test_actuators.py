@@ -121,7 +121,7 @@ def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
     nominal = 10 ** (-9 / 20) * load_actuator("c2").nominal
     assert np.abs(samples[:, 1]).max() == pytest.approx(nominal, rel=1e-3)
     loud = overview("actuators", "sweep", "c2", *quick, "--level", 0, "--json")
-    assert "were taken back for its rating" in loud.err
+    assert "the rating reduces the sweep by up to" in loud.err
     assert json.loads(loud.out)["actuator"]["taken_back_db"] > 0.5
 
 

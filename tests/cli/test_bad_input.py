@@ -231,7 +231,7 @@ def test_a_full_standard_output_is_one_line():
             env=environment(),
         )
     assert done.returncode == 1
-    assert "fault of this program" not in done.stderr
+    assert "bug of this program" not in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.splitlines()[0].startswith("error: ")
 

@@ -35,10 +35,10 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "osc:70000"), ("70000", "9000")),
         (
             ("--input", "osc:9000", "--input", "osc:9001"),
-            ("osc:9001", "a second source of this kind"),
+            ("osc:9001", "a second source"),
         ),
         (("--input", "sweep:1", "--input", "osc:9000"), ("excludes other sources",)),
-        (("--input", "sweep:1", "--input", "sweep:1"), ("a second source of this kind",)),
+        (("--input", "sweep:1", "--input", "sweep:1"), ("a second source",)),
         (("--input", "osc:9000,sensor=imu"), ("sensor applies to serial:", "osc: allows map")),
         (("--input", "serial:x,map=x.toml"), ("map applies to osc:, midi:",)),
         (("--input", "midi:x,map=nowhere.toml"), ("nowhere.toml", "midi learn")),
@@ -49,7 +49,7 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "post:x"), ("'x'", "9000")),
         (
             ("--input", "post:8000", "--input", "serial:x"),
-            ("serial:x", "a second source of this kind"),
+            ("serial:x", "a second source"),
         ),
     ],
 )
