@@ -57,6 +57,4 @@ def test_a_sensors_file_is_listed_printed_and_copied(tmp_path):
     refused(overview("sensor", "profile", "imu", "-o", path), "already exists")
     assert path.read_bytes() == before
     refused(overview("sensor", "profile", "simplefok"), "did you mean 'simplefoc'?")
-    refused(
-        overview("sensor", "profile", "-o", path), "NAME is missing; must be dualsense or encoder"
-    )
+    refused(overview("sensor", "profile", "-o", path), "must be dualsense or encoder")
