@@ -25,7 +25,7 @@ def thresholds(tmp_path, monkeypatch):
 def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football):
     told = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", "--actuator", "c2")
     assert told.code == 0, told.err
-    assert told.out.splitlines()[1].startswith("driven for C-2 tactor: up to ")
+    assert told.out.splitlines()[1].startswith("driven for C-2 tactor: reduced by up to ")
     result = ov.render(
         match, football, ov.tap(0.2, 0.05), 8000, tail=0.05, actuator=load_actuator("c2")
     )
@@ -162,6 +162,6 @@ def test_an_export_drives_the_pad_and_leaves_the_other_formats_as_they_are(folde
 
 
 def test_an_export_that_an_actuator_would_not_change_is_refused(folder):
-    words = ("changes wav4 alone", "--to wav4")
+    words = ("applies only to wav4", "--to wav4")
     refused(overview("export", MATCH, "--to", "ahap", "--actuator", "c2"), *words)
     assert list(folder.iterdir()) == []

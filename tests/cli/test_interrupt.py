@@ -122,6 +122,6 @@ def test_a_study_that_is_stopped_says_how_far_it_came_and_ends_its_workers(folde
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
     assert len(lines) == 1, err
     assert lines[0].startswith("error: stopped with ")
-    assert "of 50000 finished; run it again to go on" in lines[0]
+    assert "of 50000 finished; run the command again to resume" in lines[0]
     assert out == ""
     assert end_of_group(command.pid)

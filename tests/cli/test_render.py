@@ -173,7 +173,7 @@ def test_render_names_the_events_that_were_not_reached(folder):
     command = (*command, "--tail", "none")
     line = overview(*command).out.splitlines()[-1]
     assert line.startswith("not reached: ")
-    assert line.endswith("hold on longer, render a longer tail, or move more slowly")
+    assert line.endswith("hold it longer, render a longer tail, or move more slowly")
     missed = json.loads(overview(*command, "--json").out)["unreached"]
     assert missed[0].keys() == {"time_s", "kind", "label"}
     assert f" and {len(missed) - 6} more; " in line

@@ -199,7 +199,7 @@ def test_an_option_without_effect_is_refused():
 @pytest.mark.parametrize("address", ["localhost:99999", "two words", "a:b", "[::1"])
 def test_an_address_that_is_none_is_refused(address):
     play = ("play", MATCH, "--device", "none")
-    refused(overview(*play, "--remote", address), f"--remote {address}", "0.0.0.0:8765")
+    refused(overview(*play, "--remote", address), f"--remote is {address}", "such as 0.0.0.0:8765")
 
 
 def test_a_port_that_is_taken_is_one_clear_line(tmp_path):

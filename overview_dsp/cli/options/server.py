@@ -47,7 +47,10 @@ def server_at(text: str) -> Server:
     found = re.fullmatch(r"(\[[^\]]+\]|[^:\s]*)(?::(\d{1,5}))?", text)
     port = int(found[2] or PORT) if found else -1
     if found is None or not 0 <= port <= 65535:
-        raise InputError(f"--remote is {text}; must be HOST:PORT, HOST or :PORT (0 to 65535)")
+        raise InputError(
+            f"--remote is {text}; must be HOST:PORT, HOST or :PORT (0 to 65535), "
+            "such as 0.0.0.0:8765"
+        )
     return Server(found[1].strip("[]") or HOST, port)
 
 
