@@ -25,6 +25,7 @@ from typing import Any
 
 from overview_dsp.data.readers.source import UNNAMED, LoadOptions, Source
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 MAX_MB = 256.0
 """What a compressed file may unpack to, MB (2**20 bytes), without `max_mb`."""
@@ -51,7 +52,6 @@ _MARKS = (
 )
 _URL = re.compile(r"([a-z][a-z0-9+.\-]*::)*[a-z][a-z0-9+.\-]+://", re.IGNORECASE)
 _SECRETS = re.compile(r"(?<=://)[^/@]*@|[?#].*")
-_INSTALL = 'an address needs fsspec: pip install "overview-dsp[urls]", or save the data to a file'
 
 
 def is_url(data: object) -> bool:
@@ -164,7 +164,9 @@ def _opened_address(url: str, label: str) -> Iterator[Any]:
     try:
         import fsspec
     except ImportError as error:
-        raise InputError(_INSTALL) from error
+        raise InputError(
+            f"a URL needs fsspec: {install_command('urls')}, or save the data to a file"
+        ) from error
     with contextlib.ExitStack() as stack:
         try:
             stream = stack.enter_context(fsspec.open(url, "rb"))

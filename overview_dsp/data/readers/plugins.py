@@ -25,6 +25,7 @@ from typing import Any
 from overview_dsp.data.readers.source import Format, LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.installation import install_command
 
 GROUP = "overview_dsp.readers"
 
@@ -120,6 +121,6 @@ def needed(module: str, purpose: str, extra: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         raise InputError(
-            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: pip "
-            f"install 'overview-dsp[{extra}]'"
+            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: "
+            f"{install_command(extra)}"
         ) from error

@@ -23,7 +23,7 @@ from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.page import timeline_page
 from overview_dsp.data.timeline.ticks import Half, halves_of, part_ticks
 from overview_dsp.errors import InputError, shown
-from overview_dsp.public import counted, dataframe, drawn, short
+from overview_dsp.public import counted, dataframe, plot_with, short
 from overview_dsp.units import clock_text, span_text
 
 if TYPE_CHECKING:
@@ -498,7 +498,7 @@ class Timeline:
         --------
         >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
         """
-        return drawn("offline.plots.timeline", "plot_timeline", self)
+        return plot_with("offline.plots.timeline", "plot_timeline", self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: a few words, and the curve."""

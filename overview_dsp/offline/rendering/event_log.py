@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.signal.engine.reports import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
@@ -171,7 +171,7 @@ def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[Happening]], s
 def save_transcript(passed: Sequence[Happening], path: str | os.PathLike[str]) -> None:
     """Write what happened, in the format that the file's name asks for."""
     text = writer_of(path)(passed)
-    with whole_file(Path(path)) as temporary:
+    with atomic_file(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 

@@ -77,7 +77,7 @@ from overview_dsp.data.readers.tables.time_column import (
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "kind", "label", "weight")
 """The columns an event list may have; the first two it must have."""
@@ -367,7 +367,7 @@ def encode(timeline: Timeline) -> bytes:
 def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
     data = encode(timeline)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_bytes(data)
 
 

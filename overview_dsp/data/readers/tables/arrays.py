@@ -32,6 +32,7 @@ from overview_dsp.data.readers.tables.table import (
     require_few_columns,
 )
 from overview_dsp.errors import InputError, shown
+from overview_dsp.installation import install_command
 
 MAGIC = b"\x93NUMPY"
 _NUMBERS = "bhilqBHILQefdg?"
@@ -185,8 +186,6 @@ PARQUET_MAGIC = b"PAR1"
 MAX_ROWS = 2_000_000_000
 """Most rows: a file of a few kilobytes can claim any number of equal ones."""
 
-_INSTALL = 'Parquet needs pyarrow: pip install "overview-dsp[parquet]"'
-
 
 def sniff_parquet(source: Source) -> bool:
     """Return whether the file begins as Parquet does."""
@@ -197,7 +196,9 @@ def _library() -> Any:
     try:
         import pyarrow.parquet
     except ImportError as error:
-        raise InputError(f"{_INSTALL}, or save the table as CSV") from error
+        raise InputError(
+            f"Parquet needs pyarrow: {install_command('parquet')}, or save the table as CSV"
+        ) from error
     return pyarrow
 
 

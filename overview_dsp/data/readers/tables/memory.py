@@ -29,6 +29,7 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
+from overview_dsp.installation import install_command
 
 
 class SupportsNumpy(Protocol):
@@ -64,9 +65,6 @@ _OF_DAY = "hh:mm"
 """The unit of clocks of the day."""
 
 _SECOND = np.timedelta64(1, "s")
-_INSTALL = (
-    'needs narwhals: pip install "overview-dsp[dataframes]", or give its columns as a dict of lists'
-)
 
 
 def table_of(data: Any, times: Any = None) -> ColumnTable:
@@ -430,7 +428,10 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
     try:
         import narwhals.stable.v2 as nw
     except ImportError as error:
-        raise InputError(f"{what} {_INSTALL}") from error
+        raise InputError(
+            f"{what} needs narwhals: {install_command('dataframes')}, or give its columns as a "
+            "dict of lists"
+        ) from error
     if hasattr(frame, "collect") and not hasattr(frame, "to_numpy"):
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself

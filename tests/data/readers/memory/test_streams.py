@@ -14,6 +14,7 @@ import polars as pl
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.installation import install_command
 
 DAILY = "date,temp\n2020-01-01,3.5\n2020-01-02,4\n2020-01-03,2.25\n2020-01-04,6\n"
 
@@ -42,7 +43,7 @@ def test_an_open_file_is_read_and_gives_its_name(tmp_path: Path) -> None:
 
 
 def test_an_address_is_opened_and_its_secrets_stay_unsaid(tmp_path: Path) -> None:
-    fsspec = pytest.importorskip("fsspec", reason="needs fsspec: pip install overview-dsp[urls]")
+    fsspec = pytest.importorskip("fsspec", reason="needs fsspec: pip install '.[urls]'")
     with fsspec.open("memory://folder/daily.csv", "wb") as file:
         file.write(DAILY.encode())
     timeline = ov.load_timeline("memory://folder/daily.csv")
@@ -109,5 +110,5 @@ def test_a_frame_without_narwhals_names_the_extra(monkeypatch: pytest.MonkeyPatc
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "narwhals", None)
     words = refusal(pd.DataFrame({"time": [0, 1], "x": [1.0, 2.0]}))
-    assert 'pip install "overview-dsp[dataframes]"' in words
+    assert install_command("dataframes") in words
     assert ov.load_timeline({"time": [0, 1], "x": [1.0, 2.0]}).duration_s == 1.0
