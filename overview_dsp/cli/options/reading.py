@@ -84,7 +84,7 @@ class Window:
         InputError
             Both are given, or one that names no window; the line begins with the option.
         """
-        from overview_dsp.data.timeline.moments import window_of, zoom_window
+        from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
         from overview_dsp.validation import located
 
         if self.window and self.zoom_to is not None:

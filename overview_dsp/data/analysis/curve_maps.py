@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, shown
 
 MAPS = ("level", "change", "activity", "volatility")

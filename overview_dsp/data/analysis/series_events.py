@@ -21,7 +21,7 @@
 Prominence and steps of prices are relative (logarithms and per cent), of other series in their
 unit. A step over a gap is no move.
 
-The events of a part are found by the rules of the whole, on its own samples (`PartRules`).
+The events of a part are found by the rules of the whole, on its own samples (`WindowRules`).
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
     return [*events, *ticks.ticks(series.calendar.start, duration_s)], notes
 
 
-def find_part_events(series: Series, duration_s: float) -> Iterator[Event]:
+def find_window_events(series: Series, duration_s: float) -> Iterator[Event]:
     """Give what is found in a part of a series, what matters most first, each of another sample.
 
     First what the rules find in a whole one (without ticks and splits; extremes and records are
@@ -360,8 +360,8 @@ def _crossings(series: Series) -> tuple[list[Event], str]:
 
 
 @dataclass(frozen=True, eq=False)
-class PartRules:
-    """The samples of a part (`timeline.fine_events.Rules`).
+class WindowRules:
+    """The samples of a part (`timeline.window_events.Rules`).
 
     Parameters
     ----------
@@ -381,14 +381,14 @@ class PartRules:
     curve: Intensity | None = None
     gaps: Gaps = ()
 
-    def cut(self, start_s: float, end_s: float) -> PartRules:
+    def cut(self, start_s: float, end_s: float) -> WindowRules:
         """Return the same for a part of this one."""
         return replace(self, start_s=self.start_s + start_s, end_s=self.start_s + end_s)
 
     def found(self, duration_s: float) -> Iterator[Event]:
         """Give what is found, what matters most first; each of another sample."""
         series = self._all() or self.part()
-        yield from find_part_events(_thinned(series), duration_s)
+        yield from find_window_events(_thinned(series), duration_s)
 
     def part(self) -> Series:
         """Return the samples of the part that `series` has, on an axis that begins with it."""
@@ -424,7 +424,7 @@ class PartRules:
         return _of(time_s, value, gaps, series, _NONE)
 
 
-def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> PartRules:
+def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> WindowRules:
     """Return the rules for a series that is the curve of values, such as one a file keeps.
 
     Parameters
@@ -442,7 +442,7 @@ def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> PartRules:
     splits = np.array([event.time_s for event in timeline.events if event.kind == "split"])
     value = np.asarray(curve.value, dtype=np.float64)
     series = _of(time_s, value, timeline.gaps, like, splits)
-    return PartRules(series, 0.0, timeline.duration_s)
+    return WindowRules(series, 0.0, timeline.duration_s)
 
 
 def only_dates(start: datetime | None, time_s: NDArray[np.float64]) -> bool:

@@ -144,7 +144,7 @@ def _sessions(
     return np.sort(np.concatenate((across, within))), rule
 
 
-def gaps_of(
+def find_gaps(
     time_s: NDArray[np.float64], value: NDArray[np.float64], holes: NDArray[np.int64]
 ) -> tuple[tuple[float, float], ...]:
     """Return the gaps of a series, merged: missing values and holes.

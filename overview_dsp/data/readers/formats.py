@@ -12,6 +12,7 @@ from overview_dsp.data.readers import native
 from overview_dsp.data.readers.audio import reader as audio
 from overview_dsp.data.readers.cardiac import samples_table as heart_table
 from overview_dsp.data.readers.cardiac import wfdb_reader
+from overview_dsp.data.readers.data_file import DataFile, Format
 from overview_dsp.data.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.data.readers.football import (
     metrica,
@@ -22,12 +23,11 @@ from overview_dsp.data.readers.football import (
     wyscout,
 )
 from overview_dsp.data.readers.plugins import package_readers
-from overview_dsp.data.readers.series import series
-from overview_dsp.data.readers.source import Format, Source
+from overview_dsp.data.readers.series import series_reader
 from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
 from overview_dsp.data.readers.tables.table import Table
 
-SERIES_OPTIONS = series.OPTIONS
+SERIES_OPTIONS = series_reader.OPTIONS
 """The options of tables of series."""
 
 LIMITS = frozenset({"max_mb", "max_depth"})
@@ -39,9 +39,9 @@ _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
 
 def _series(
-    name: str, sniff: Callable[[Source], bool], open_table: Callable[[Source], Table]
+    name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
 ) -> Format:
-    return Format(name, sniff, series.reading(open_table), SERIES_OPTIONS)
+    return Format(name, sniff, series_reader.reading(open_table), SERIES_OPTIONS)
 
 
 FORMATS: tuple[Format, ...] = (

@@ -5,7 +5,7 @@
     {"overview_timeline": 1,                 the format's version, required
      "title": "Home 1-0 Away",               the file's name if left out
      "duration_s": 5640.0,                   required
-     "until_s": 3780.0,                      up to where it has happened, all if left out
+     "known_until_s": 3780.0,                      up to where it has happened, all if left out
      "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
      "intensity": {"time_s": [0, 5],         } either of these two
                    "value": [0.1, 0.4],      } may be left out
@@ -35,8 +35,8 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.series_events import PartRules, Series, rules_of
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.analysis.series_events import Series, WindowRules, rules_of
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
@@ -52,22 +52,22 @@ MAX_POINTS = 5_000_000
 
 _KEY = "overview_timeline"
 _TOP_KEYS = (
-    _KEY, "title", "duration_s", "until_s", "start", "intensity", "gaps", "gap_reasons", "events",
-    "details", "series", "provenance", "notes",
+    _KEY, "title", "duration_s", "known_until_s", "start", "intensity", "gaps", "gap_reasons",
+    "events", "details", "series", "provenance", "notes",
 )  # fmt: skip
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
 _EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a JSON object with the key `overview_timeline`."""
     if not source.looks_like_json or f'"{_KEY}"' not in source.text:
         return False
     return isinstance(source.json, dict) and _KEY in source.json
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a native file (takes no options); InputError names the file and the place."""
     document = source.json  # its errors name the file themselves
     with validation.located(f"{source.where}: "):
@@ -90,6 +90,8 @@ def decode(document: object, default_title: str = "") -> Timeline:
         An unknown or missing key, a wrong type, a broken invariant; the line names the place,
         such as `events[3].time_s`.
     """
+    if isinstance(document, dict) and "until_s" in document:  # the key's name before version 0.2
+        document = {("known_until_s" if k == "until_s" else k): v for k, v in document.items()}
     top = _table(document, "the document", _TOP_KEYS, required=(_KEY, "duration_s"))
     version = top[_KEY]
     if isinstance(version, bool) or version != VERSION:
@@ -111,7 +113,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         provenance=top.get("provenance", ""),
         notes=tuple(_list(top.get("notes", []), "notes")),
         start=_moment(top["start"]) if "start" in top else None,
-        until_s=top.get("until_s"),
+        known_until_s=top.get("known_until_s"),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -128,7 +130,7 @@ def encode(timeline: Timeline) -> bytes:
         _KEY: VERSION,
         "title": timeline.title,
         "duration_s": timeline.duration_s,
-        "until_s": timeline.until_s,
+        "known_until_s": timeline.known_until_s,
         "start": timeline.start.isoformat() if timeline.start is not None else None,
         "provenance": timeline.provenance or None,
         "notes": timeline.notes or None,
@@ -149,7 +151,7 @@ def encode(timeline: Timeline) -> bytes:
         scaled = curve.percentiles != EXTREMES
         scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
         entries["intensity"] = _points(curve, f'"unit": {_json(curve.unit)}{scale},\n')
-    if isinstance(timeline.rules, PartRules):
+    if isinstance(timeline.rules, WindowRules):
         entries["series"] = _series(timeline.rules, timeline.intensity)
     return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries.items()) + "}\n").encode()
 
@@ -191,7 +193,7 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
         temporary.write_bytes(data)
 
 
-def _series(rules: PartRules, curve: Intensity | None) -> str:
+def _series(rules: WindowRules, curve: Intensity | None) -> str:
     """The series in which a window's events are found: the curve itself where it is that."""
     series = rules.part()
     shared = f'"per_cent": {_json(series.relative)}'
@@ -207,7 +209,7 @@ def _series(rules: PartRules, curve: Intensity | None) -> str:
     return _points(series, f'{shared}, "unit": {_json(series.unit)},\n')
 
 
-def _rules(given: object, timeline: Timeline) -> PartRules:
+def _rules(given: object, timeline: Timeline) -> WindowRules:
     table = _table(given, "series", _SERIES_KEYS, required=("per_cent",))
     per_cent = table.pop("per_cent")
     if not isinstance(per_cent, bool):

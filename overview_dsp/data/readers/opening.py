@@ -23,7 +23,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.data.readers.source import UNNAMED, LoadOptions, Source
+from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions
 from overview_dsp.errors import InputError
 
 MAX_MB = 256.0
@@ -65,8 +65,8 @@ def is_content(data: object) -> bool:
 
 
 @contextlib.contextmanager
-def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Source]:
-    """Yield data as a `Source`, from a temporary file where they are no plain file.
+def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[DataFile]:
+    """Yield data as a `DataFile`, from a temporary file where they are no plain file.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Sourc
     Raises
     ------
     InputError
-        As `Source.open`; an address that can't be opened, a file that can't be read; a damaged
+        As `DataFile.open`; an address that can't be opened, a file that can't be read; a damaged
         archive, one of several files, one packed twice; more than the limit (the line has it and
         the option that raises it).
     """
@@ -90,7 +90,7 @@ def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Sourc
         if is_url(data) or is_content(data):
             path, label = stack.enter_context(_spooled(data, options))
         try:
-            source = Source.open(path, options, label)
+            source = DataFile.open(path, options, label)
         except InputError as error:
             hint = missing if isinstance(error.__cause__, FileNotFoundError) else ""
             raise InputError(f"{error}{hint}") from error
@@ -187,7 +187,7 @@ def packing(head: bytes) -> str | None:
     return next((name for mark, name in _MARKS if head.startswith(mark)), None)
 
 
-def _unpacked(source: Source, packed: str, folder: Path) -> Source:
+def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
     where, options = source.where, source.options
     limit_mb = options.max_mb if options.max_mb is not None else MAX_MB
     if packed not in _READERS:
@@ -213,18 +213,18 @@ def _unpacked(source: Source, packed: str, folder: Path) -> Source:
         ) from error
     if size == 0:
         raise InputError(f"{where}: holds an empty file; check how it was made")
-    inner = Source.open(target, options)
+    inner = DataFile.open(target, options)
     if packing(inner.head) is not None:
         raise InputError(f"{where}: holds another compressed file; unpack it first")
     return replace(inner, origin=source.path, label=source.label)
 
 
-def _streamed(open_file: Callable[..., Any], source: Source) -> Iterator[bytes]:
+def _streamed(open_file: Callable[..., Any], source: DataFile) -> Iterator[bytes]:
     with open_file(source.path, "rb") as stream:
         yield from iter(lambda: stream.read(_CHUNK), b"")
 
 
-def _xz(source: Source) -> Iterator[bytes]:
+def _xz(source: DataFile) -> Iterator[bytes]:
     # by hand: lzma.open takes as much memory as the file asks for
     with open(source.path, "rb") as stream:
         rest = b""
@@ -245,7 +245,7 @@ def _xz(source: Source) -> Iterator[bytes]:
                 yield data
 
 
-def _zip(source: Source) -> Iterator[bytes]:
+def _zip(source: DataFile) -> Iterator[bytes]:
     _check_directory(source)
     with zipfile.ZipFile(source.path) as archive:
         members = [
@@ -285,7 +285,7 @@ _SHEETS = {
 """What is packed like an archive and is a document, by a file that each one has."""
 
 
-def _is_arrays(source: Source) -> bool:
+def _is_arrays(source: DataFile) -> bool:
     """Return whether a ZIP archive is NumPy's of several arrays, which is read packed."""
     _check_directory(source)
     try:
@@ -296,7 +296,7 @@ def _is_arrays(source: Source) -> bool:
     return len(names) > 1 and all(name.endswith(".npy") for name in names)
 
 
-def _check_directory(source: Source) -> None:
+def _check_directory(source: DataFile) -> None:
     """Refuse an archive whose table of contents alone would take much memory."""
     with open(source.path, "rb") as stream:
         stream.seek(max(0, source.size - 65_536 - 22))
@@ -310,7 +310,7 @@ def _check_directory(source: Source) -> None:
         )
 
 
-_READERS: dict[str, Callable[[Source], Iterator[bytes]]] = {
+_READERS: dict[str, Callable[[DataFile], Iterator[bytes]]] = {
     _GZIP: partial(_streamed, gzip.open),
     _BZIP2: partial(_streamed, bz2.open),
     _XZ: _xz,

@@ -22,7 +22,7 @@ from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from overview_dsp.data.readers.source import Format, LoadOptions, Source
+from overview_dsp.data.readers.data_file import DataFile, Format, LoadOptions
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, OverviewWarning
 
@@ -55,14 +55,14 @@ def package_readers() -> tuple[Format, ...]:
 def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
     """Return the format of what an entry point names; its reader fails with one line."""
 
-    def sniff(source: Source) -> bool:
+    def sniff(source: DataFile) -> bool:
         try:
             return bool(given.sniff(source.head))
         except Exception as error:  # it doesn't claim the file, then
             _warn(package, f"failed to look at a file ({_said(error)})")
             return False
 
-    def read(source: Source, asked: LoadOptions) -> Timeline:
+    def read(source: DataFile, asked: LoadOptions) -> Timeline:
         taken = {name: getattr(asked, name) for name in options & asked.given()}
         with _one_line(source, package):
             timeline = given.read(str(source.path), **taken)
@@ -73,7 +73,7 @@ def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
             )
         return timeline
 
-    def matches(source: Source) -> list[str]:
+    def matches(source: DataFile) -> list[str]:
         with _one_line(source, package):
             return [str(line) for line in given.matches(str(source.path))]
 
@@ -82,7 +82,7 @@ def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
 
 
 @contextlib.contextmanager
-def _one_line(source: Source, package: str) -> Iterator[None]:
+def _one_line(source: DataFile, package: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
@@ -114,7 +114,7 @@ def _said(error: Exception) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())[:200]
 
 
-def needed(module: str, purpose: str, extra: str) -> Any:
+def require_package(module: str, purpose: str, extra: str) -> Any:
     """Import a module of one of the extras; InputError says how to install it."""
     try:
         return importlib.import_module(module)

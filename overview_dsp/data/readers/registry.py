@@ -12,21 +12,21 @@ from pathlib import Path
 from typing import Any, cast
 
 from overview_dsp import validation
-from overview_dsp.data.readers import native, suggestions
-from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
-from overview_dsp.data.readers.opening import is_content, opened
-from overview_dsp.data.readers.series import series
-from overview_dsp.data.readers.source import (
+from overview_dsp.data.readers import format_hints, native
+from overview_dsp.data.readers.data_file import (
     MOST_DEPTH,
     READ_AS_WINDOWS,
     UNNAMED,
     WINDOWS,
+    DataFile,
     Format,
     LoadOptions,
-    Source,
     decode_text,
     parse_json,
 )
+from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
+from overview_dsp.data.readers.opening import is_content, opened
+from overview_dsp.data.readers.series import series_reader
 from overview_dsp.data.readers.tables.memory import (
     TableData,
     TimelineData,
@@ -171,10 +171,10 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
     where = f"the {table.kind} data"
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
 
-        def written(rows: int) -> Source:
+        def written(rows: int) -> DataFile:
             path = Path(folder) / UNNAMED
             path.write_text(csv_text(table, rows), "utf-8", "surrogateescape", newline="")
-            return Source.open(path, options, where)
+            return DataFile.open(path, options, where)
 
         most = max(20, min(_HEAD_ROWS, _HEAD_CELLS // len(table.columns)))
         source = written(most)
@@ -189,7 +189,7 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
                 )
             return found.read(written(table.rows) if table.rows > most else source, options)
     with validation.located(f"{where}: "):
-        return series.series_of(table, options)
+        return series_reader.series_timeline(table, options)
 
 
 def _require_table(data: object, what: str) -> None:
@@ -198,7 +198,7 @@ def _require_table(data: object, what: str) -> None:
         raise InputError(f"{shown(data)} is {what}{hint}")
 
 
-def _format_of(source: Source) -> Format:
+def _format_of(source: DataFile) -> Format:
     """Return the first format that claims the file; InputError describes one that none does."""
     # an event list is a table too, where its rows are to be counted
     for candidate in formats():
@@ -208,7 +208,7 @@ def _format_of(source: Source) -> Format:
             return candidate
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
-        f"{suggestions.fix_of(source)}; overview timeline formats lists all that can be read",
+        f"{format_hints.format_hint(source)}; overview timeline formats lists all that can be read",
     )
 
 
@@ -269,7 +269,7 @@ def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> N
         raise InputError(f"{what}: {option} can't be given, the format holds it; leave it out")
 
 
-def _described(source: Source) -> str:
+def _described(source: DataFile) -> str:
     """Say what an unknown file seems to be."""
     if source.head_text is None:
         binary = _CONTROL.search(source.head) is not None

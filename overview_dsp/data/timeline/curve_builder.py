@@ -6,18 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.gaps import Gaps
-from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
-from overview_dsp.data.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
-from overview_dsp.data.timeline.samples import (
+from overview_dsp.data.timeline.curve_points import (
     MAX_VALUE,
-    EvenTimes,
     Points,
+    RegularTimes,
     Times,
     require_increasing,
     require_values,
 )
+from overview_dsp.data.timeline.gaps import Gaps
+from overview_dsp.data.timeline.growable_array import Store
+from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
@@ -203,7 +203,7 @@ class CurveBuilder:
             time_s: Times = self._times.finish()
         else:
             assert step_s is not None
-            time_s = EvenTimes(len(value), step_s, first_s)
+            time_s = RegularTimes(len(value), step_s, first_s)
         points = Points(time_s, value)
         points.__dict__["levels"] = self._pyramid.finish()
         self._built = Intensity.checked(points, unit, percentiles)

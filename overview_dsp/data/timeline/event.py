@@ -50,7 +50,7 @@ RHYTHMS: dict[str, str] = {
 _CODE = re.compile(r"rhythm \((\w+)\)?")
 
 
-def rhythm_words(label: str) -> str:
+def rhythm_name(label: str) -> str:
     """Return the name of the rhythm that a label codes, `rhythm (AFIB`; any other as it is.
 
     A code that is in no table stays, without the bracket that nothing closes.
@@ -109,7 +109,7 @@ class Event:
     @property
     def words(self) -> str:
         """The label as a person reads it: a rhythm's name where the data have its code, `(AFIB`."""
-        return rhythm_words(self.label) if self.kind == KIND else self.label
+        return rhythm_name(self.label) if self.kind == KIND else self.label
 
     def moved(self, time_s: float) -> Event:
         """Move this event to another time, which is not checked.

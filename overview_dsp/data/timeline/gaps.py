@@ -100,8 +100,8 @@ def cut_gaps(
     return tuple(kept), tuple(why) if any(why) else ()
 
 
-def cut_until(until_s: float | None, start: float, end: float) -> float | None:
+def cut_until(known_until_s: float | None, start: float, end: float) -> float | None:
     """Return up to where the part from `start` to `end` has happened; None where it all has."""
-    if until_s is None or until_s >= end:
+    if known_until_s is None or known_until_s >= end:
         return None
-    return max(until_s - start, 0.0)
+    return max(known_until_s - start, 0.0)

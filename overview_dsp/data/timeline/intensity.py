@@ -18,11 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.gaps import Gaps, in_gap
-from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
-from overview_dsp.data.timeline.samples import (
-    EvenTimes,
+from overview_dsp.data.timeline.curve_points import (
     Points,
+    RegularTimes,
     Times,
     as_given,
     checked_percentiles,
@@ -30,6 +28,8 @@ from overview_dsp.data.timeline.samples import (
     require_increasing,
     require_values,
 )
+from overview_dsp.data.timeline.gaps import Gaps, in_gap
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
@@ -38,7 +38,7 @@ EXTREMES = (0.0, 100.0)
 
 
 def _same_times(one: Times, other: Times) -> bool:
-    if isinstance(one, EvenTimes) and isinstance(other, EvenTimes):
+    if isinstance(one, RegularTimes) and isinstance(other, RegularTimes):
         return one == other
     return np.array_equal(one, other)
 
@@ -96,13 +96,13 @@ LONG = 65_536
 class Intensity:
     """A curve over time, straight between its points; a single point is a constant.
 
-    Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
+    Arrays are copied to float64 and made read-only. With `RegularTimes` the values are kept as they
     are given (float32 or float64, a memory map too): don't change them afterwards. A series too
     long for memory is built in chunks by `CurveBuilder`.
 
     Parameters
     ----------
-    time_s : array_like (n,) or EvenTimes
+    time_s : array_like (n,) or RegularTimes
         Seconds, n >= 1, finite, >= 0, strictly increasing.
     value : array_like (n,)
         Finite, magnitude up to 1e300, in any unit.
@@ -130,7 +130,7 @@ class Intensity:
     percentiles: tuple[float, float] = EXTREMES
 
     def __post_init__(self) -> None:
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             time_s: Times = self.time_s
             value = as_given(self.value, "intensity.value")
         else:
@@ -147,7 +147,7 @@ class Intensity:
                 "intensity has no points; give two or more, or one for a constant, "
                 "or leave the intensity out"
             )
-        if not isinstance(time_s, EvenTimes):
+        if not isinstance(time_s, RegularTimes):
             require_increasing(time_s)
         for start in range(0, len(value), CHUNK):
             require_values(np.asarray(value[start : start + CHUNK]), start)

@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
-from overview_dsp.data.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
-from overview_dsp.data.timeline.page import timeline_page
-from overview_dsp.data.timeline.ticks import Half, halves_of, part_ticks
+from overview_dsp.data.timeline.notebook import timeline_page
+from overview_dsp.data.timeline.ticks import Half, halves_of, window_ticks
+from overview_dsp.data.timeline.window_events import Rules, ranks, window_events
 from overview_dsp.errors import InputError, shown
 from overview_dsp.public import counted, dataframe, drawn, short
 from overview_dsp.units import clock_text, span_text
@@ -70,7 +70,7 @@ class Timeline:
     signal : Intensity or None
         The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
         below it, not felt, and not in files.
-    until_s : float or None
+    known_until_s : float or None
         Up to where it has happened, of one that is still growing; the rest is the future, which
         has a surface of its own. None where all has happened.
 
@@ -103,7 +103,7 @@ class Timeline:
     gap_reasons: tuple[str, ...] = ()
     rules: Rules | None = field(default=None, compare=False, repr=False)
     signal: Intensity | None = field(default=None, compare=False, repr=False)
-    until_s: float | None = None
+    known_until_s: float | None = None
 
     def __post_init__(self) -> None:
         validation.text(self.title, "title")
@@ -115,7 +115,7 @@ class Timeline:
         notes = tuple(validation.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
         validation.moment(self.start, duration_s)
-        object.__setattr__(self, "until_s", validation.until(self.until_s, duration_s))
+        object.__setattr__(self, "known_until_s", validation.until(self.known_until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with validation.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
@@ -351,7 +351,7 @@ class Timeline:
         from_s = self._from_s + start
         events = window_events(
             given,
-            part_ticks(moment, from_s, end - start, self._halves),
+            window_ticks(moment, from_s, end - start, self._halves),
             rules.found(end - start) if rules is not None else (),
             [details[i] for i in np.argsort(rank)],
             end - start,
@@ -377,7 +377,7 @@ class Timeline:
             details=details,
             rules=rules,
             signal=self.signal.cut(start, end) if self.signal is not None else None,
-            until_s=cut_until(self.until_s, start, end),
+            known_until_s=cut_until(self.known_until_s, start, end),
             _given=given,
             _ranks=rank,
             _from_s=from_s,

@@ -122,7 +122,7 @@ def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
     return _chosen(_WHOLE_S, start, 0.0, duration_s)
 
 
-def part_ticks(
+def window_ticks(
     start: datetime | None, from_s: float, duration_s: float, halves: Sequence[Half] = ()
 ) -> tuple[Event, ...]:
     """Return the ticks strictly inside a part of a timeline, on an axis that begins with the part.

@@ -129,7 +129,7 @@ class TimelineView(Widget):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(where), width)] = mark
         shown = self._player.shown
-        until = shown.until_s
+        until = shown.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline, save_timeline
+from overview_dsp.data.readers.data_file import parse_json
 from overview_dsp.data.readers.native import decode, encode
-from overview_dsp.data.readers.source import parse_json
 from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.outcome import timeline_or_one_line

@@ -16,9 +16,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from overview_dsp import validation
-from overview_dsp.data.readers.source import shown_path
+from overview_dsp.data.readers.data_file import shown_path
 from overview_dsp.data.readers.tables.time_column import as_number
-from overview_dsp.data.timeline.times import clock_s, moment
+from overview_dsp.data.timeline.time_parsing import clock_s, moment
 from overview_dsp.errors import InputError, shown
 
 MAX_HEADER_BYTES = 1 << 20

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis import curve_maps
-from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series, find_events
-from overview_dsp.data.readers.series.plan import HEAD_ROWS
-from overview_dsp.data.readers.series.rows import RowReader, settled
-from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables.cells import Style
+from overview_dsp.data.analysis.series_events import Calendar, Series, WindowRules, find_events
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.series.read_plan import HEAD_ROWS
+from overview_dsp.data.readers.series.rows import RowReader, with_settled_order
 from overview_dsp.data.readers.tables.column_roles import choose_time
 from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
 from overview_dsp.data.timeline.growable_array import Store
@@ -44,7 +43,7 @@ _ROUND = {
 }  # fmt: skip
 
 
-def asked_of(table: Table, options: LoadOptions) -> bool:
+def counts_rows(table: Table, options: LoadOptions) -> bool:
     """Return whether a table's rows are to be counted: not if `count` is one of its columns."""
     return options.counts and (options.map or "").strip().lower() not in headers_of(table.columns)
 
@@ -73,8 +72,8 @@ def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
     assert options.map is not None
     wanted = _span(options.map)
     head = first_rows(table, HEAD_ROWS)
-    time = settled(table, choose_time(table, head, options.time, False))
-    reader = RowReader(table, time, (), Style(), None, options.report_progress)
+    time = with_settled_order(table, choose_time(table, head, options.time, False))
+    reader = RowReader(table, time, (), ".", None, options.report_progress)
     store = Store(np.float64)
     low, high = np.inf, -np.inf
     for rows in reader:
@@ -192,5 +191,5 @@ def _timeline(
         ),
         notes=(*table.notes, *reader.choice.notes, *notes, *event_notes),
         start=start,
-        rules=PartRules(series, 0.0, duration_s),
+        rules=WindowRules(series, 0.0, duration_s),
     )

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables.cells import NumberColumn, Style
+from overview_dsp.data.readers.tables.cells import NumberColumn
 from overview_dsp.data.readers.tables.column_roles import TimeChoice
-from overview_dsp.data.readers.tables.table import Location, Table, location
+from overview_dsp.data.readers.tables.table import CellLocation, Table, cell_locator
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
 
@@ -29,7 +29,7 @@ class RowReader:
     table: Table
     choice: TimeChoice
     columns: Sequence[int]
-    style: Style
+    decimal_mark: str
     rate: float | None = None
     progress: Callable[[float], None] = lambda part: None
     time: TimeColumn = field(init=False)
@@ -40,7 +40,7 @@ class RowReader:
     def __post_init__(self) -> None:
         zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
         self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
-        self.numbers = [NumberColumn(self.style) for _ in self.columns]
+        self.numbers = [NumberColumn(self.decimal_mark) for _ in self.columns]
 
     def __iter__(self) -> Iterator[Rows]:
         count = len(self.choice.columns)
@@ -48,13 +48,13 @@ class RowReader:
         for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
             self.progress(chunk.part)
             values = [
-                number.values(cells, location(self.table, chunk, index))
+                number.values(cells, cell_locator(self.table, chunk, index))
                 for number, cells, index in zip(
                     self.numbers, chunk.cells[count:], self.columns, strict=True
                 )
             ]
             if count:
-                place = location(self.table, chunk, self.choice.columns[0])
+                place = cell_locator(self.table, chunk, self.choice.columns[0])
                 seconds = self.time.seconds(self.choice.cells(chunk), place)
             else:
                 assert self.rate is not None
@@ -74,7 +74,7 @@ class RowReader:
             yield read
 
 
-def settled(table: Table, choice: TimeChoice) -> TimeChoice:
+def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
     """Distinguish day and month where the head left it open, by the whole column.
 
     Raises
@@ -134,7 +134,7 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
         if reader.choice.format.name in CLOCKS:
-            raise Location(int(number[back]), word=word).fault(
+            raise CellLocation(int(number[back]), word=word).fault(
                 "the clock goes back; give dates too, or cut the file there"
             )
         order = np.argsort(seconds, kind="stable")

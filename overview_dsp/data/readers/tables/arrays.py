@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.opening import MAX_MB
-from overview_dsp.data.readers.source import Source
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
     NO_ROWS,
@@ -70,17 +70,17 @@ def _cells(part: Any) -> Cells:
     return np.asarray(part) if kind == "M" else [str(cell) for cell in part.tolist()]
 
 
-def sniff_npy(source: Source) -> bool:
+def sniff_npy(source: DataFile) -> bool:
     """Return whether the file begins as `.npy` does."""
     return source.head.startswith(MAGIC)
 
 
-def sniff_npz(source: Source) -> bool:
+def sniff_npz(source: DataFile) -> bool:
     """Return whether the file is a ZIP archive (which `opened` leaves packed only if it is one)."""
     return source.head.startswith(b"PK\x03\x04")
 
 
-def open_npy(source: Source) -> ColumnTable:
+def open_npy(source: DataFile) -> ColumnTable:
     """Return the file's table; InputError for objects, for a file that is cut off."""
     with open(source.path, "rb") as stream:
         shape, fortran, dtype = _header(stream)
@@ -96,7 +96,7 @@ def open_npy(source: Source) -> ColumnTable:
     return _table(array)
 
 
-def open_npz(source: Source) -> ColumnTable:
+def open_npz(source: DataFile) -> ColumnTable:
     """Return the table of the archive's longest arrays of one dimension."""
     limit = (source.options.max_mb if source.options.max_mb is not None else MAX_MB) * 2**20
     arrays: dict[str, Any] = {}
@@ -188,7 +188,7 @@ MAX_ROWS = 2_000_000_000
 _INSTALL = 'Parquet needs pyarrow: pip install "overview-dsp[parquet]"'
 
 
-def sniff_parquet(source: Source) -> bool:
+def sniff_parquet(source: DataFile) -> bool:
     """Return whether the file begins as Parquet does."""
     return source.head.startswith(PARQUET_MAGIC)
 
@@ -206,7 +206,7 @@ class ParquetTable(Table):
 
     kind = "Parquet"
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         arrow = _library()
         self._arrow = arrow
         self._path = str(source.path)

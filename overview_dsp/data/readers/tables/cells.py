@@ -11,20 +11,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables.table import Cells, Location
-from overview_dsp.data.timeline.samples import MAX_VALUE
+from overview_dsp.data.readers.tables.table import CellLocation, Cells
+from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.errors import shown
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
 _GROUPS = "'’ \u00a0\u202f_"
-_WHOLE = re.compile(
+NUMBER = re.compile(
     rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{_CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
     rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
     r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
@@ -33,55 +33,14 @@ _WHOLE = re.compile(
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
 
-@dataclass(frozen=True)
-class Style:
-    """How a file writes numbers: its decimal mark, "." or ","."""
-
-    decimal: str = "."
-
-    @property
-    def thousands(self) -> str:
-        """The other one."""
-        return "," if self.decimal == "." else "."
-
-
-def detected_style(cells: Iterable[Any]) -> Style | None:
-    """Return the style that some cell proves, None if none does.
-
-    A cell proves a mark to be decimal if it has both marks (the last one), or just one, once, and
-    not before exactly three digits (`12,5`, `0.250` by its zero).
-    """
-    votes = {".": 0, ",": 0}
-    for cell in cells:
-        if not isinstance(cell, str):
-            continue
-        found = _WHOLE.fullmatch(cell.strip())
-        if found is None:
-            continue
-        digits = found["digits"]
-        point, comma = digits.rfind("."), digits.rfind(",")
-        if point < 0 and comma < 0:
-            continue
-        mark = "." if point > comma else ","
-        if digits.count(mark) > 1:
-            votes["," if mark == "." else "."] += 1  # a mark that repeats groups thousands
-        elif (point >= 0 and comma >= 0) or not re.fullmatch(
-            r"[1-9]\d{0,2}[.,]\d{3}", digits, re.ASCII
-        ):
-            votes[mark] += 1
-    if votes["."] == votes[","]:
-        return None
-    return Style("." if votes["."] > votes[","] else ",")
-
-
-def parse(text: str, style: Style) -> tuple[float, str] | None:
+def parse(text: str, decimal_mark: str) -> tuple[float, str] | None:
     """Return a cell's number and what unit or currency it carries; None if it is no number."""
-    found = _WHOLE.fullmatch(text)
+    found = NUMBER.fullmatch(text)
     if found is None or (found["sign1"] and found["sign"]):
         return None
     digits = found["digits"]
-    whole, mark, part = digits.partition(style.decimal)
-    if style.thousands in part or style.decimal in part:
+    whole, mark, part = digits.partition(decimal_mark)
+    if "." in part or "," in part:
         return None
     separators = set(whole) - set("0123456789")
     if len(separators) > 1:
@@ -113,10 +72,10 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
 class NumberColumn:
     """Makes numbers of a column, chunk by chunk; `unit` is what the cells themselves carry."""
 
-    style: Style = field(default_factory=Style)
+    decimal_mark: str = "."
     unit: str | None = None
 
-    def values(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def values(self, cells: Cells, place: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no value.
 
         Parameters
@@ -151,7 +110,7 @@ class NumberColumn:
 
     def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
         """Return the numbers if all cells are plain ones with a decimal point."""
-        if self.style.decimal != "." or self.unit:
+        if self.decimal_mark != "." or self.unit:
             return None
         try:
             if not are_written_in(cells, "0123456789+-.eE"):
@@ -163,7 +122,7 @@ class NumberColumn:
             self.unit = ""
         return values
 
-    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _one(self, cell: Any, i: int, place: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
             return math.nan
         if isinstance(cell, bool):
@@ -173,10 +132,11 @@ class NumberColumn:
                 return float(cell)
             except OverflowError:
                 return math.inf
-        found = parse(cell.strip(), self.style) if isinstance(cell, str) else None
+        found = parse(cell.strip(), self.decimal_mark) if isinstance(cell, str) else None
         if found is None:
-            other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
-            hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
+            other, name = (",", "point") if self.decimal_mark == "." else (".", "comma")
+            swapped = isinstance(cell, str) and parse(cell.strip(), other) is not None
+            hint = f" with a decimal {name}" if swapped else ""
             raise place(i).error(
                 cell, f"isn't a number{hint}; correct it, or leave it empty if there is no value"
             )
@@ -198,14 +158,11 @@ def are_written_in(cells: Iterable[str], letters: str) -> bool:
     return not text.translate(None, letters.encode())
 
 
-_MARKS = {".": "point", ",": "comma"}
-
-
 def is_number(cell: Any) -> bool:
     """Return whether a cell is a number in either style."""
     if isinstance(cell, str):
         text = cell.strip()
-        return parse(text, Style(".")) is not None or parse(text, Style(",")) is not None
+        return parse(text, ".") is not None or parse(text, ",") is not None
     return isinstance(cell, int | float) and not isinstance(cell, bool)
 
 

@@ -12,7 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.data.readers.tables.table import (
     Cells,
@@ -28,79 +29,14 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.time_column import (
     CLOCKS,
     Format,
-    asked_format,
     detected_format,
+    requested_format,
 )
-from overview_dsp.data.timeline.times import moment
+from overview_dsp.data.timeline.time_parsing import moment
 from overview_dsp.errors import InputError, shown
 
-# --- names
-
-TIMES = (
-    "time", "times", "date", "datetime", "timestamp", "minute", "start", "begin", "onset", "when",
-    "times", "clock", "starttime", "startdate", "start_time", "begintime", "from", "in", "at",
-    "day", "datum", "zeit", "uhrzeit", "beginn", "fecha", "hora", "heure", "debut", "début",
-    "minutes", "min", "second", "seconds", "sec", "secs", "position", "offset", "timecode", "tc",
-    "t", "ts", "hour", "hours", "year", "timeofday", "createdat", "elapsed", "eventtime",
-    "eventdate", "dtstart", "ms", "milliseconds", "gametime", "matchtime", "startdatetime",
-)  # fmt: skip
-"""Names of a column of times, the likelier first; a unit may follow (`time_s`, `start (min)`)."""
-
-KINDS = (
-    "kind", "event", "eventtype", "type", "what", "category", "action", "eventname", "class",
-    "ereignis", "evento", "evenement", "événement", "art", "typ", "tipo", "tag", "code",
-    "behavior", "behaviour", "annotation", "incident", "trialtype", "status", "activity",
-)  # fmt: skip
-"""Names of a column that says what happened."""
-
-LABELS = (
-    "label", "name", "title", "description", "text", "note", "notes", "comment", "summary",
-    "subject", "message", "details", "detail", "bezeichnung", "beschreibung", "titel", "nombre",
-    "nom", "caption", "remark", "content", "chapter", "marker", "scene", "task", "milestone",
-)  # fmt: skip
-"""Names of a column of words."""
-
-EXTRAS = (
-    "weight", "strength", "importance", "priority", "intensity", "end", "endtime", "enddate",
-    "stop", "finish", "out", "to", "duration", "length", "dur", "id", "eventid", "no", "nr",
-    "number", "num", "index", "row", "n", "", "color", "colour", "player", "team", "who", "person",
-    "user", "author", "channel", "track", "speaker", "fps", "enddatetime", "allday",
-    "location", "place", "where", "latitude", "longitude", "lat", "lon", "url", "link", "period",
-)  # fmt: skip
-"""Names of columns that a list of events may have besides; numbers in them are no series."""
-
-_WEIGHTS = ("weight", "strength", "importance")
-_ENDS = ("end", "endtime", "enddate", "stop", "finish", "out", "to", "enddatetime")
-_LENGTHS = ("duration", "length", "dur")
-_IDS = ("id", "eventid", "uuid", "uid", "guid")
-_UNIT = re.compile(r"(?:in)?(ns|us|ms|s|sec|secs|seconds|min|mins|minutes|h|hrs|hours)$")
-
-_DATE_NAMES = (
-    "date", "datetime", "timestamp", "time", "ts", "t", "datum", "zeit", "zeitstempel", "fecha",
-    "data", "jour", "day", "month", "year", "period", "quarter", "week", "observationdate",
-    "opentime", "epoch", "unix", "unixtime", "unixtimestamp", "times", "seconds", "secs", "sec",
-    "minutes", "hours", "elapsed", "elapsedtime", "valid", "dateutc", "timeutc", "localtime",
-    "createdat", "recordedat", "index", "", "yyyymmdd", "decimaldate", "decimalyear", "jahr",
-    "anno", "ano", "año", "mes", "monat", "tag",
-)  # fmt: skip
-_DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
-_COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
-_OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
 _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
-_CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
-
-_CLOSE = (
-    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
-    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
-)  # fmt: skip
-_NO_CLOSE = ("price", "lastprice", "settle")
-_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
-_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
-_HIGH_LOW = (
-    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
-)  # fmt: skip
-_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
 
 
 # --- columns of a series
@@ -151,7 +87,7 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
         No such column, or none that looks like times; the line names the columns.
     """
     columns = table.columns
-    asked, written = asked_format(wish, columns)
+    asked, written = requested_format(wish, columns)
     if asked is not None:
         index = _asked(columns, asked, "times")
         form = _form_of(columns[index], head[index], written, True)
@@ -181,7 +117,7 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
         if parts is not None:
             return parts
     notes = _form_notes(form)
-    if columns[index].plain not in _DATE_NAMES:
+    if columns[index].plain not in column_names.SERIES_TIMES:
         notes = (*notes, f"times are taken from column {shown(columns[index].header)}")
     return TimeChoice((index,), form, "", notes)
 
@@ -227,7 +163,9 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
         if fixed and _clock_beside(columns, head, i, form) is None:
             continue
         name = column.plain
-        named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)
+        named = name in column_names.SERIES_TIMES or any(
+            word in name for word in column_names.SERIES_TIME_PARTS
+        )
         dated = form.calendar and form.name != "year"
         if dated and form.name.startswith("epoch") and not named:
             dated = i == 0  # large numbers elsewhere are volumes and the like
@@ -238,7 +176,7 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
             continue
         if dated:
             rank = 0 if named and name != "" else 1
-        elif named and name not in _COUNTER_NAMES:
+        elif named and name not in column_names.ROW_COUNTERS:
             rank = 2 if form.calendar else 3
         elif i == 0 and len(columns) > 1 and _rising(cells):
             rank = 4
@@ -269,13 +207,21 @@ def _clock_beside(columns: Columns, head: Head, date: int, form: Format) -> int 
     dates = _texts(head[date]) if form.name in _DAYS else []
     if not dates or any(":" in text for text in dates):
         return None
-    named = [i for i, c in enumerate(columns) if any(word in c.plain for word in _CLOCK_NAMES)]
+    named = [
+        i
+        for i, c in enumerate(columns)
+        if any(word in c.plain for word in column_names.CLOCK_PARTS)
+    ]
     return next((i for i in named if i != date and _all(head[i], _is_day_clock)), None)
 
 
 def _offset_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
-    named = [i for i, c in enumerate(columns) if c.plain in _OFFSET_NAMES and form.name in _DAYS]
+    named = [
+        i
+        for i, c in enumerate(columns)
+        if c.plain in column_names.UTC_OFFSETS and form.name in _DAYS
+    ]
     return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
 
@@ -385,13 +331,15 @@ def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
     """A second column of times isn't a value: `date` beside `unix`."""
     form = detected_format(column, cells)
     name = column.plain
-    named = name in _DATE_NAMES[1:8] or any(word in name for word in _DATE_WORDS)
+    named = name in column_names.SERIES_TIMES[1:8] or any(
+        word in name for word in column_names.SERIES_TIME_PARTS
+    )
     return form is not None and form.calendar and named and name != ""
 
 
 def _is_counter(column: Column, cells: Sequence[Any]) -> bool:
     """Return whether a column counts rows."""
-    if column.plain not in _COUNTER_NAMES:
+    if column.plain not in column_names.ROW_COUNTERS:
         return False
     known = [_float(cell) for cell in cells]
     return all(
@@ -416,11 +364,15 @@ def is_adjusted(column: Column) -> bool:
 def is_price(column: Column, columns: Columns) -> bool:
     """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
     name = _key(column)
-    if is_price_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
+    if is_price_table(columns) and name in (
+        *column_names.CLOSE,
+        *column_names.OPEN,
+        *column_names.HIGH_LOW,
+    ):
         return True
     return (
         is_adjusted(column)
-        or name in _ALONE
+        or name in column_names.PRICES_ALONE
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")
     )
@@ -429,7 +381,9 @@ def is_price(column: Column, columns: Columns) -> bool:
 def is_close(column: Column) -> bool:
     """Return, by its name, whether a column is a closing price of an exchange."""
     name = _key(column)
-    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
+    return is_adjusted(column) or (
+        name in column_names.CLOSE and name not in column_names.OTHER_PRICES
+    )
 
 
 def _first(columns: Columns, names: Sequence[str]) -> int | None:
@@ -438,8 +392,9 @@ def _first(columns: Columns, names: Sequence[str]) -> int | None:
 
 def is_price_table(columns: Columns) -> bool:
     """Return whether these columns are a table of prices: a close, and an open, high or low."""
-    return _first(columns, _CLOSE) is not None and (
-        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
+    return _first(columns, column_names.CLOSE) is not None and (
+        _first(columns, column_names.OPEN) is not None
+        or _first(columns, column_names.HIGH_LOW) is not None
     )
 
 
@@ -450,9 +405,9 @@ def price_columns(columns: Columns) -> dict[str, int]:
     """
     found = {
         "adjusted": next((i for i, column in enumerate(columns) if is_adjusted(column)), None),
-        "close": _first(columns, _CLOSE),
-        "open": _first(columns, _OPEN),
-        "volume": _first(columns, _VOLUME),
+        "close": _first(columns, column_names.CLOSE),
+        "open": _first(columns, column_names.OPEN),
+        "volume": _first(columns, column_names.VOLUME),
     }
     return {name: i for name, i in found.items() if i is not None}
 
@@ -463,7 +418,7 @@ def preferred_price(columns: Columns) -> int | None:
         found = price_columns(columns)
         return found.get("adjusted", found["close"])
     # a close and its volume alone
-    rest = [column for column in columns if _key(column) not in _VOLUME]
+    rest = [column for column in columns if _key(column) not in column_names.VOLUME]
     if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
@@ -494,21 +449,21 @@ def named(columns: Columns, names: Sequence[str]) -> int | None:
     return next((plain.index(name) for name in names if name in plain), None)
 
 
-def time_named(columns: Columns) -> int | None:
+def named_time_column(columns: Columns) -> int | None:
     """Return the column that is called like times, with a unit or without."""
-    found = named(columns, TIMES)
+    found = named(columns, column_names.EVENT_TIMES)
     if found is not None:
         return found
     for i, column in enumerate(columns):
-        stem = _UNIT.sub("", column.plain)
-        if stem in TIMES and stem != column.plain:
+        stem = column_names.UNIT_SUFFIX.sub("", column.plain)
+        if stem in column_names.EVENT_TIMES and stem != column.plain:
             return i
     return None
 
 
-def words_named(columns: Columns) -> tuple[int | None, int | None]:
+def kind_and_label_columns(columns: Columns) -> tuple[int | None, int | None]:
     """Return the column of kinds and that of labels."""
-    return named(columns, KINDS), named(columns, LABELS)
+    return named(columns, column_names.EVENT_KINDS), named(columns, column_names.EVENT_LABELS)
 
 
 def is_wordy(cells: Sequence[Any]) -> bool:
@@ -517,7 +472,7 @@ def is_wordy(cells: Sequence[Any]) -> bool:
     return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
 
 
-def looks_listed(columns: Columns, head: Head, options: LoadOptions) -> bool:
+def is_event_table(columns: Columns, head: Head, options: LoadOptions) -> bool:
     """Return whether a table is a list of events: times, words, and no series of numbers.
 
     A table of which a caller names the kinds or the labels is one, whatever it holds.
@@ -527,19 +482,24 @@ def looks_listed(columns: Columns, head: Head, options: LoadOptions) -> bool:
     if options.kind is not None or options.label is not None:
         return True
     time = _asked_time(columns, options.time)
-    kind, label = words_named(columns)
+    kind, label = kind_and_label_columns(columns)
     if time is None or (kind is None and label is None):
         return False
     words = [i for i in (kind, label) if i is not None and i != time]
     if not any(is_wordy(head[i]) for i in words):
         return False
     for i, column in enumerate(columns):
-        if i in (time, *words) or column.plain in (*EXTRAS, *TIMES, *KINDS, *LABELS):
+        if i in (time, *words) or column.plain in (
+            *column_names.EVENT_EXTRAS,
+            *column_names.EVENT_TIMES,
+            *column_names.EVENT_KINDS,
+            *column_names.EVENT_LABELS,
+        ):
             continue
         numeric = [cell for cell in head[i] if not is_missing(cell)]
         if numeric and looks_numeric(numeric) and detected_format(column, numeric) is None:
             return False
-        if numeric and looks_numeric(numeric) and not _UNIT.search(column.plain):
+        if numeric and looks_numeric(numeric) and not column_names.UNIT_SUFFIX.search(column.plain):
             return False  # a quantity: a series with words beside it
     return True
 
@@ -548,10 +508,10 @@ def _asked_time(columns: Columns, wish: str | None) -> int | None:
     """The column of times that a caller names, else the one that is called like times."""
     if wish is not None:
         with contextlib.suppress(InputError):  # said when it is read
-            asked, _ = asked_format(wish, columns)
+            asked, _ = requested_format(wish, columns)
             if asked is not None:
                 return column_named(columns, asked)
-    return time_named(columns)
+    return named_time_column(columns)
 
 
 def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
@@ -569,7 +529,7 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
     InputError
         No such column, or cells that aren't times.
     """
-    asked, written = asked_format(options.time, columns)
+    asked, written = requested_format(options.time, columns)
     if asked is not None:
         time = _asked(columns, asked, "times")
     else:
@@ -581,7 +541,7 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
             )
         time = found
     form = _form_of(columns[time], head[time], written, asked is not None)
-    kind, label = words_named(columns)
+    kind, label = kind_and_label_columns(columns)
     if options.kind is not None:
         kind = _asked(columns, options.kind, "kinds")
         label = None if label == kind else label
@@ -599,10 +559,10 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
         label,
         form,
         _clock_beside(columns, head, time, form),
-        named(columns, _WEIGHTS),
-        named(columns, _ENDS),
-        named(columns, _LENGTHS),
-        named(columns, _IDS),
+        named(columns, column_names.EVENT_WEIGHTS),
+        named(columns, column_names.EVENT_ENDS),
+        named(columns, column_names.EVENT_LENGTHS),
+        named(columns, column_names.EVENT_IDS),
         (form.note,) if form.note else (),
     )
 
@@ -610,8 +570,8 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
 def _best_time(columns: Columns, head: Head) -> int | None:
     """The column that is called like times; one of dates before one of clocks."""
     for i, column in enumerate(columns):
-        if column.plain in TIMES:
+        if column.plain in column_names.EVENT_TIMES:
             form = detected_format(column, head[i])
             if form is not None and form.calendar:
                 return i
-    return time_named(columns)
+    return named_time_column(columns)

@@ -19,15 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, headed
 from overview_dsp.data.readers.tables.table import (
     CHUNK_CELLS,
     CHUNK_ROWS,
     MAX_COLUMNS,
+    CellLocation,
     Chunk,
     Column,
-    Location,
     Table,
 )
 from overview_dsp.errors import InputError
@@ -52,12 +52,12 @@ _FLAT = 4
 _NEWLINE = 10
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is text with a table that has a column of numbers."""
     return detect(source) is not None
 
 
-def open_table(source: Source) -> DelimitedTable:
+def open_table(source: DataFile) -> DelimitedTable:
     """Return the file's table.
 
     Raises
@@ -92,7 +92,7 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
         raise InputError(f"the header names the column '{twice}' twice; rename one")
     for count, (line, fields) in enumerate(DelimitedTable(text, dialect).records(), start=1):
         if count > MAX_RECORDS:
-            raise Location(line).fault(
+            raise CellLocation(line).fault(
                 f"more than {MAX_RECORDS} rows; keep those of one match or season"
             )
         yield line, fields
@@ -104,7 +104,7 @@ class DelimitedTable(Table):
     kind = "CSV"
     row_word = "line"
 
-    def __init__(self, source: Source | str, dialect: Dialect) -> None:
+    def __init__(self, source: DataFile | str, dialect: Dialect) -> None:
         self._source, self._dialect = source, dialect
         self.columns = tuple(
             Column.of(name, unit) for name, unit in zip(dialect.header, dialect.units, strict=True)
@@ -199,7 +199,7 @@ class DelimitedTable(Table):
                 continue
             if len(row) > width:
                 if any(cell.strip() for cell in row[width:]):
-                    raise Location(line).fault(
+                    raise CellLocation(line).fault(
                         f"{len(row)} fields for {width} columns; put quotes around a field that "
                         "holds the separator"
                     )
@@ -218,7 +218,7 @@ class Lines:
     file becomes a lone surrogate, so that only a cell which is used is an error.
     """
 
-    source: Source | str
+    source: DataFile | str
     encoding: str = _UTF8
     comments: tuple[str, ...] = ()
     above: int = 0
@@ -306,7 +306,7 @@ class Rows:
             try:
                 rows = list(itertools.islice(reader, self.block))
             except csv.Error as error:
-                broken = Location(self._broken_row())
+                broken = CellLocation(self._broken_row())
                 raise broken.fault(f"{error}; check the quotes from there on") from error
             if not rows:
                 return

@@ -16,10 +16,11 @@ from collections import Counter
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from overview_dsp.data.readers.source import CONTROL, Source
+from overview_dsp.data.readers.data_file import CONTROL, DataFile
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_numeric
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS
-from overview_dsp.data.timeline.times import FORMS, moment
+from overview_dsp.data.timeline.time_parsing import FORMS, moment
 
 SEPARATORS = (";", "\t", "|", ",")
 """What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
@@ -33,7 +34,6 @@ SAMPLE_LINES = 400
 _COLUMN_ROWS = 50
 _BLANKS_COST = 0.25
 _LONGEST_UNIT = 24
-_TIME_HEADERS = ("date", "time", "datum", "zeit", "year", "fecha")
 _SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # what spreadsheets begin with
 _WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # what a field of an RDB file may hold
 _EVENT_LIST = {"time_s", "kind"}
@@ -75,13 +75,13 @@ Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
 """Whether a table with this header and these first rows is the one that is looked for."""
 
 
-def encoding_of(source: Source) -> str | None:
+def encoding_of(source: DataFile) -> str | None:
     """Return the encoding of a text file by its head, None for what is no text."""
     text = source.head_text
     return None if text is None or CONTROL & set(text) else source.encoding
 
 
-def head_lines(source: Source, encoding: str) -> list[str]:
+def head_lines(source: DataFile, encoding: str) -> list[str]:
     """Return the whole lines of the head, without their ends."""
     decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), True)
     whole = source.size <= len(source.head)
@@ -128,7 +128,7 @@ def _names(line: str, separator: str) -> tuple[str, ...]:
 
 
 def detect(
-    source: Source, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
+    source: DataFile, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
 ) -> Dialect | None:
     """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
     if source.looks_like_json:
@@ -289,7 +289,7 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
     columns = [_fields(below, i) for i in range(len(header))]
     if any(looks_numeric(column) for column in columns):
         return True
-    named = any(word in name for name in names for word in _TIME_HEADERS)
+    named = any(word in name for name in names for word in column_names.TIME_HEADER_PARTS)
     return named and any(not column for column in columns)
 
 

@@ -57,7 +57,7 @@ def _text(cell: Any) -> str:
     return str(cell).strip()
 
 
-def chosen_group(table: Table, wish: str) -> OneGroup:
+def select_group(table: Table, wish: str) -> OneGroup:
     """Return the rows a person asks for: `COLUMN=TEXT`, or a text that just one column holds.
 
     Raises
@@ -95,7 +95,7 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
     raise InputError(f"match {shown(wish)}: no row holds that{there}")
 
 
-def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
+def require_single_series(table: Table, times: Sequence[int], value: int) -> None:
     """Refuse a table in which some column distinguishes several series of equal times.
 
     Called for a table in which times repeat.

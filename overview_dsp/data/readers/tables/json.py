@@ -22,30 +22,31 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
+    CellLocation,
     Chunk,
     Column,
     ColumnTable,
-    Location,
     Table,
     require_few_columns,
     single_cells,
 )
-from overview_dsp.data.timeline.times import FORMS, moment
+from overview_dsp.data.timeline.time_parsing import FORMS, moment
 from overview_dsp.errors import shown
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is JSON that holds a series in one of the known shapes."""
     return source.looks_like_json and bool(series_in(source.json))
 
 
-def open_table(source: Source) -> Table:
+def open_table(source: DataFile) -> Table:
     """Return the largest series of the document."""
     series = series_in(source.json)
     largest = max(series, key=lambda table: table.rows)
@@ -63,13 +64,6 @@ MAX_WIDTH = 64
 
 _MAX_KEYS, _MAX_ENTRIES = 1000, 10
 _SAMPLE = 50
-_TIME_WORDS = ("date", "time", "timestamp", "day", "month", "year", "period", "epoch", "unix")
-
-_LETTERS = {
-    "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
-}  # fmt: skip
-_CANDLE = ("time", "open", "high", "low", "close", "volume")
-_QUOTES = ("open", "high", "low", "close", "volume")
 
 
 @dataclass(frozen=True)
@@ -185,7 +179,9 @@ def _price_chart(value: dict[str, Any]) -> _Shape | None:
     if not isinstance(times, list) or not times or not isinstance(indicators, dict):
         return None
     quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
-    given = {name: quote.get(name) for name in _QUOTES} | {"adj close": adjusted.get("adjclose")}
+    given = {name: quote.get(name) for name in column_names.QUOTES} | {
+        "adj close": adjusted.get("adjclose")
+    }
     columns = {"time": times}
     columns |= {n: c for n, c in given.items() if isinstance(c, list) and len(c) == len(times)}
     currency = _first([value.get("meta")]).get("currency")
@@ -266,7 +262,7 @@ def _of_entries(
         part = entries[begin:end]
         for number, entry in enumerate(part, begin + 1):
             if not isinstance(entry, kind) or (kind is list and len(entry) != len(names)):
-                place = Location(number, word="record")
+                place = CellLocation(number, word="record")
                 raise place.error(entry, f"isn't {words}, as those before it")
         return [entry.get(names[i]) if kind is dict else entry[i] for entry in part]
 
@@ -292,7 +288,7 @@ def _is_series(table: ColumnTable) -> bool:
     if not any(looks_numeric(column) for column in cells):
         return False
     for named, column in zip(table.columns, cells, strict=True):
-        if any(word in named.header.lower() for word in _TIME_WORDS):
+        if any(word in named.header.lower() for word in column_names.JSON_TIME_PARTS):
             return True
         if column and all(isinstance(cell, str) and _is_date(cell) for cell in column):
             return True
@@ -305,14 +301,14 @@ class JsonLinesTable(Table):
     kind = "JSON lines"
     row_word = "line"
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         self._source = source
         encoding = encoding_of(source) or "utf-8"
         self._lines = Lines(source, encoding)
         sample = itertools.islice(self._records(), _SAMPLE)
         self._names = _names_in(record for _, record in sample)
         if not self._names:
-            raise Location(1).fault("an object without values; give times and values")
+            raise CellLocation(1).fault("an object without values; give times and values")
         require_few_columns(len(self._names))
         self.columns = tuple(map(Column.of, self._names))
 
@@ -333,13 +329,13 @@ class JsonLinesTable(Table):
                 record = json.loads(line)
             except (ValueError, RecursionError) as error:
                 note = f"broken JSON ({error}); one object a line is read"
-                raise Location(number).fault(note) from error
+                raise CellLocation(number).fault(note) from error
             if not isinstance(record, dict):
-                raise Location(number).error(record, "isn't an object {...}")
+                raise CellLocation(number).error(record, "isn't an object {...}")
             yield number, record
 
 
-def sniff_lines(source: Source) -> bool:
+def sniff_lines(source: DataFile) -> bool:
     """Return whether the file is one JSON object a line."""
     text = source.head_text
     if text is None or not text.lstrip().startswith("{"):
@@ -357,7 +353,7 @@ def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:
     """Return the names of columns, single letters of a price chart written out."""
     if not {"t", "o", "h", "l", "c"} <= set(names):
         return tuple(names)
-    return tuple(_LETTERS.get(name, name) for name in names)
+    return tuple(column_names.CHART_LETTERS.get(name, name) for name in names)
 
 
 def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
@@ -377,4 +373,8 @@ def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
             return None
         moved = moved or high > low
     width = len(rows[0])
-    return (*_CANDLE[:width], *(f"column {i}" for i in range(7, width + 1))) if moved else None
+    return (
+        (*column_names.CANDLE[:width], *(f"column {i}" for i in range(7, width + 1)))
+        if moved
+        else None
+    )

@@ -21,11 +21,11 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column, Table
-from overview_dsp.data.timeline.times import LINE_FORMS, in_line
+from overview_dsp.data.timeline.time_parsing import LINE_FORMS, in_line
 
 _REACH = 100
 _SNIFFED = 50
@@ -44,7 +44,7 @@ def _time_in(form: str, line: str) -> str | None:
     return in_line(line[:_REACH], form)
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether rows are to be counted and the first line and most others have a time."""
     asked = (source.options.time or "").rpartition(":")[0]
     if not source.options.counts or (source.options.time and asked not in ("", "time")):
@@ -52,12 +52,12 @@ def sniff(source: Source) -> bool:
     return is_log(source)
 
 
-def is_log(source: Source) -> bool:
+def is_log(source: DataFile) -> bool:
     """Return whether the first line and most others have a time, or it is what git says."""
     return _form_of(source) is not None
 
 
-def _form_of(source: Source) -> str | None:
+def _form_of(source: DataFile) -> str | None:
     if source.head_text is None or source.looks_like_json:
         return None
     lines = [line for line in source.head_text.splitlines() if line.strip()][:_SNIFFED]
@@ -77,7 +77,7 @@ class LogTable(Table):
     row_word = "line"
     columns = (Column.of("time"),)
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         self._source = source
         self._form = _form_of(source) or "iso"
         self.notes = (_NO_YEAR,) if self._form == "short" else ()

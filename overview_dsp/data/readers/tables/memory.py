@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.table import (
+    CellLocation,
     Cells,
     Column,
     ColumnTable,
-    Location,
     as_list,
 )
 from overview_dsp.data.readers.tables.time_column import detected_format
@@ -187,7 +187,7 @@ def _of_sequence(data: list[Any]) -> list[tuple[str, InputColumn]]:
         if sample and isinstance(sample[0], kind):
             for number, entry in enumerate(data, 1):
                 if not isinstance(entry, kind):
-                    raise Location(number, word="row").error(entry, "isn't as those before it")
+                    raise CellLocation(number, word="row").error(entry, "isn't as those before it")
             return taken(data)
     return [("value", of_list(data))]
 
@@ -217,7 +217,7 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             note = f"has {len(row)} values, not {len(names)} as the others"
-            raise Location(number, word="row").error(row, note)
+            raise CellLocation(number, word="row").error(row, note)
     return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
 
 

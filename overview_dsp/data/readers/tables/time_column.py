@@ -17,16 +17,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import are_written_in, is_missing
 from overview_dsp.data.readers.tables.table import (
+    CellLocation,
     Cells,
     Column,
     Columns,
-    Location,
     as_list,
-    split_wish,
+    split_column_option,
 )
-from overview_dsp.data.timeline.times import DAY_NS, FORMS, NS, Moment, clock_s, day_clock_s, moment
+from overview_dsp.data.timeline.time_parsing import (
+    DAY_NS,
+    FORMS,
+    NS,
+    Moment,
+    clock_s,
+    day_clock_s,
+    moment,
+)
 from overview_dsp.errors import InputError, shown
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
@@ -42,31 +51,11 @@ CLOCKS = ("clock", "hhmm")
 """Formats of clocks: the first of a recording, the second of the day."""
 
 _YEARS = (1500.0, 2200.0)
-_UNIT_WORDS = {
-    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
-    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
-    "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
-}  # fmt: skip
 _DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
-_CALENDAR_NAMES = ("date", "year", "yr", "jahr", "period", "datum", "month", "yyyymm", "decimal")
-_DAY_NAMES = (
-    "timeofday", "tod", "hour", "hora", "heure", "uhrzeit", "localtime", "clocktime", "daytime",
-    "hhmm", "walltime", "wallclock", "departure", "arrival", "timeutc", "timelocal", "opening",
-)  # fmt: skip
-"""Beginnings of headings that name a time of day."""
-
-_TIME_NAMES = (
-    "t", "ts", "tc", "start", "begin", "onset", "end", "stop", "from", "to", "in", "out", "at",
-    "when", "position", "offset", "zeit", "temps", "tiempo", "tempo", "beginn", "clock", "x",
-)  # fmt: skip
-"""Names of columns whose plain numbers are seconds, besides those with `time` in them."""
-
 _EXCEL_DAYS = (20_000.0, 60_000.0)
 """Days of a spreadsheet from 1954 to 2064."""
-
-_EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
 
 _EXCEL_ZERO = -25_569
 """Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
@@ -119,7 +108,7 @@ class Format:
         return names.get(self.name, f"plain time in {self.name}")
 
 
-def asked_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
+def requested_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
     """Return the column and the format of a `--time-column` value, else None and "".
 
     Raises
@@ -129,7 +118,7 @@ def asked_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
     """
     if wish is None:
         return None, ""
-    name, written = split_wish(wish, columns)
+    name, written = split_column_option(wish, columns)
     if name != wish and written not in FORMATS:
         raise InputError(
             f"time {shown(wish)}: {shown(written)} is no way of writing times; "
@@ -194,7 +183,13 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
 
 def _names_time_of_day(column: Column) -> bool:
     unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
-    return column.plain.startswith(_DAY_NAMES) or unit in ("hhmm", "hmm", "24h", "12h", "localtime")
+    return column.plain.startswith(column_names.TIME_OF_DAY_PREFIXES) or unit in (
+        "hhmm",
+        "hmm",
+        "24h",
+        "12h",
+        "localtime",
+    )
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
@@ -258,7 +253,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     name, size = column.plain, max(abs(number) for number in numbers)
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
-    dated = any(word in name for word in _CALENDAR_NAMES)
+    dated = any(word in name for word in column_names.CALENDAR_PARTS)
     if whole and _all_dates(cells, 8):
         return Format("iso")
     if dated and whole and _all_dates(cells, 6):
@@ -267,20 +262,20 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         return Format("year")
     if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
         return Format("excel", "numbers under a date are read as a spreadsheet's days")
-    unit = _UNIT_WORDS.get(column.unit.lower(), column.unit.lower())
+    unit = column_names.TIME_UNITS.get(column.unit.lower(), column.unit.lower())
     tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
     if unit not in PLAIN and tail:
-        unit = _UNIT_WORDS.get(tail[1], tail[1])
+        unit = column_names.TIME_UNITS.get(tail[1], tail[1])
     # by size: between 1990 and 2100 in just one of the units
     for epoch, unit_ns in EPOCHS.items():
         per_second = NS // unit_ns
         if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
             return Format(epoch, f"times {_of(epoch)} were detected from their size")
-    if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
+    if any(word in name for word in column_names.EPOCH_PARTS) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
     if unit not in PLAIN:
-        unit = _UNIT_WORDS.get(name, "")
+        unit = column_names.TIME_UNITS.get(name, "")
     if unit in PLAIN:
         return Format(unit)
     if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
@@ -289,7 +284,11 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
             "year", f"{note}; time='{column.header}:s' (--time-column) reads them as seconds"
         )
     bare = re.fullmatch(r"column\d+", name)
-    if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
+    if (
+        bare
+        or name in column_names.SECONDS
+        or any(word in name for word in ("time", "elapsed", "date"))
+    ):
         return Format("s")
     return None
 
@@ -319,7 +318,7 @@ class TimeColumn:
     offset_min: int | None = None
     _zoned: bool | None = field(default=None, init=False)
 
-    def seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def seconds(self, cells: Cells, place: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no time.
 
         Parameters
@@ -348,7 +347,7 @@ class TimeColumn:
                 )
         return seconds
 
-    def _seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def _seconds(self, cells: Cells, place: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
             return self._of_datetimes(cells, place)
         listed = as_list(cells)
@@ -385,7 +384,7 @@ class TimeColumn:
             self.anchor_ns = ns
         return (ns - self.anchor_ns) / NS
 
-    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _one(self, cell: Any, i: int, place: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
             return math.nan
         name = self.format.name
@@ -405,7 +404,7 @@ class TimeColumn:
             return seconds
         return self._of_number(cell, i, place)
 
-    def _of_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _of_number(self, cell: Any, i: int, place: Callable[[int], CellLocation]) -> float:
         name = self.format.name
         number = as_number(cell)
         if number is None or not math.isfinite(number) or abs(number) > 1e25:
@@ -425,7 +424,7 @@ class TimeColumn:
         assert end is not None
         return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
 
-    def _check_zone(self, offset_min: int | None, cell: Any, place: Location) -> None:
+    def _check_zone(self, offset_min: int | None, cell: Any, place: CellLocation) -> None:
         zoned = offset_min is not None
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, offset_min
@@ -436,7 +435,7 @@ class TimeColumn:
                 f"has {has} time zone, times before it have {others}; write all of them in one way",
             )
 
-    def _wrong(self, cell: Any, place: Location) -> InputError:
+    def _wrong(self, cell: Any, place: CellLocation) -> InputError:
         return place.error(
             cell,
             f"isn't a time as the column's others ({self.format.words}); correct it, or say how "
@@ -444,7 +443,7 @@ class TimeColumn:
         )
 
     def _of_datetimes(
-        self, cells: NDArray[Any], place: Callable[[int], Location]
+        self, cells: NDArray[Any], place: Callable[[int], CellLocation]
     ) -> NDArray[np.float64]:
         """Seconds of datetime64 cells, exact whatever their unit."""
         missing = np.isnat(cells)
@@ -519,7 +518,7 @@ class TimeColumn:
             return None
         if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
             return None
-        self._check_zone(0, cells[0], Location(0))
+        self._check_zone(0, cells[0], CellLocation(0))
         if self.anchor_ns is None:
             self.anchor_ns = int(whole[0]) * unit_ns
         begin, rest = divmod(self.anchor_ns, unit_ns)

@@ -18,10 +18,10 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.arrays import array_table
 from overview_dsp.data.readers.tables.table import ColumnTable
-from overview_dsp.data.timeline.times import NS, moment
+from overview_dsp.data.timeline.time_parsing import NS, moment
 from overview_dsp.errors import InputError
 
 MAX_DEPTH = 64
@@ -52,12 +52,12 @@ SPEED = "speed (km/h)"
 Floats = NDArray[np.float64]
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is XML whose outermost element is a GPX's or a TCX's."""
     return source.xml_root in ("gpx", "TrainingCenterDatabase")
 
 
-def open_table(source: Source) -> ColumnTable:
+def open_table(source: DataFile) -> ColumnTable:
     """Return the points of all tracks; InputError for broken XML, no point with a time."""
     times = array("d")
     columns = {name: array("d") for name in ("lat", "lon", *_COLUMNS)}

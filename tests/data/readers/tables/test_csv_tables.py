@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables import delimited
 from tests.data.readers.tables.made import DAILY, load, noted, refusal, times, values
 
@@ -222,7 +222,7 @@ def test_progress_is_reported_from_0_to_1(tmp_path: Path) -> None:
 def test_what_is_no_series_is_left_to_others(tmp_path: Path, text: str) -> None:
     path = tmp_path / "other.csv"
     path.write_text(text)
-    assert not delimited.sniff(Source.open(path))
+    assert not delimited.sniff(DataFile.open(path))
 
 
 @pytest.mark.parametrize(

@@ -281,7 +281,7 @@ def parse_json(text: str, where: str) -> object:
 
 
 @dataclass(frozen=True)
-class Source:
+class DataFile:
     """A regular, non-empty file.
 
     Parameters
@@ -310,7 +310,7 @@ class Source:
     @classmethod
     def open(
         cls, path: str | os.PathLike[str], options: LoadOptions | None = None, label: str = ""
-    ) -> Source:
+    ) -> DataFile:
         """Look at a file, which error lines call `label` if that is given.
 
         Raises
@@ -469,7 +469,7 @@ class Format:
     """
 
     name: str
-    sniff: Callable[[Source], bool]
-    read: Callable[[Source, LoadOptions], Timeline]
+    sniff: Callable[[DataFile], bool]
+    read: Callable[[DataFile, LoadOptions], Timeline]
     options: frozenset[str] = frozenset()
-    matches: Callable[[Source], list[str]] | None = None
+    matches: Callable[[DataFile], list[str]] | None = None

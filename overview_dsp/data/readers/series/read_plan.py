@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.data.analysis.curve_maps import Map
-from overview_dsp.data.readers.series.rows import settled
-from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables.cells import Style, detected_style, parse
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.series.rows import with_settled_order
+from overview_dsp.data.readers.tables.cells import parse
 from overview_dsp.data.readers.tables.column_roles import (
     TimeChoice,
     choose_time,
@@ -30,6 +30,7 @@ from overview_dsp.data.readers.tables.column_roles import (
     is_price_table,
     price_columns,
 )
+from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
 from overview_dsp.data.readers.tables.table import (
     Column,
     Columns,
@@ -38,7 +39,7 @@ from overview_dsp.data.readers.tables.table import (
     column_named,
     first_rows,
     headers_of,
-    split_wish,
+    split_column_option,
 )
 from overview_dsp.errors import InputError, shown
 
@@ -64,7 +65,7 @@ _NO_SHARE = re.compile(
 
 
 @dataclass(frozen=True)
-class Worth:
+class ValueType:
     """One of `KINDS`, and a note on why; empty where there is nothing to say."""
 
     kind: str
@@ -77,7 +78,7 @@ class Worth:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ReadPlan:
     """Which columns are read, and as what.
 
     Parameters
@@ -93,11 +94,11 @@ class Plan:
     columns
         All columns that are read besides the times: the value first, then the mapped one if it is
         another, then what shows share splits.
-    style
+    decimal_mark
         How numbers are written.
     notes
         What was decided.
-    worth
+    value_type
         Whether the values are prices.
     """
 
@@ -107,9 +108,9 @@ class Plan:
     mapped: int
     map: Map
     columns: tuple[int, ...]
-    style: Style
+    decimal_mark: str
     notes: tuple[str, ...]
-    worth: Worth
+    value_type: ValueType
 
     @property
     def value_column(self) -> Column:
@@ -122,7 +123,7 @@ class Plan:
         return self.table.columns[self.mapped]
 
 
-def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
+def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPlan:
     """Decide what is read; `name` is the file's.
 
     Raises
@@ -134,10 +135,10 @@ def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
     time = choose_time(table, head, options.time, options.rate is not None)
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
-    time = settled(table, time)
-    wish, kind = asked_kind(options.value, table.columns)
+    time = with_settled_order(table, time)
+    wish, kind = requested_value_type(options.value, table.columns)
     value, chosen = choose_value(table, head, wish, time.columns)
-    worth = worth_of(table.columns, head, value, name, kind)
+    value_type = detect_value_type(table.columns, head, value, name, kind)
     wanted = Map.of(options.map, headers_of(table.columns))
     mapped = value
     if wanted.name == "column":
@@ -147,27 +148,18 @@ def plan_of(table: Table, options: LoadOptions, name: str = "") -> Plan:
     columns = [value]
     if mapped != value:
         columns.append(mapped)
-    if worth.kind == "share":
+    if value_type.kind == "share":
         beside = price_columns(table.columns).values()
         columns += dict.fromkeys(i for i in beside if i not in (*columns, *time.columns))
-    notes = tuple(note for note in (*table.notes, *time.notes, chosen, worth.note) if note)
-    style = _style(table, head, columns)
-    return Plan(table, time, value, mapped, wanted, tuple(columns), style, notes, worth)
+    notes = tuple(note for note in (*table.notes, *time.notes, chosen, value_type.note) if note)
+    separator = getattr(table, "separator", None)
+    decimal_mark = choose_decimal_mark(head, columns, separator)
+    return ReadPlan(
+        table, time, value, mapped, wanted, tuple(columns), decimal_mark, notes, value_type
+    )
 
 
-def _style(table: Table, head: Head, columns: Sequence[int]) -> Style:
-    """The way numbers are written: detected from the columns that are read, else by any other."""
-    style = detected_style(cell for i in columns for cell in head[i])
-    if style is None:
-        style = detected_style(cell for cells in head for cell in cells)
-    if style is None and getattr(table, "separator", ",") not in (",", None):
-        # 1,234 or 1.234? semicolons come from where a comma is the decimal mark
-        has_comma = any(isinstance(c, str) and "," in c for i in columns for c in head[i])
-        style = Style(",") if has_comma else None
-    return style or Style()
-
-
-def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
+def requested_value_type(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
     """Return the column and the kind of a `--value-column` value, None where it isn't asked for.
 
     Raises
@@ -175,7 +167,7 @@ def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | No
     InputError
         The words after a column and a colon are none of `KINDS`.
     """
-    name, kind = split_wish(wish or "", columns)
+    name, kind = split_column_option(wish or "", columns)
     if kind in KINDS:
         return name or None, kind
     if name != wish and name.lower() in headers_of(columns):
@@ -185,7 +177,9 @@ def asked_kind(wish: str | None, columns: Columns) -> tuple[str | None, str | No
     return wish, None
 
 
-def worth_of(columns: Columns, head: Head, value: int, name: str, wish: str | None) -> Worth:
+def detect_value_type(
+    columns: Columns, head: Head, value: int, name: str, wish: str | None
+) -> ValueType:
     """Decide what a column of values is.
 
     Parameters
@@ -200,12 +194,12 @@ def worth_of(columns: Columns, head: Head, value: int, name: str, wish: str | No
         One of `KINDS`, if it was asked for.
     """
     if wish is not None:
-        return Worth(wish)
+        return ValueType(wish)
     column = columns[value]
     named = is_price(column, columns)
     money = _is_money(column, head[value])
     if not named and not money:
-        return Worth("plain")
+        return ValueType("plain")
     why = "its header says so" if named else "it is in a currency"
     symbols = [name, *_symbols(columns, head)]
     if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
@@ -221,12 +215,12 @@ def worth_of(columns: Columns, head: Head, value: int, name: str, wish: str | No
     return _said("price", column, why)
 
 
-def _said(kind: str, column: Column, why: str) -> Worth:
+def _said(kind: str, column: Column, why: str) -> ValueType:
     header = shown(column.header)
     other = "price" if kind == "share" else "share"
     what = "the price of a share" if kind == "share" else "a price"
     splits = "are" if kind == "share" else "aren't"
-    return Worth(
+    return ValueType(
         kind,
         f"{header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
         f"value='{column.header}:{other}' or '{column.header}:plain' (--value-column) says "
@@ -239,7 +233,7 @@ def _is_money(column: Column, cells: Sequence[Any]) -> bool:
     if (unit[:1] in CURRENCIES and unit) or re.split(r"[^a-z]", unit)[0] in _CODES:
         return True
     for cell in cells:
-        found = parse(cell.strip(), Style()) if isinstance(cell, str) else None
+        found = parse(cell.strip(), ".") if isinstance(cell, str) else None
         if found is not None:
             return found[1] in CURRENCIES and bool(found[1])
     return False

@@ -101,7 +101,7 @@ def float_points(values: object, what: str) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True)
-class EvenTimes:
+class RegularTimes:
     """The times first_s + i * step_s, i = 0 ... count - 1, read like a float64 array.
 
     Parameters
@@ -121,7 +121,7 @@ class EvenTimes:
 
     Examples
     --------
-    >>> times = ov.EvenTimes(count=7200, step_s=0.5)
+    >>> times = ov.RegularTimes(count=7200, step_s=0.5)
     >>> curve = ov.Intensity(times, np.zeros(7200, dtype=np.float32))
     >>> curve.last_s
     3599.5
@@ -174,7 +174,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.tolist()
         [0.0, 0.5, 1.0]
         """
@@ -196,7 +196,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.at(np.array([2]))
         array([1.])
         """
@@ -220,7 +220,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.first_from(np.array([0.5, 0.6]))
         array([1, 2])
         """
@@ -247,7 +247,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.first_after(np.array([0.5, 0.6]))
         array([2, 2])
         """
@@ -256,7 +256,7 @@ class EvenTimes:
         return index
 
 
-Times = NDArray[np.float64] | EvenTimes
+Times = NDArray[np.float64] | RegularTimes
 
 PARTS = 64
 """So many parts of a long curve are looked at one after another."""
@@ -288,19 +288,19 @@ class Points:
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the first index whose time is at or after each of `times` (up to the count)."""
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_from(times)
         return np.searchsorted(self.time_s, times, side="left")
 
     def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the first index whose time is after each of `times` (up to the count)."""
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_after(times)
         return np.searchsorted(self.time_s, times, side="right")
 
     def times_of(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the times of some indices."""
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.at(index)
         return self.time_s[index]
 

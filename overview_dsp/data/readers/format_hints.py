@@ -5,9 +5,13 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
-from overview_dsp.data.readers.tables.column_roles import is_wordy, time_named, words_named
+from overview_dsp.data.readers.tables.column_roles import (
+    is_wordy,
+    kind_and_label_columns,
+    named_time_column,
+)
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import detect
 from overview_dsp.data.readers.tables.json import is_single, tables_in
@@ -32,7 +36,7 @@ _MARKUP = {
 _EVENT_LIST = "nearest: a table of events"
 
 
-def fix_of(source: Source) -> str:
+def format_hint(source: DataFile) -> str:
     """Return the nearest format and the column that is missing, in words for a person."""
     head = source.head
     for mark, words in _PACKED.items():
@@ -60,7 +64,7 @@ def fix_of(source: Source) -> str:
     return _lacking(*found)
 
 
-def _text_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
+def _text_table(source: DataFile) -> tuple[Columns, list[list[object]]] | None:
     layout = detect(source, lambda header, below: bool(below))
     if layout is None or layout.separator is None:  # prose has blanks between its words
         return None
@@ -71,7 +75,7 @@ def _text_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
     return None
 
 
-def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
+def _json_table(source: DataFile) -> tuple[Columns, list[list[object]]] | None:
     tables = list(tables_in(source.json))
     if not tables:
         return None
@@ -84,14 +88,14 @@ def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
 def _lacking(columns: Columns, head: Head) -> str:
     """Say which column is missing for a series, or for a table of events."""
     there = f"its columns are {listed(columns)}"
-    named = time_named(columns)
+    named = named_time_column(columns)
     timed = named
     for i, column in enumerate(columns):
         if timed is None and head[i] and not looks_numeric(head[i]):
             timed = i if detected_format(column, head[i]) is not None else None
     numbers = [i for i in range(len(columns)) if i != timed and _is_numeric(head[i])]
     words = [i for i in range(len(columns)) if i != timed and is_wordy(head[i])]
-    kind, label = words_named(columns)
+    kind, label = kind_and_label_columns(columns)
     if timed is None:
         if words:
             return f"{_EVENT_LIST}; no column is called time, date, start or minute: {there}"

@@ -26,15 +26,15 @@ from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
 from overview_dsp.data.analysis.series_events import (
     Calendar,
-    PartRules,
     Series,
+    WindowRules,
     find_events,
     only_dates,
     value_text,
 )
-from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
+from overview_dsp.data.analysis.series_gaps import find_gaps, find_holes
 from overview_dsp.data.analysis.share_splits import Split, find_splits
-from overview_dsp.data.readers.series.plan import Plan
+from overview_dsp.data.readers.series.read_plan import ReadPlan
 from overview_dsp.data.readers.series.rows import (
     RowReader,
     Rows,
@@ -44,12 +44,12 @@ from overview_dsp.data.readers.series.rows import (
 )
 from overview_dsp.data.readers.tables.cells import sentinel
 from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
-from overview_dsp.data.readers.tables.table import Location
+from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.curve_points import Points
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG
 from overview_dsp.data.timeline.model import Intensity, Timeline
-from overview_dsp.data.timeline.samples import Points
 from overview_dsp.errors import InputError, shown
 
 LONG_ROWS = 2_000_000
@@ -70,7 +70,7 @@ _EVEN = 1e-6
 Floats = NDArray[np.float64]
 
 
-def look_at(plan: Plan, reader: RowReader) -> SampleScan:
+def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
     """Find gaps, steps, share splits and the mapped curve of a table's rows.
 
     Raises
@@ -102,7 +102,7 @@ def look_at(plan: Plan, reader: RowReader) -> SampleScan:
 class SampleScan:
     """Looks at blocks of samples in order; `every` if a single one holds all of them."""
 
-    plan: Plan
+    plan: ReadPlan
     reader: RowReader
     every: bool
     notes: list[str] = field(default_factory=list)
@@ -149,7 +149,7 @@ class SampleScan:
         self.start = self.reader.time.start(self._first_s)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
-        price = self.plan.worth.relative
+        price = self.plan.value_type.relative
         self.relative = price and not bool((value <= 0.0).any())
         if price and not self.relative:
             self.notes.append(curve_maps.NOT_ABOVE_0)
@@ -201,7 +201,7 @@ class SampleScan:
 
     def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
         """Find share splits, say so, and return the factors of the samples after them."""
-        if not self.relative or self.plan.worth.kind != "share":
+        if not self.relative or self.plan.value_type.kind != "share":
             return {}
         splits = _splits(self.plan, columns)
         value = columns[self.plan.value]
@@ -228,7 +228,7 @@ class SampleScan:
     def _add_gaps(self, whole: Floats, since: int, holes: NDArray[np.int64]) -> None:
         time_s, value, level = whole[:, since:]
         value = np.where(np.isnan(level), np.nan, value)
-        found = list(gaps_of(time_s, value, holes - since))
+        found = list(find_gaps(time_s, value, holes - since))
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
             found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
         self.gaps += found
@@ -303,7 +303,7 @@ class SampleScan:
             notes=(*plan.notes, *self.notes, *self._late_notes(curve), *event_notes),
             start=self.start,
             # events of windows are found in all samples, also where the series has some of them
-            rules=PartRules(series, 0.0, duration_s, curve if is_level else None, gaps),
+            rules=WindowRules(series, 0.0, duration_s, curve if is_level else None, gaps),
         )
 
     def _late_notes(self, curve: Intensity) -> Iterator[str]:
@@ -345,7 +345,7 @@ class SampleScan:
         return Intensity.checked(points, unit, PERCENTILES)
 
 
-def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
+def _blocks(plan: ReadPlan, rows: Iterator[Rows]) -> Iterator[Rows]:
     """Put rows together to blocks, one row a time.
 
     Raises
@@ -370,18 +370,18 @@ def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
         yield last_of_each_time(_in_order(plan, waiting))
 
 
-def _in_order(plan: Plan, parts: list[Rows]) -> Rows:
+def _in_order(plan: ReadPlan, parts: list[Rows]) -> Rows:
     block = np.concatenate(parts, axis=1)
     back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
-        raise Location(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
+        raise CellLocation(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
             f"earlier than the row before it; a series of more than {LONG_ROWS} rows has to be in "
             "order: sort it by time"
         )
     return block
 
 
-def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
+def _splits(plan: ReadPlan, by_column: Mapping[int, Floats]) -> list[Split]:
     if is_adjusted(plan.value_column):
         return []
     beside = {
@@ -394,7 +394,7 @@ def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
 
 
 def _split_notes(
-    plan: Plan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
+    plan: ReadPlan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
 ) -> list[str]:
     if not splits:
         return []

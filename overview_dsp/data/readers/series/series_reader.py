@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.series import counting
-from overview_dsp.data.readers.series.plan import plan_of
+from overview_dsp.data.readers.series.read_plan import make_read_plan
 from overview_dsp.data.readers.series.rows import RowReader
-from overview_dsp.data.readers.series.samples import look_at
-from overview_dsp.data.readers.source import LoadOptions, Source
-from overview_dsp.data.readers.tables.groups import chosen_group, refuse_groups
+from overview_dsp.data.readers.series.sample_scan import scan_samples
+from overview_dsp.data.readers.tables.groups import require_single_series, select_group
 from overview_dsp.data.readers.tables.table import Table
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
@@ -28,10 +28,10 @@ MANY_REPEATS = 0.02
 """Share of rows with the time of another from which a table may hold several series."""
 
 
-def reading(open_table: Callable[[Source], Table]) -> Callable[[Source, LoadOptions], Timeline]:
+def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
     """Return what reads a series from the table of a file; InputError names file, row, column."""
 
-    def read(source: Source, options: LoadOptions) -> Timeline:
+    def read(source: DataFile, options: LoadOptions) -> Timeline:
         limit = options.max_mb if options.max_mb is not None else MAX_MB
         if source.size > limit * 2**20:
             raise InputError(
@@ -40,12 +40,12 @@ def reading(open_table: Callable[[Source], Table]) -> Callable[[Source, LoadOpti
                 "(--read max-mb=MB)"
             )
         with validation.located(f"{source.where}: "):
-            return series_of(open_table(source), options, source.stem)
+            return series_timeline(open_table(source), options, source.stem)
 
     return read
 
 
-def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
+def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     """Make a Timeline of a table.
 
     Parameters
@@ -63,17 +63,17 @@ def series_of(table: Table, options: LoadOptions, title: str = "") -> Timeline:
         A column to choose, a bad cell (its row and column named), too little data.
     """
     if options.match is not None:
-        table = chosen_group(table, options.match)
-    if counting.asked_of(table, options):
+        table = select_group(table, options.match)
+    if counting.counts_rows(table, options):
         return counting.counted(table, options, title)
     if options.value is None and table.kind in _TRACKS:
         options = replace(options, value=table.columns[1].header)  # speed, or what there is
-    plan = plan_of(table, options, title)
+    plan = make_read_plan(table, options, title)
     reader = RowReader(
-        table, plan.time, plan.columns, plan.style, options.rate, options.report_progress
+        table, plan.time, plan.columns, plan.decimal_mark, options.rate, options.report_progress
     )
-    scan = look_at(plan, reader)
+    scan = scan_samples(plan, reader)
     repeats = reader.rows - scan.count
     if options.match is None and repeats > MANY_REPEATS * reader.rows:
-        refuse_groups(table, plan.time.columns, plan.value)
+        require_single_series(table, plan.time.columns, plan.value)
     return scan.timeline(title)

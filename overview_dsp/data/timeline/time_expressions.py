@@ -25,9 +25,9 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
-from overview_dsp.data.timeline import times
+from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewWarning, shown
 
 HINT = (
@@ -60,7 +60,7 @@ class _Moment:
     stops: bool
 
 
-def moment_s(text: str, timeline: Timeline) -> float:
+def parse_time_expression(text: str, timeline: Timeline) -> float:
     """Seconds from the start of the timeline to a written moment, within [0, duration_s].
 
     Raises
@@ -82,7 +82,7 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     Raises
     ------
     InputError
-        As `moment_s`; or it is empty.
+        As `parse_time_expression`; or it is empty.
     """
     moments = [_parsed(text, timeline) for text in (start, end)]
     first, last = (
@@ -131,7 +131,7 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
     found = _FROM.fullmatch(written)
     if found is not None:
         return _after(found, timeline, text)
-    date = times.moment(written, "iso", "month names", "quarters, months or weeks")
+    date = time_parsing.moment(written, "iso", "month names", "quarters, months or weeks")
     if date is not None:
         return _Moment(_calendar_s(date, timeline, text), True)
     raise InputError(f"{shown(text)} is no moment; {HINT}")
@@ -166,7 +166,7 @@ def _event_s(found: re.Match[str], timeline: Timeline) -> float:
     return timeline.events[number - 1].time_s
 
 
-def _calendar_s(date: times.Moment, timeline: Timeline, text: str) -> float:
+def _calendar_s(date: time_parsing.Moment, timeline: Timeline, text: str) -> float:
     start = timeline.start
     if start is None:
         raise InputError(
