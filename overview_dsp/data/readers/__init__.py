@@ -1,4 +1,4 @@
-"""Files in, one Timeline out: a registry of formats, one reader each, the bundled timelines."""
+"""Readers of all supported file formats, and the bundled timelines."""
 
 from __future__ import annotations
 

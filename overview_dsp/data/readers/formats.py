@@ -1,7 +1,7 @@
-"""The formats that can be read, in the order in which a file is tried.
+"""Supported file formats, in the order in which they are tried.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
-one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`).
+one entry in `FORMATS`. Other packages add formats by an entry point (`plugins`).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from overview_dsp.data.readers.tables import arrays, delimited, json, logs, trac
 from overview_dsp.data.readers.tables.table import Table
 
 SERIES_OPTIONS = series_reader.OPTIONS
-"""The options of tables of series."""
+"""Options of formats of series."""
 
 LIMITS = frozenset({"max_mb", "max_depth"})
-"""The options every format takes."""
+"""Options of every format."""
 
 _LISTED = frozenset({"duration_s", "time", "kind", "label"})
 
@@ -45,14 +45,14 @@ def _series(
 
 
 FORMATS: tuple[Format, ...] = (
-    # before the formats of whole JSON documents, which lines of them are not
+    # before the formats of whole JSON documents
     Format(
-        "table of events (one JSON object a line)",
+        "table of events (one JSON object per line)",
         event_table.sniff_lines,
         event_table.read_lines,
         _LISTED,
     ),
-    _series("series (one JSON object a line)", json.sniff_lines, json.JsonLinesTable),
+    _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
     Format(
         "StatsBomb events (JSON list with period, timestamp and type)",
@@ -132,13 +132,13 @@ FORMATS: tuple[Format, ...] = (
         frozenset({"rate", "value", "time", "map", "max_mb"}),
     ),
     Format(
-        "recording (WAV, FLAC, Ogg, MP3, AIFF and what else libsndfile opens)",
+        "recording (WAV, FLAC, Ogg, MP3, AIFF and all others of libsndfile)",
         audio.sniff,
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
     _series("track (GPX, TCX)", tracks.sniff, tracks.open_table),
-    _series("log (lines with a date each, for map count)", logs.sniff, logs.LogTable),
+    _series("log (each line with a date, for map count)", logs.sniff, logs.LogTable),
     _series(
         "series (CSV, TSV: a table with a column of times and one of values)",
         delimited.sniff,
@@ -153,14 +153,14 @@ FORMATS: tuple[Format, ...] = (
         "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.ParquetTable
     ),
 )
-"""The formats of this package, asked in this order."""
+"""Formats of this package, in the order in which they are tried."""
 
 
 def formats() -> tuple[Format, ...]:
-    """Return all formats that can be read, in the order they are asked: other packages' first."""
+    """Return all formats in the order in which they are tried, those of other packages first."""
     return (*package_readers(), *FORMATS)
 
 
 def is_series(known: Format) -> bool:
-    """Return whether a format is a table of a series, whose rows may be counted too."""
+    """Return whether a format is a table of a series, whose rows can be counted, too."""
     return known.options == SERIES_OPTIONS

@@ -290,9 +290,9 @@ def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
         (gzip.compress(NATIVE.encode(), mtime=0)[:-12], "cut off"),
         (
             gzip.compress(gzip.compress(NATIVE.encode(), mtime=0), mtime=0),
-            "holds another compressed file",
+            "contains another compressed file",
         ),
-        (gzip.compress(b"", mtime=0), "holds an empty file"),
+        (gzip.compress(b"", mtime=0), "contains an empty file"),
         (b"\x1f\x8b\x08\x00" + b"\x00" * 6 + b"\xff" * 30, "can't be unpacked"),
         (bz2.compress(NATIVE.encode())[:-12], "cut off"),
         (lzma.compress(NATIVE.encode())[:-12], "cut off|can't be unpacked"),

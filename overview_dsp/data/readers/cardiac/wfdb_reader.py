@@ -28,7 +28,7 @@ from overview_dsp.data.readers.cardiac.build import (
 )
 from overview_dsp.data.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.data.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
-from overview_dsp.data.readers.data_file import DataFile, LoadOptions, shown_path
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable_path
 from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
@@ -161,7 +161,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
     InputError
         Too large, or not an annotation file; wfdb isn't installed.
     """
-    where = shown_path(path)
+    where = printable_path(path)
     try:
         size = path.stat().st_size
     except OSError as error:

@@ -206,7 +206,7 @@ class _Reader:
         about = About(
             title,
             f"events: a {self.table.kind} list, times from column "
-            f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
+            f"{shown(self.table.columns[self.roles.time].header)} ({form.description})",
             tuple(dict.fromkeys(notes)),
             duration_s,
             self.times.start(min((one.time_s for one in listed), default=0.0)),

@@ -1,13 +1,13 @@
-"""What is read from a table, as asked for or detected from its first rows.
+"""Plan for reading a table: columns, number format and type of values.
 
-Whether a column is a price, and of a share, is told by header, symbol, currency or option.
-Per cent fit prices only, and splits are a share's. Nothing is guessed from the numbers: what isn't
-called a price is plain, and what was decided is said, with the option that decides otherwise
-(`--value-column COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
+The plan follows the options, or is detected from the first rows. Values are the price of a share,
+another price, or plain. The type comes from header, symbol, currency or option, never from the size
+of the numbers. Steps of prices are per cent, and only shares have splits. A note states the type
+and the option for another one (`--value-column COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
 
-A share's is a close beside an adjusted close, or a close in a table with volume or a ticker symbol
-(a column `symbol`, or the file's name). A symbol or name of a commodity, a currency, an index or a
-future (`CL=F`, `EURUSD=X`, `^GSPC`, `BTC-USD`, `coffee`) makes it a price with nothing to split.
+A share has a close and an adjusted close, or a close in a table with volume or a ticker symbol (in
+a column `symbol`, or in the name of the file). Commodities, currencies, indices and futures
+(`CL=F`, `EURUSD=X`, `^GSPC`, `BTC-USD`, `coffee`) are other prices.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ from overview_dsp.errors import InputError, shown
 HEAD_ROWS = 500
 
 KINDS = ("share", "price", "plain")
-"""What a column of values may be."""
+"""Types of values."""
 
 CURRENCIES = frozenset("$€£¥₹₽₩")
-"""Signs that make a number a price."""
+"""Signs that mark a number as a price."""
 
 _CODES = frozenset({"usd", "eur", "gbp", "chf", "jpy", "cad", "aud", "cny", "inr", "sek", "nok"})
 _SYMBOLS = ("symbol", "ticker", "instrument", "isin", "ric")
@@ -66,40 +66,40 @@ _NO_SHARE = re.compile(
 
 @dataclass(frozen=True)
 class ValueType:
-    """One of `KINDS`, and a note on why; empty where there is nothing to say."""
+    """Type of a column of values, one of `KINDS`, and a note on the reason, or empty."""
 
     kind: str
     note: str = ""
 
     @property
     def relative(self) -> bool:
-        """Whether steps are per cent."""
+        """True if steps are per cent."""
         return self.kind != "plain"
 
 
 @dataclass(frozen=True)
 class ReadPlan:
-    """Which columns are read, and as what.
+    """Columns of a table to be read, and their roles and formats.
 
     Parameters
     ----------
     table
         The table.
     time
-        Its times.
+        Columns of the times, and their format.
     value, mapped
-        Indices of the columns of values and of what becomes friction.
+        Indices of the value column and of the column that becomes friction.
     map
-        How the mapped column becomes friction.
+        Mapping of that column to friction.
     columns
-        All columns that are read besides the times: the value first, then the mapped one if it is
-        another, then what shows share splits.
+        All columns except the times: the value first, then the mapped one if it is another, then
+        the columns that reveal share splits.
     decimal_mark
-        How numbers are written.
+        Decimal mark of the numbers, "." or ",".
     notes
-        What was decided.
+        Messages about the choices.
     value_type
-        Whether the values are prices.
+        Type of the values.
     """
 
     table: Table
@@ -114,36 +114,36 @@ class ReadPlan:
 
     @property
     def value_column(self) -> Column:
-        """The column of values."""
+        """Column of the values."""
         return self.table.columns[self.value]
 
     @property
     def mapped_column(self) -> Column:
-        """The column that becomes friction."""
+        """Column that becomes friction."""
         return self.table.columns[self.mapped]
 
 
 def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPlan:
-    """Decide what is read; `name` is the file's.
+    """Plan how to read a table; `name` is that of the file.
 
     Raises
     ------
     InputError
-        No such column, columns to choose from, an unknown map, rate and time both given.
+        No such column, an ambiguous choice, an unknown map, or both rate and time.
     """
     head = first_rows(table, HEAD_ROWS)
     time = choose_time(table, head, options.time, options.rate is not None)
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
     time = with_settled_order(table, time)
-    wish, kind = requested_value_type(options.value, table.columns)
-    value, chosen = choose_value(table, head, wish, time.columns)
+    column, kind = requested_value_type(options.value, table.columns)
+    value, chosen = choose_value(table, head, column, time.columns)
     value_type = detect_value_type(table.columns, head, value, name, kind)
-    wanted = Map.of(options.map, headers_of(table.columns))
+    mapping = Map.of(options.map, headers_of(table.columns))
     mapped = value
-    if wanted.name == "column":
-        found = column_named(table.columns, wanted.argument)
-        assert found is not None  # Map.of saw it
+    if mapping.name == "column":
+        found = column_named(table.columns, mapping.argument)
+        assert found is not None  # checked in Map.of
         mapped = found
     columns = [value]
     if mapped != value:
@@ -155,46 +155,46 @@ def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPl
     separator = getattr(table, "separator", None)
     decimal_mark = choose_decimal_mark(head, columns, separator)
     return ReadPlan(
-        table, time, value, mapped, wanted, tuple(columns), decimal_mark, notes, value_type
+        table, time, value, mapped, mapping, tuple(columns), decimal_mark, notes, value_type
     )
 
 
-def requested_value_type(wish: str | None, columns: Columns) -> tuple[str | None, str | None]:
-    """Return the column and the kind of a `--value-column` value, None where it isn't asked for.
+def requested_value_type(option: str | None, columns: Columns) -> tuple[str | None, str | None]:
+    """Return column and type of a `--value-column` option, None for a part that is left out.
 
     Raises
     ------
     InputError
-        The words after a column and a colon are none of `KINDS`.
+        The text after a column and a colon is not one of `KINDS`.
     """
-    name, kind = split_column_option(wish or "", columns)
+    name, kind = split_column_option(option or "", columns)
     if kind in KINDS:
         return name or None, kind
-    if name != wish and name.lower() in headers_of(columns):
+    if name != option and name.lower() in headers_of(columns):
         raise InputError(
-            f"value {shown(wish)}: {shown(kind)} is no kind of value; known are {', '.join(KINDS)}"
+            f"value {shown(option)}: {shown(kind)} is not a type of value; allowed: {', '.join(KINDS)}"
         )
-    return wish, None
+    return option, None
 
 
 def detect_value_type(
-    columns: Columns, head: Head, value: int, name: str, wish: str | None
+    columns: Columns, head: Head, value: int, name: str, requested: str | None
 ) -> ValueType:
-    """Decide what a column of values is.
+    """Return the type of a column of values.
 
     Parameters
     ----------
     columns, head
-        The table's, and its first rows, a list a column.
+        Columns of the table, and its first rows, one list per column.
     value
-        The column's index.
+        Index of the column.
     name
-        The file's name without its suffix.
-    wish
-        One of `KINDS`, if it was asked for.
+        Name of the file, without suffix.
+    requested
+        Requested type, one of `KINDS`, or None.
     """
-    if wish is not None:
-        return ValueType(wish)
+    if requested is not None:
+        return ValueType(requested)
     column = columns[value]
     named = is_price(column, columns)
     money = _is_money(column, head[value])
@@ -203,19 +203,19 @@ def detect_value_type(
     why = "its header says so" if named else "it is in a currency"
     symbols = [name, *_symbols(columns, head)]
     if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
-        return _said("price", column, why)
+        return _with_note("price", column, why)
     if "adjusted" in price_columns(columns):
-        return _said("share", column, "there is a close adjusted for splits")
+        return _with_note("share", column, "there is a close adjusted for splits")
     if is_close(column):
         if is_price_table(columns) and "volume" in price_columns(columns):
-            return _said("share", column, "a close in a table of prices and volume")
+            return _with_note("share", column, "a close in a table of prices and volume")
         ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
         if ticker is not None:
-            return _said("share", column, f"a close of {shown(ticker)}")
-    return _said("price", column, why)
+            return _with_note("share", column, f"a close of {shown(ticker)}")
+    return _with_note("price", column, why)
 
 
-def _said(kind: str, column: Column, why: str) -> ValueType:
+def _with_note(kind: str, column: Column, why: str) -> ValueType:
     header = shown(column.header)
     other = "price" if kind == "share" else "share"
     what = "the price of a share" if kind == "share" else "a price"

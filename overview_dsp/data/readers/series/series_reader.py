@@ -1,4 +1,4 @@
-"""A series: a table with a column of times and one of values becomes a Timeline."""
+"""Reader of series: a table with a column of times and one of values becomes a Timeline."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
 OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
-"""The load options a series takes."""
+"""Load options of series."""
 
 MAX_MB = 8192.0
-"""Largest table that is read, MB (2**20 bytes), unless `max_mb` says otherwise."""
+"""Maximum size of a table, MB (2**20 bytes), unless `max_mb` is set."""
 
 _TRACKS = ("GPX", "TCX")
 
 MANY_REPEATS = 0.02
-"""Share of rows with the time of another from which a table may hold several series."""
+"""Minimum share of repeated times at which a table may contain several series."""
 
 
 def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
-    """Return what reads a series from the table of a file; InputError names file, row, column."""
+    """Return a reader for files of series; its InputError names file, row and column."""
 
     def read(source: DataFile, options: LoadOptions) -> Timeline:
         limit = options.max_mb if options.max_mb is not None else MAX_MB
@@ -46,7 +46,7 @@ def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, Load
 
 
 def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Timeline:
-    """Make a Timeline of a table.
+    """Return the Timeline of a table.
 
     Parameters
     ----------
@@ -55,19 +55,19 @@ def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Time
     options
         `value`, `time`, `map`, `rate`, `match`.
     title
-        Words for a person; the value column's name is added.
+        Title, to which the name of the value column is added.
 
     Raises
     ------
     InputError
-        A column to choose, a bad cell (its row and column named), too little data.
+        An ambiguous choice of columns, a wrong cell (with its row and column), too few rows.
     """
     if options.match is not None:
         table = select_group(table, options.match)
     if counting.counts_rows(table, options):
-        return counting.counted(table, options, title)
+        return counting.count_rows(table, options, title)
     if options.value is None and table.kind in _TRACKS:
-        options = replace(options, value=table.columns[1].header)  # speed, or what there is
+        options = replace(options, value=table.columns[1].header)  # speed, if known
     plan = make_read_plan(table, options, title)
     reader = RowReader(
         table, plan.time, plan.columns, plan.decimal_mark, options.rate, options.report_progress

@@ -101,7 +101,7 @@ def test_an_option_that_the_data_hold_is_refused_as_in_a_file() -> None:
     assert "duration_s can't be given" in refusal([1.0, 2.0, 3.0], rate=1.0, duration_s=9.0)
     assert "value can't be given" in refusal(ov.load_timeline("made-up-share"), value="x")
     assert "names a column of a file" in refusal(DAILY.encode(), time=[1, 2, 3, 4])
-    assert "no column of times" in refusal([1.0, 2.0], time=3)
+    assert "not a column of times" in refusal([1.0, 2.0], time=3)
 
 
 def test_a_frame_without_narwhals_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
