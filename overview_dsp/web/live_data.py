@@ -88,7 +88,7 @@ class LiveData:
             {
                 "what": change.what,
                 "kind": change.event.kind,
-                "label": change.event.words,
+                "label": change.event.display_label,
                 "time_s": change.event.time_s,
                 "pulse": list(pulse_of(change.event.kind, preset)),
                 "version": change.revision,

@@ -185,7 +185,7 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
                 "place": place,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
-                "label": event.words,
+                "label": event.display_label,
             }
             for place, event in zip(angle_map.events.tolist(), shown.events, strict=True)
         ],

@@ -34,12 +34,12 @@ NOISY_ABOVE = 0.7
 distinguished from noise."""
 
 _DOUBTFUL_ABOVE = 0.4
-"""Above this value, noise alone may look like beats for a while: 1 in 100 stretches of ten seconds of
-noise is below. A heart is above it for ten seconds at 6 dB signal-to-noise ratio or less."""
+"""Above this value, noise alone may look like beats: 1 in 100 stretches of ten seconds of noise is
+below. A heart is above it for ten seconds at 6 dB signal-to-noise ratio or less."""
 
 _DOUBTFUL_S = 12.0
-"""Minimum length of a stretch of mostly doubtful beats that counts: noise does not look like a heart
-for this long."""
+"""Minimum length of a stretch of mostly doubtful beats that counts: noise does not look like a
+heart for this long."""
 
 _LEAST_NOISY_S = 4.0
 """Minimum length of a noisy stretch that becomes a gap."""

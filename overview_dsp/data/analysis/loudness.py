@@ -3,10 +3,10 @@
 The samples are K-weighted, squared, weighted by channel and summed over steps of 100 ms. Loudness
 is a mean over steps: momentary over 400 ms, short-term over 3 s.
 
-The Recommendation has coefficients for 48 kHz only. These formulas (Brecht De
-Man, "Evaluation of implementations of the EBU R128 loudness measurement", AES 145, 2018; the same
-in libebur128) agree with them at 48 kHz to 1e-7 and the same response elsewhere, as far as the bilinear
-transform allows.
+The Recommendation has coefficients for 48 kHz only. The formulas in this module agree with them to
+1e-7, and have the same response at other rates, as far as the bilinear transform allows (Brecht De
+Man, "Evaluation of implementations of the EBU R128 loudness measurement", AES 145, 2018; also in
+libebur128).
 """
 
 from __future__ import annotations

@@ -195,7 +195,7 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
 
 def _series(rules: WindowRules, curve: Intensity | None) -> str:
     """Return the series in which events of windows are found, without values if it is the curve."""
-    series = rules.part()
+    series = rules.window_series()
     shared = f'"per_cent": {_json(series.relative)}'
     same = curve is not None and (
         rules.curve is not None

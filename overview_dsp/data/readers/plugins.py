@@ -91,7 +91,8 @@ def _one_line(source: DataFile, package: str) -> Iterator[None]:
         raise InputError(where + message) from error
     except Exception as error:
         raise InputError(
-            f"{source.where}: the reader of {package} failed ({_error_text(error)}); tell its authors"
+            f"{source.where}: the reader of {package} failed ({_error_text(error)}); "
+            "report this to its authors"
         ) from error
 
 

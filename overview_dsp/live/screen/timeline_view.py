@@ -230,7 +230,7 @@ def place_words(player: Player, cursor: float) -> str:
     for span, event in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:
             there = player.shown.events[event]
-            return f"{words}  {there.kind} {there.words}".rstrip()
+            return f"{words}  {there.kind} {there.display_label}".rstrip()
     return words
 
 

@@ -191,7 +191,7 @@ class Growing:
             strength = _strength(preset, event)
             if strength < least:
                 continue
-            words = f"{event.kind.replace('_', ' ')} {event.words}".strip()
+            words = f"{event.kind.replace('_', ' ')} {event.display_label}".strip()
             at = clock_text(event.time_s)
             if change.what == "retracted":
                 self._say(f"taken back: {words} at {at}")

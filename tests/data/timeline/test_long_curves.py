@@ -20,7 +20,7 @@ from overview_dsp.data.timeline import growable_array as store_module
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.curve_points import Points, RegularTimes
 from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.intensity import LONG, WIDENED, Part, with_peaks
+from overview_dsp.data.timeline.intensity import LONG, WIDENED, CurveWindow, with_peaks
 from overview_dsp.data.timeline.minmax_pyramid import BIN, RATIO, build_pyramid
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
@@ -137,12 +137,12 @@ def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
 def test_a_long_window_is_a_view_and_a_short_one_is_as_it_ever_was() -> None:
     value = noisy()
     timeline = long_timeline(value)
-    assert isinstance(timeline.window(100.0, 9000.0).intensity, Part)
+    assert isinstance(timeline.window(100.0, 9000.0).intensity, CurveWindow)
     stored = Intensity(np.arange(N) * STEP, value, "x")
     for start, end in ((100.0, 400.123), (0.0, 50.0), (14_900.0, 14_999.99)):
         one, other = timeline.intensity.cut(start, end), stored.cut(start, end)  # type: ignore[union-attr]
         assert one == other
-        assert not isinstance(one, Part)
+        assert not isinstance(one, CurveWindow)
 
 
 def test_a_window_of_a_window_has_the_values_of_the_same_moments() -> None:

@@ -184,7 +184,8 @@ def _timeline(
         events=tuple(events),
         intensity=Intensity(time_s, value, unit),
         provenance=(
-            f"a {table.kind} table, rows by {names} ({reader.choice.format.description}); events by rule"
+            f"a {table.kind} table, rows by {names} ({reader.choice.format.description}); "
+            "events by rule"
         ),
         notes=(*table.notes, *reader.choice.notes, *notes, *event_notes),
         start=start,

@@ -172,7 +172,8 @@ def requested_value_type(option: str | None, columns: Columns) -> tuple[str | No
         return name or None, kind
     if name != option and name.lower() in headers_of(columns):
         raise InputError(
-            f"value {shown(option)}: {shown(kind)} is not a type of value; allowed: {', '.join(KINDS)}"
+            f"value {shown(option)}: {shown(kind)} is not a type of value; "
+            f"allowed: {', '.join(KINDS)}"
         )
     return option, None
 
