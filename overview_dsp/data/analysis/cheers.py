@@ -1,4 +1,4 @@
-"""Excitement of a crowd: its loudness above the background, and the peaks of it.
+"""Excitement of a crowd, the loudness above the background, and its peaks.
 
 **Background**: the 10th percentile of the loudness over 1 s, within a minute before and after. So a
 murmur is little above it, and a cheer of half a minute does not raise it. Silence (below -70 LUFS)

@@ -41,13 +41,10 @@ class Holes:
         Indices i for which the step to sample i + 1 is a hole.
     rule
         Description of the rule, for a note.
-    usual_s
-        Usual step, s.
     """
 
     after: NDArray[np.int64]
     rule: str
-    usual_s: float
 
 
 def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
@@ -61,10 +58,15 @@ def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
         Calendar moment of time 0.
     """
     step = np.diff(time_s)
+    found = None if start is None else _calendar_holes(time_s, step, start)
+    return Holes(*(found or _plain(step)))
+
+
+def _calendar_holes(
+    time_s: NDArray[np.float64], step: NDArray[np.float64], start: datetime
+) -> tuple[NDArray[np.int64], str] | None:
+    """Return the holes of business days or of sessions, None for other series."""
     usual = float(np.median(step))
-    if start is None:
-        after, rule = _plain(step)
-        return Holes(after, rule, usual)
     midnight_s = start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond / 1e6
     # a margin: rounding may put times just before midnight
     day = np.floor((time_s + midnight_s + 1e-6) / DAY_S).astype(np.int64)
@@ -72,15 +74,8 @@ def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
     weekday = (days + start.weekday()) % 7
     working = bool((weekday < 5).all()) and len(np.unique(weekday)) >= 3
     if 0.9 * DAY_S <= usual <= 1.2 * DAY_S:
-        if working:
-            after, rule = _business(np.diff(day))
-            return Holes(after, rule, usual)
-    elif usual <= _SESSION_STEP_S:
-        found = _sessions(step, day, working)
-        if found is not None:
-            return Holes(*found, usual)
-    after, rule = _plain(step)
-    return Holes(after, rule, usual)
+        return _business(np.diff(day)) if working else None
+    return _sessions(step, day, working) if usual <= _SESSION_STEP_S else None
 
 
 def _plain(step: NDArray[np.float64]) -> tuple[NDArray[np.int64], str]:

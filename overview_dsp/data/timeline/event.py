@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
+from operator import attrgetter
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
@@ -163,10 +164,6 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
 
 def cut_events(events: tuple[Event, ...], start: float, end: float) -> tuple[Event, ...]:
     """Return the events from `start` to `end`, inclusive, on a time axis that begins at `start`."""
-    first = bisect_left(events, start, key=_time_s)
-    stop = bisect_right(events, end, key=_time_s)
+    first = bisect_left(events, start, key=attrgetter("time_s"))
+    stop = bisect_right(events, end, key=attrgetter("time_s"))
     return tuple(event.moved(event.time_s - start) for event in events[first:stop])
-
-
-def _time_s(event: Event) -> float:
-    return event.time_s

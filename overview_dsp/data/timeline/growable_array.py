@@ -68,7 +68,7 @@ class Store:
 
 
 class GrowableArray:
-    """An array (rows, columns) to add to; what is reserved in time is never copied again."""
+    """An array (rows, columns) to add to; reserved rows are never copied again."""
 
     def __init__(self, columns: int, dtype: DTypeLike, reserved: int) -> None:
         """Space for `reserved` rows; it grows when more are added."""

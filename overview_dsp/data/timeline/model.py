@@ -53,7 +53,7 @@ class Timeline:
         Spans (start_s, end_s) without data, start < end, not overlapping; they are sorted. Points
         of the curve inside a gap do not count.
     provenance : str
-        Origin of the data, and what was derived from them.
+        Origin of the data, and of derived values.
     notes : tuple of str
         Messages about the data for the user.
     start : datetime or None

@@ -1,4 +1,4 @@
-"""Selection of the events of a window: as many as can be distinguished by touch.
+"""Selection of the events of a window, up to the number that touch can distinguish.
 
 Every window is filled up with events found by rules (`Rules`), then with details, by falling
 weight. Among equal weights, those that are distant from all shown events come first, then the
@@ -109,8 +109,6 @@ def window_events(
 def _lighter(found: list[Event]) -> list[Event]:
     """Return events found by rules, with a total weight of at most `HEAVY` times their own."""
     share = min(1.0, HEAVY / max(1, len(found)))
-    if share == 1.0:
-        return found
     return [replace(event, weight=event.weight * share) for event in found]
 
 

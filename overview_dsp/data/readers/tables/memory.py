@@ -398,7 +398,7 @@ def _moments(values: list[Any]) -> InputColumn:
 
 
 def _single(value: Any) -> Any:
-    """A cell as a table's: text for what a file would hold as text."""
+    """Return a value as a single cell, as text if a file would contain text."""
     if value is None or isinstance(value, str | bool | int | float | list | dict):
         return value
     if isinstance(value, np.generic):

@@ -147,7 +147,7 @@ class CellLocation:
         return InputError(words, line=self.line, column=self.column, value=value, note=note)
 
     def missing(self, note: str) -> InputError:
-        """Return the error for an empty cell; `note` states what is required."""
+        """Return the error for an empty cell; `note` states the requirement."""
         words = f"{self}: is missing; {note}"
         return InputError(words, line=self.line, column=self.column, value="", note=note)
 
