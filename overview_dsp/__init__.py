@@ -125,7 +125,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "CurveBuilder": "data.timeline.curve_builder",
             "Engine": "signal.engine.engine",
             "EngineParameter": "signal.engine.reports",
-            "RegularTimes": "data.timeline.samples",
+            "RegularTimes": "data.timeline.curve_points",
             "Event": "data.timeline.event",
             "EventKind": "design.presets.model",
             "Gesture": "design.gestures.model",

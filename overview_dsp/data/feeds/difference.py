@@ -62,6 +62,8 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         if "whole" in change:
             return native.decode(change["whole"])
         fields: dict[str, Any] = {name: change[name] for name in _PLAIN if name in change}
+        if "until_s" in change:  # the key's name before version 0.2
+            fields["known_until_s"] = change["until_s"]
         for name in _LISTED:
             if name in change:
                 fields[name] = tuple(

@@ -82,7 +82,7 @@ def test_an_event_after_the_end_is_refused() -> None:
 
 
 def test_the_same_event_twice_is_refused_but_a_foul_and_its_card_are_not() -> None:
-    with pytest.raises(InputError, match="twice"):
+    with pytest.raises(InputError, match="repeated"):
         make(events=(Event(5.0, "foul", "a"), Event(5.0, "foul", "a", 2.0)))
     assert len(make(events=(Event(5.0, "foul", "a"), Event(5.0, "red_card", "a"))).events) == 2
     assert len(make(events=(Event(5.0, "foul", "a"), Event(5.0, "foul", "b"))).events) == 2

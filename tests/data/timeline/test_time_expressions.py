@@ -111,22 +111,22 @@ def test_a_clock_change_within_a_zone_is_counted() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no moment; give seconds"),
-        ("a", "'a' is no moment"),
-        ("1:60", "no moment"),
-        ("1:60:00", "no moment"),
-        ("1.2.3", "no moment"),
-        ("goal", "no moment"),
-        ("goal:", "no moment"),
-        ("goal:x", "no moment"),
-        ("Goal:1", "no moment"),
+        ("", "not a moment; give seconds"),
+        ("a", "'a' is not a moment"),
+        ("1:60", "not a moment"),
+        ("1:60:00", "not a moment"),
+        ("1.2.3", "not a moment"),
+        ("goal", "not a moment"),
+        ("goal:", "not a moment"),
+        ("goal:x", "not a moment"),
+        ("Goal:1", "not a moment"),
         ("goal:3", "there is no goal number 3; the timeline has 2"),
         ("goal:0", "give 1 to 2"),
         ("dog:1", "no event of kind 'dog'; it has period"),
         ("event:6", "there is no event number 6; the timeline has 5: give 1 to 5"),
-        ("goal:1-x", "'x' is no length"),
+        ("goal:1-x", "'x' is not a length"),
         ("2012-09-19", "the timeline has no calendar"),
-        ("19/9/2012", "no moment"),
+        ("19/9/2012", "not a moment"),
         ("5401", "outside the timeline; it reaches from 0:00.0 to 1:30:00.0"),
         ("-1", "outside the timeline"),
         ("nan", "outside the timeline"),
@@ -192,7 +192,7 @@ def test_a_zoom_stays_within_the_timeline() -> None:
 
 @pytest.mark.parametrize("text", ["", "goal", "goal:x", "goal:1:0", "goal:1:x", "goal:1:-5", "1:2"])
 def test_a_zoom_to_nothing_is_one_line(text: str) -> None:
-    with pytest.raises(InputError, match=r"nothing to zoom to; give kind:number \(goal:1"):
+    with pytest.raises(InputError, match=r"is not an event; give kind:number \(goal:1"):
         zoom_window(MATCH, text)
 
 
