@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from overview_dsp.data.readers.native import save_timeline
     from overview_dsp.data.readers.registry import load_timeline
     from overview_dsp.data.timeline.curve_builder import CurveBuilder
+    from overview_dsp.data.timeline.curve_points import RegularTimes
     from overview_dsp.data.timeline.event import Event
     from overview_dsp.data.timeline.intensity import Intensity
     from overview_dsp.data.timeline.model import Timeline
-    from overview_dsp.data.timeline.samples import EvenTimes
     from overview_dsp.design import presets
     from overview_dsp.design.gestures.model import Gesture
     from overview_dsp.design.gestures.scripts import arm, flick, pause, scrub, sweep, tap
@@ -68,7 +68,6 @@ __all__ = [
     "CurveBuilder",
     "Engine",
     "EngineParameter",
-    "EvenTimes",
     "Event",
     "EventKind",
     "Gesture",
@@ -81,6 +80,7 @@ __all__ = [
     "OverviewError",
     "OverviewWarning",
     "Preset",
+    "RegularTimes",
     "RenderJob",
     "Rendered",
     "RenderedJob",
@@ -125,7 +125,7 @@ if not TYPE_CHECKING:  # type checkers know only the names above
             "CurveBuilder": "data.timeline.curve_builder",
             "Engine": "signal.engine.engine",
             "EngineParameter": "signal.engine.reports",
-            "EvenTimes": "data.timeline.samples",
+            "RegularTimes": "data.timeline.curve_points",
             "Event": "data.timeline.event",
             "EventKind": "design.presets.model",
             "Gesture": "design.gestures.model",

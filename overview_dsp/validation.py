@@ -128,9 +128,9 @@ def until(value: object, duration_s: float) -> float | None:
     if value is None:
         return None
     hint = f"must be from 0 to duration_s ({duration_s!r})"
-    result = number(value, "until_s", hint)
+    result = number(value, "known_until_s", hint)
     if not 0.0 <= result <= duration_s:
-        raise InputError(f"until_s is {result!r}; {hint}")
+        raise InputError(f"known_until_s is {result!r}; {hint}")
     return result if result < duration_s else None
 
 

@@ -34,10 +34,10 @@ from pydantic import Field
 from overview_dsp.batch.grid import RenderGrid, Settings
 from overview_dsp.batch.storage import fsspec, is_url, local_copy, read_text
 from overview_dsp.data.readers import load_timeline
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.registry import BUNDLED
-from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.moments import window_of, zoom_window
+from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
 from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.design.presets.library import fitting_preset, load_preset
 from overview_dsp.design.presets.model import Preset

@@ -36,8 +36,8 @@ def show(
     FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). If
     it has several matches, they are listed unless --select chooses one.
     """
+    from overview_dsp.data.readers.data_file import LoadOptions
     from overview_dsp.data.readers.registry import list_matches
-    from overview_dsp.data.readers.source import LoadOptions
     from overview_dsp.data.timeline.describe import describe, describe_json
 
     if plot is not None:

@@ -148,7 +148,7 @@ def test_a_bad_take_is_one_line_that_names_the_file(folder, content, words):
         (("--window", "50", "5"), ("window",)),
         (("--window", "0", "1e9"), ("window", "0 <= start < end <= ")),
         (("--window", "nan", "5"), ("window start",)),
-        (("--window", "a", "5"), ("--window", "'a' is no moment", "m:ss")),
+        (("--window", "a", "5"), ("--window", "'a' is not a moment", "m:ss")),
         (("--window", "2018-07-15", "end"), ("--window", "no calendar")),
         (("--window", "goal:9", "end"), ("--window", "goal number 9", "has 5")),
         (("--zoom-to", "goal"), ("--zoom-to", "goal:1:90")),

@@ -108,7 +108,7 @@ def test_a_zoom_is_recorded_and_the_whole_stays_in_reach(tmp_path, match, spring
 def test_a_window_may_be_given_by_events_and_clocks(springy_file):
     played_here(springy_file, "--input", "tap:0.5:0.1", "--window", "goal:2-1:00", "goal:2+5")
     wrong = overview("play", MATCH, "--device", "none", "--window", "goal:2", "9:99")
-    assert refused(wrong).startswith("error: --window: '9:99' is no moment")
+    assert refused(wrong).startswith("error: --window: '9:99' is not a moment")
 
 
 @pytest.mark.parametrize(

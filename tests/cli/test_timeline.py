@@ -159,7 +159,7 @@ def test_limits_are_options_of_the_command_line(folder):
         == 0
     )
     refused(overview("timeline", "show", "m.json", "--read", "max-mb=-1"), "max_mb is -1.0")
-    refused(overview("timeline", "show", MATCH, "--read", "rate=50"), "rate can't be given")
+    refused(overview("timeline", "show", MATCH, "--read", "rate=50"), "rate does not apply")
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ class Window:
         InputError
             There are both options, or an invalid one, which the message names.
         """
-        from overview_dsp.data.timeline.moments import window_of, zoom_window
+        from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
         from overview_dsp.validation import located
 
         if self.window and self.zoom_to is not None:

@@ -59,7 +59,7 @@ class Happening:
     @property
     def words(self) -> str:
         """`goal, 2-1 Mbappe, strong`."""
-        label = " ".join(self.event.words.split())
+        label = " ".join(self.event.display_label.split())
         named = [self.event.kind.replace("_", " "), *([label] if label else [])]
         return ", ".join([*named, self.strength])
 
@@ -218,7 +218,9 @@ def transcript(
     lines = []
     for i in sorted(kept):
         event, below = passed[i].event, round(passed[i].below_db)
-        words = event.kind.replace("_", " ") + (f", {event.words}" if event.words else "")
+        words = event.kind.replace("_", " ") + (
+            f", {event.display_label}" if event.display_label else ""
+        )
         words += "" if touched[i] else ", on the way back"
         level = f"{below} dB below the strongest" if below else "the strongest"
         lines.append(f"{passed[i].time_s:.2f} s: {words}, at {passed[i].moment}, {level}")
