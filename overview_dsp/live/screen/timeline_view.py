@@ -124,7 +124,7 @@ class TimelineView(Widget):
         for position, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(position), width)] = mark
-        until = self._player.window_timeline.until_s
+        until = self._player.window_timeline.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [
@@ -225,7 +225,7 @@ def position_text(player: Player, cursor: float) -> str:
     for span, index in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:
             event = player.window_timeline.events[index]
-            return f"{text}  {event.kind} {event.words}".rstrip()
+            return f"{text}  {event.kind} {event.display_label}".rstrip()
     return text
 
 

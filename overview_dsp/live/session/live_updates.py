@@ -145,10 +145,10 @@ class LiveUpdates:
         """Apply only the data that are ahead of the disk and of its input."""
         window, holder = self._window, self._engine.holder
         is_new = self.live.map == "whole" and snapshot is not window.timeline
-        if not is_new or holder is None or window.timeline.until_s is None:
+        if not is_new or holder is None or window.timeline.known_until_s is None:
             return
         position = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + MARGIN
-        known = window.timeline.until_s / window.timeline.duration_s
+        known = window.timeline.known_until_s / window.timeline.duration_s
         failed = self._failed
         tried = failed is not None and failed[0] is snapshot and position >= failed[1] - MARGIN
         if tried or position >= known + MARGIN:
@@ -187,7 +187,7 @@ class LiveUpdates:
             strength = _strength(preset, event)
             if strength < least:
                 continue
-            text = f"{event.kind.replace('_', ' ')} {event.words}".strip()
+            text = f"{event.kind.replace('_', ' ')} {event.display_label}".strip()
             at = clock_text(event.time_s)
             if change.what == "retracted":
                 self._say(f"retracted: {text} at {at}")
