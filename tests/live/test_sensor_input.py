@@ -258,7 +258,7 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
 
 
 def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
-    held = ov.InputError("serial:made: held by another program (a serial monitor?)")
+    held = ov.InputError("serial:made: used by another program, such as a serial monitor")
     bench.refusal = held
     bench.there = False
     bench.port.lost = True
