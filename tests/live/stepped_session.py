@@ -67,7 +67,7 @@ class Session:
             **{k: keywords.pop(k) for k in ("after_s", "tell", "map_is_given") if k in keywords},
         )
         self.player = Player(
-            live.felt() if timeline is None else timeline,
+            live.padded_snapshot() if timeline is None else timeline,
             PresetWatch(preset),
             self._open,
             OutputSettings(),

@@ -73,15 +73,15 @@ class Feed:
         refuse_options("is for a file that is read, not for --follow", Reading)
         from overview_dsp.data.feeds.follower import Follower
         from overview_dsp.data.feeds.sources import Sound
-        from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
+        from overview_dsp.live.inputs.feeds import expected_s, parse_layout, source_named
         from overview_dsp.live.session.growing import Growth
 
         after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
         if after_s is not None and not after_s >= 0.0:
             raise InputError(f"--update-held-after {after_s:g}; it is 0 s or more")
         live = ov.LiveTimeline(
-            expect_s=None if length is None else expected_s(length),
-            map=None if layout is None else map_named(layout),
+            expected_duration_s=None if length is None else expected_s(length),
+            layout=None if layout is None else parse_layout(layout),
         )
         source = source_named(self.follow, sys.stdin.buffer)
         follower = Follower(live, source).start()
@@ -127,12 +127,12 @@ def opened_data(
             assert timeline is not None
             data = open_timeline(timeline, reading)
         else:
-            data, preset = growth.live.felt(), preset or growth.preset
+            data, preset = growth.live.padded_snapshot(), preset or growth.preset
         shown = window.of(data)
         if shown is not None and window.window and growth is None:
             data, shown = data.window(*shown), None
         name = preset_for(data, preset)
         if growth is not None:
             growth.lay_out(ov.load_preset(name))
-            data = growth.live.felt()
+            data = growth.live.padded_snapshot()
         yield OpenedData(data, shown, name, growth)

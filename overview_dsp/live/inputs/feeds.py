@@ -9,10 +9,10 @@ from typing import BinaryIO
 
 import numpy as np
 
-from overview_dsp.data.feeds.live_timeline import MAPS, Map
-from overview_dsp.data.feeds.net import Http, WebSocket
+from overview_dsp.data.feeds.live_timeline import LAYOUTS, Layout
+from overview_dsp.data.feeds.network_sources import Http, WebSocket
 from overview_dsp.data.feeds.sources import (
-    DEVICE_ENDS_WITHIN_S,
+    DEVICE_CLOSE_TIMEOUT_S,
     GrowingFile,
     Sound,
     Source,
@@ -44,7 +44,7 @@ def source_named(text: str, stdin: BinaryIO) -> Source:
         return WebSocket(text)
     if text.startswith("audio:"):
         device = text.removeprefix("audio:")
-        return Sound(text, lambda: _heard(device), DEVICE_ENDS_WITHIN_S)
+        return Sound(text, lambda: _heard(device), DEVICE_CLOSE_TIMEOUT_S)
     if text.startswith("pcm:"):
         found = _PCM.fullmatch(text)
         if found is None:
@@ -106,9 +106,9 @@ def expected_s(text: str) -> float:
     return length
 
 
-def map_named(text: str) -> Map:
+def parse_layout(text: str) -> Layout:
     """A map as a person writes it: `whole` or `so-far`; InputError."""
-    for map in MAPS:
+    for map in LAYOUTS:
         if text.strip().lower().replace("-", " ").replace("_", " ") == map:
             return map
     raise InputError(f"the map is {text!r}; it is whole or so-far")

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.data.feeds.difference import difference
+from overview_dsp.data.feeds.timeline_diff import timeline_diff
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.moments import Zoom
 from overview_dsp.design.presets.model import Preset
@@ -270,6 +270,6 @@ class ActiveWindow:
     def _note(self, whole: Timeline, more: dict[str, Any]) -> dict[str, Any] | None:
         """What a take holds of the timeline's growth; None where that is too long for one."""
         try:
-            return {"timeline": {**difference(self.timeline, whole), **more}}
+            return {"timeline": {**timeline_diff(self.timeline, whole), **more}}
         except InputError:
             return None

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
-from overview_dsp.live.inputs.feeds import expected_s, map_named
+from overview_dsp.live.inputs.feeds import expected_s, parse_layout
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.output.settings import channels_in
 from overview_dsp.live.session.command_forms import FORMS
@@ -149,11 +149,11 @@ def _live(player: Player) -> LiveTimeline:
 
 
 def _map(player: Player, *name: str) -> None:
-    _live(player).map = map_named(" ".join(name))
+    _live(player).layout = parse_layout(" ".join(name))
 
 
 def _expect(player: Player, length: str) -> None:
-    _live(player).expect_s = expected_s(length)
+    _live(player).expected_duration_s = expected_s(length)
 
 
 COMMANDS: dict[str, Callable[..., None]] = {

@@ -12,13 +12,18 @@ import math
 import time
 from dataclasses import dataclass
 
-from overview_dsp.data.feeds.difference import HOLDS_S, LASTS_S, TAP, pattern_change
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.feeds.timeline_diff import (
+    ANNOUNCEMENT_S,
+    TAP_HOLD_S,
+    TAP_POSITION,
+    announcement_change,
+)
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.inputs.feeds import map_named
+from overview_dsp.live.inputs.feeds import parse_layout
 from overview_dsp.live.session.active_window import ActiveWindow
 from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import set_pattern
@@ -71,7 +76,7 @@ class Growth:
         """Lay the timeline under the hand as the preset says."""
         said = str(preset.values[MAP])
         if said != "auto" and not self.map_is_given:
-            self.live.map = map_named(said)
+            self.live.layout = parse_layout(said)
 
 
 class Growing:
@@ -108,7 +113,7 @@ class Growing:
         """How far it has come, for a person."""
         follower = self._growth.follower
         if follower is not None:
-            return follower.words
+            return follower.status_text
         return f"data until {clock_text(self.live.now_s)}"
 
     def poll(self, finger: bool) -> None:
@@ -130,7 +135,7 @@ class Growing:
         keeps = self._held_since is not None and now - self._held_since < after_s
         if now < self._next:
             return
-        snapshot = self.live.felt()
+        snapshot = self.live.padded_snapshot()
         if keeps:
             self._bring_ahead(snapshot, now)
             return
@@ -146,7 +151,7 @@ class Growing:
     def _bring_ahead(self, snapshot: Timeline, now: float) -> None:
         """Hand over what lies ahead of the disk and of who holds it, and nothing else."""
         under, holder = self._window, self._engine.holder
-        grows = self.live.map == "whole" and snapshot is not under.timeline
+        grows = self.live.layout == "whole" and snapshot is not under.timeline
         if not grows or holder is None or under.timeline.until_s is None:
             return
         place = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + AHEAD
@@ -165,7 +170,7 @@ class Growing:
         """Whether anybody pulls the disk but the pattern's tap."""
         holder = self._engine.holder
         if self._pattern is not None and self._pattern[1]:
-            return holder not in (None, ("touch", TAP * HALF_TURN))
+            return holder not in (None, ("touch", TAP_POSITION * HALF_TURN))
         return holder is not None or (self._pattern is None and self._is_arriving())
 
     def _is_arriving(self) -> bool:
@@ -193,7 +198,7 @@ class Growing:
                 continue
             words = f"{event.kind.replace('_', ' ')} {event.words}".strip()
             at = clock_text(event.time_s)
-            if change.what == "retracted":
+            if change.action == "retracted":
                 self._say(f"taken back: {words} at {at}")
                 if self._news == event:
                     self._news = None
@@ -221,7 +226,7 @@ class Growing:
 
     def _tell(self, event: Event, now: float) -> None:
         self._news = None
-        change = pattern_change(event)
+        change = announcement_change(event)
         try:
             set_pattern(self._engine, change)
         except InputError:
@@ -229,7 +234,7 @@ class Growing:
         except OverviewError:  # two surfaces fade already: at the next poll
             self._news = event
             return
-        self._engine.control(TAP * HALF_TURN, True)
+        self._engine.control(TAP_POSITION * HALF_TURN, True)
         self._pattern = (now, True)
         self.told = [*self.told[-99:], event]
 
@@ -237,13 +242,13 @@ class Growing:
         """Let go, and have the timeline back; at once where a hand wants the disk."""
         assert self._pattern is not None
         since, holds = self._pattern
-        if holds and (hands or now >= since + HOLDS_S):
+        if holds and (hands or now >= since + TAP_HOLD_S):
             if not finger:  # it is the same source: its hold has taken the tap's place
-                self._engine.control(TAP * HALF_TURN, False)
+                self._engine.control(TAP_POSITION * HALF_TURN, False)
             self._pattern = (since, False)
-        if hands or now >= since + LASTS_S:
+        if hands or now >= since + ANNOUNCEMENT_S:
             self._pattern = None
-            self._put_back = not self._window.grow(self.live.felt())
+            self._put_back = not self._window.grow(self.live.padded_snapshot())
 
 
 def _strength(preset: Preset, event: Event) -> float:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.events.listing import are_kinds, kind_of
+from overview_dsp.data.readers.events.timeline_builder import are_kinds, kind_of
 from overview_dsp.data.readers.tables.column_roles import EXTRAS, KINDS, LABELS, TIMES
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.football.minute_list import COLUMNS, decode, sniff
-from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import Clock, Minute, parse_minute
+from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
 from overview_dsp.data.readers.registry import list_matches
 from overview_dsp.data.readers.source import Source
 from overview_dsp.data.timeline import Timeline
@@ -252,7 +252,7 @@ def test_a_shoot_out_is_left_out() -> None:
     ],
 )
 def test_words_mean_a_football_kind(words: str, details: str, kind: str, detail: str) -> None:
-    found = meaning(words_of(words), words_of(details), own=False, penalty=False)
+    found = meaning(normalize_terms(words), normalize_terms(details), own=False, penalty=False)
     assert found == (kind, detail)
 
 
