@@ -176,7 +176,10 @@ def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
 
 def test_a_series_has_its_values_also_where_it_began_with_none():
     live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
-    with served(live.padded_snapshot(), plays=False, live=live) as server, server.client() as client:
+    with (
+        served(live.padded_snapshot(), plays=False, live=live) as server,
+        server.client() as client,
+    ):
         assert client.get("/data/timeline.json").json()["series"]["unit"] == "kW"
         for now in (60.0, 120.0):
             values = [(float(t), 20.0 + t / 7.0) for t in range(0, int(now) + 1, 10)]

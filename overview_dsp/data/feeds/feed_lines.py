@@ -49,7 +49,7 @@ _FURTHER_KEYS = {
     "end": {"title", "provenance", "notes"},
 }  # fmt: skip
 
-_RENAMED_KEYS = {"expect_s": "expected_duration_s", "map": "layout"}
+_RENAMED_KEYS = {"expected_duration_s": "expected_duration_s", "map": "layout"}
 """Keys of the header in feeds that were recorded with version 0.1."""
 
 CLOCK_EVERY_S = 30.0

@@ -29,11 +29,11 @@ from overview_dsp.data.feeds.feed_history import (
     identity_of,
     merged_gaps,
 )
+from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import InputError, shown
 from overview_dsp.public import counted, short
 from overview_dsp.units import clock_text
@@ -101,7 +101,7 @@ class LiveTimeline:
     --------
     >>> live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     >>> live.append(events=[ov.Event(786.2, "goal", "1-0 Parris")])
-    >>> live.snapshot().until_s
+    >>> live.snapshot().known_until_s
     786.2
     >>> live.layout = "so far"
     >>> live.snapshot().duration_s
@@ -369,7 +369,7 @@ class LiveTimeline:
         --------
         >>> live = ov.LiveTimeline(expected_duration_s=5880.0)
         >>> live.replace(match.window(0.0, 2400.0))
-        >>> live.snapshot().until_s
+        >>> live.snapshot().known_until_s
         2400.0
         """
         with self._lock:
@@ -389,7 +389,11 @@ class LiveTimeline:
         with self._lock:
             if self._document is not None:
                 document = self._document
-                return document.duration_s if document.until_s is None else document.until_s
+                return (
+                    document.duration_s
+                    if document.known_until_s is None
+                    else document.known_until_s
+                )
             last_s = self._samples.last_s if len(self._samples) else 0.0
             return max(self._clock_s, self._buffer.last_s, last_s)
 
@@ -578,7 +582,7 @@ class LiveTimeline:
         --------
         >>> live = ov.LiveTimeline(layout="so far")
         >>> live.append(events=[ov.Event(1000.0, "goal")])
-        >>> live.padded_snapshot().duration_s, live.padded_snapshot().until_s
+        >>> live.padded_snapshot().duration_s, live.padded_snapshot().known_until_s
         (1030.0, 1000.0)
         """
         with self._lock:
@@ -587,7 +591,9 @@ class LiveTimeline:
             if self.ended or now == 0.0 or snapshot.duration_s >= now * (1.0 + FUTURE_MARGIN):
                 return snapshot
             if self._padded is None or self._padded[0] is not snapshot:
-                padded = replace(snapshot, duration_s=now * (1.0 + FUTURE_MARGIN), until_s=now)
+                padded = replace(
+                    snapshot, duration_s=now * (1.0 + FUTURE_MARGIN), known_until_s=now
+                )
                 self._padded = (snapshot, padded)
             return self._padded[1]
 
@@ -598,13 +604,13 @@ class LiveTimeline:
             and self._layout == "whole"
             and self._expected_duration_s is not None
         )
-        until_s = now if growing and now < duration_s else None
+        known_until_s = now if growing and now < duration_s else None
         if self._document is not None:
             document = self._document
-            if document.duration_s == duration_s and document.until_s == until_s:
+            if document.duration_s == duration_s and document.known_until_s == known_until_s:
                 return document
-            return replace(document, duration_s=duration_s, until_s=until_s)
-        reach = duration_s if until_s is None else now
+            return replace(document, duration_s=duration_s, known_until_s=known_until_s)
+        reach = duration_s if known_until_s is None else now
         # periods first, as the match readers sort them, so that the curve is bit-identical
         events = sorted(
             self._buffer.events.values(), key=lambda one: (one.kind != "period", one.time_s)
@@ -636,7 +642,7 @@ class LiveTimeline:
             notes=notes,
             start=self._start,
             details=tuple(self._buffer.details.values()),
-            until_s=until_s,
+            known_until_s=known_until_s,
         )
 
     def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:

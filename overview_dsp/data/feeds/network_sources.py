@@ -20,6 +20,7 @@ from overview_dsp.data.feeds.sources import (
 )
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 POLL_EVERY_S = 1.0
 """Interval at which a file is requested, s; `Retry-After` is respected."""
@@ -143,7 +144,7 @@ class WebSocket:
         except ImportError:
             raise InputError(
                 f"{self.name}: a WebSocket requires the package websockets: "
-                "pip install 'overview-dsp[web]'"
+                f"{install_command('web')}"
             ) from None
         try:
             with connect(

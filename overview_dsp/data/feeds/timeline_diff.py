@@ -2,7 +2,7 @@
 
 ::
 
-    {"duration_s": ..., "until_s": ..., "title": ..., "notes": [...], "provenance": ...,
+    {"duration_s": ..., "known_until_s": ..., "title": ..., "notes": [...], "provenance": ...,
      "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      only changed fields
      "gone": [event], "new": [event], "details_gone": [...], "details_new": [...],
      "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
@@ -36,7 +36,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 EXCITEMENT = "excitement"
-_SCALAR_FIELDS = ("title", "duration_s", "until_s", "provenance")
+_SCALAR_FIELDS = ("title", "duration_s", "known_until_s", "provenance")
 _LIST_FIELDS = ("notes", "gaps", "gap_reasons")
 
 
@@ -61,6 +61,8 @@ def apply_diff(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         if "whole" in change:
             return native.decode(change["whole"])
         fields: dict[str, Any] = {name: change[name] for name in _SCALAR_FIELDS if name in change}
+        if "until_s" in change:  # the key in takes of version 0.1
+            fields["known_until_s"] = change["until_s"]
         for name in _LIST_FIELDS:
             if name in change:
                 fields[name] = tuple(
@@ -72,7 +74,7 @@ def apply_diff(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         events = _changed(old.events, change, "")
         fields |= {"events": events, "details": _changed(old.details, change, "details_")}
         if "curve" in change:
-            until = fields.get("until_s", old.until_s)
+            until = fields.get("known_until_s", old.known_until_s)
             reach = fields.get("duration_s", old.duration_s) if until is None else until
             fields["intensity"] = _curve(old.intensity, change["curve"], events, reach)
         return replace(old, **fields)
@@ -107,7 +109,7 @@ def _curve_parts(old: Intensity | None, new: Timeline) -> Any:
     curve = new.intensity
     if curve is None:
         return None
-    reach = new.duration_s if new.until_s is None else new.until_s
+    reach = new.duration_s if new.known_until_s is None else new.known_until_s
     if reach > 0.0 and curve == _excitement(new.events, reach):
         return EXCITEMENT
     times, values = np.asarray(curve.time_s[:]), np.asarray(curve.value)

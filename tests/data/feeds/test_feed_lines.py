@@ -42,7 +42,7 @@ def test_each_kind_of_line_has_its_effect():
     assert [event.kind for event in shown.details] == ["touch"]
     assert shown.intensity.count == 3
     assert (30.0, 40.0) in shown.gaps
-    assert (shown.duration_s, shown.until_s) == (5700.0, 100.0)
+    assert (shown.duration_s, shown.known_until_s) == (5700.0, 100.0)
     apply_line(live, encode_line({"retract": 7}))
     apply_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
     assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)
@@ -125,7 +125,7 @@ def test_the_layout_and_duration_of_the_user_take_precedence_over_the_feed(match
 
 
 def test_a_header_with_the_keys_of_version_0_1_is_read():
-    live = timeline_of({"overview_feed": 1, "expect_s": 5700, "map": "so far"})
+    live = timeline_of({"overview_feed": 1, "expected_duration_s": 5700, "map": "so far"})
     assert (live.expected_duration_s, live.layout) == (5700.0, "so far")
 
 

@@ -37,7 +37,7 @@ def test_each_snapshot_of_a_match_equals_the_file_until_then(name, data_folder):
             assert snapshot.events == read.events
             assert snapshot.intensity == read.intensity
             assert snapshot.gaps == ()
-            assert snapshot.until_s is None
+            assert snapshot.known_until_s is None
     assert live.ended
     assert live.snapshot() == match
 
@@ -119,11 +119,11 @@ def test_each_snapshot_is_a_timeline_until_now_after_any_changes(jobs):
         # an unchanged snapshot is the same object
         assert (live.revision == before) == (shown is last)
         assert shown.duration_s >= live.now_s
-        until_s = shown.duration_s if shown.until_s is None else shown.until_s
-        assert all(event.time_s <= until_s for event in shown.events)
-        if shown.until_s is not None:
+        known_until_s = shown.duration_s if shown.known_until_s is None else shown.known_until_s
+        assert all(event.time_s <= known_until_s for event in shown.events)
+        if shown.known_until_s is not None:
             assert not live.ended
-            assert shown.until_s == live.now_s
+            assert shown.known_until_s == live.now_s
 
 
 def test_a_retracted_event_stays_retracted_if_it_arrives_late_or_again():
@@ -155,14 +155,14 @@ def test_a_corrected_event_replaces_the_one_with_its_id_also_when_both_are_repea
 def test_the_whole_layout_has_a_future_and_is_extended_when_the_clock_passes_its_end():
     live = ov.LiveTimeline(expected_duration_s=5700.0)
     live.append(events=[ov.Event(100.0, "goal")])
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5700.0, 100.0)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5700.0, 100.0)
     live.append(clock_s=5700.0)
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5700.0, None)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5700.0, None)
     live.append(clock_s=5701.0)
     assert live.snapshot().duration_s == pytest.approx(5985.0)
-    assert live.snapshot().until_s == 5701.0
+    assert live.snapshot().known_until_s == 5701.0
     live.end()
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5701.0, None)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5701.0, None)
 
 
 def test_silence_of_a_feed_with_a_clock_is_a_gap_until_data_for_it_arrive():

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.loudness import MIN_RATE
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of, weights_of_mask
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.errors import InputError
 
 _V1, _V2, _V25 = 3, 2, 0
@@ -191,7 +191,7 @@ class Recording:
         )
 
 
-def is_recording(source: Source) -> bool:
+def is_recording(source: DataFile) -> bool:
     """Return whether the file is a recording, including formats that must be converted first."""
     if _unsupported(source) or any(_has(source, mark, offset) for mark, offset in _SUPPORTED):
         return True
@@ -214,7 +214,7 @@ def is_recording(source: Source) -> bool:
 
 
 @contextlib.contextmanager
-def open_recording(source: Source, max_mb: float | None = None) -> Iterator[Recording]:
+def open_recording(source: DataFile, max_mb: float | None = None) -> Iterator[Recording]:
     """Open an audio file.
 
     Parameters
@@ -259,7 +259,7 @@ def open_recording(source: Source, max_mb: float | None = None) -> Iterator[Reco
         raise InputError(f"{source.where}: cannot be read ({error.strerror})") from error
 
 
-def _recording_of(source: Source, file: Any, max_mb: float | None) -> Recording:
+def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recording:
     where, rate, frames, channels = source.where, file.samplerate, file.frames, file.channels
     log: str = file.extra_info
     notes = list(_length_notes(source, file, log))
@@ -292,7 +292,7 @@ def _recording_of(source: Source, file: Any, max_mb: float | None) -> Recording:
     return Recording(where, rate, frames, weights, kind, tuple(notes), file)
 
 
-def _length_notes(source: Source, file: Any, log: str) -> Iterator[str]:
+def _length_notes(source: DataFile, file: Any, log: str) -> Iterator[str]:
     """Yield notes about an uncertain length; InputError if the end of the sound is missing."""
     chunks = {*_SAMPLE_CHUNKS, _FILE_CHUNKS.get(file.format, "data")}
     for name, expected, actual in _CUT.findall(log):
@@ -312,7 +312,7 @@ def _length_notes(source: Source, file: Any, log: str) -> Iterator[str]:
         yield from _mpeg_notes(source, file)
 
 
-def _mpeg_notes(source: Source, file: Any) -> Iterator[str]:
+def _mpeg_notes(source: DataFile, file: Any) -> Iterator[str]:
     """Yield notes about MPEG frames that the decoder ignored."""
     with (
         open(source.path, "rb") as stream,
@@ -329,7 +329,7 @@ def _mpeg_notes(source: Source, file: Any) -> Iterator[str]:
         )
 
 
-def _ogg_ends(source: Source) -> bool:
+def _ogg_ends(source: DataFile) -> bool:
     with open(source.path, "rb") as stream:
         stream.seek(max(0, source.size - _TAIL_BYTES))
         tail = stream.read()
@@ -337,12 +337,12 @@ def _ogg_ends(source: Source) -> bool:
     return 0 <= last < len(tail) - 6 and bool(tail[last + 5] & _OGG_LAST_PAGE)
 
 
-def _unsupported(source: Source) -> str | None:
+def _unsupported(source: DataFile) -> str | None:
     """Return the name of an audio or video format that libsndfile cannot open; else None."""
     return next((name for mark, offset, name in _UNSUPPORTED if _has(source, mark, offset)), None)
 
 
-def _has(source: Source, mark: bytes, offset: int) -> bool:
+def _has(source: DataFile, mark: bytes, offset: int) -> bool:
     return source.head[offset : offset + len(mark)] == mark
 
 

@@ -11,7 +11,7 @@ from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.analysis.series_events import rules_of
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
@@ -50,7 +50,7 @@ def beats_of(detection: Detection, rate: float) -> Beats:
     return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
 
 
-def gaps_of(
+def find_gaps(
     silent: Spans, noisy: Spans, rate: float, duration_s: float
 ) -> tuple[Gaps, tuple[str, ...]]:
     """Return ranges of samples as gaps in order, and the reason for each."""
@@ -84,7 +84,7 @@ def heart_timeline(
     options: LoadOptions,
     signal: Signal | None = None,
 ) -> Timeline:
-    """Return the Timeline; `gaps` is the result of `gaps_of`, `signal` may be None.
+    """Return the Timeline; `gaps` is the result of `find_gaps`, `signal` may be None.
 
     Raises
     ------

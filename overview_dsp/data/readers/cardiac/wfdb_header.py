@@ -16,9 +16,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from overview_dsp import validation
-from overview_dsp.data.readers.source import shown_path
+from overview_dsp.data.readers.data_file import printable_path
 from overview_dsp.data.readers.tables.time_column import as_number
-from overview_dsp.data.timeline.times import clock_s, moment
+from overview_dsp.data.timeline.time_parsing import clock_s, moment
 from overview_dsp.errors import InputError, shown
 
 MAX_HEADER_BYTES = 1 << 20
@@ -104,7 +104,7 @@ class Header:
     @property
     def where(self) -> str:
         """Path of the header for messages."""
-        return shown_path(self.path)
+        return printable_path(self.path)
 
     def path_of(self, name: str) -> Path:
         """Return the path of a file of the record."""
@@ -144,7 +144,7 @@ def read_header(path: Path) -> Header:
         A line or value is invalid, a format is not supported, or a signal file is in another
         folder, missing or too short. The message contains the line number.
     """
-    where = shown_path(path)
+    where = printable_path(path)
     with validation.located(f"{where}: "):
         header = parse_header(_text(path), path)
         _check_files(header)

@@ -23,13 +23,13 @@ from overview_dsp.data.readers.cardiac.build import (
     Description,
     beats_of,
     check_map,
-    gaps_of,
+    find_gaps,
     heart_timeline,
 )
 from overview_dsp.data.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.data.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
-from overview_dsp.data.readers.plugins import needed
-from overview_dsp.data.readers.source import LoadOptions, Source, shown_path
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable_path
+from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
@@ -41,7 +41,7 @@ _OTHERS = re.compile(rb"[A-Za-z]{4}|PAR1|ID3|PK\x03|.(NUMPY|HDF|PNG)", re.DOTALL
 """First bytes of files in other formats (RIFF, Parquet, ZIP) that may share a record's name."""
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a WFDB header, or a binary file with a header of its name."""
     if source.head_text is not None and not source.looks_like_json:
         return looks_like_header(source.head_text)
@@ -51,7 +51,7 @@ def sniff(source: Source) -> bool:
     )
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a record (takes `value`, `map`, `progress`).
 
     Raises
@@ -109,7 +109,7 @@ def _timeline(
             silent, noisy, lost = detection.silent, detection.noisy, detection.lost
             beats = beats_of(detection, signal.rate)
             origin = f"beats found in {signal.name} ({detection.what})"
-        gaps = gaps_of(silent, noisy, signal.rate, duration_s)
+        gaps = find_gaps(silent, noisy, signal.rate, duration_s)
         if lost:
             notes = (*notes, f"{lost} single samples of {signal.name} are missing")
     description = Description(header.name, duration_s, f"{record}; {origin}", notes, header.start)
@@ -164,7 +164,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
     InputError
         The file is too large or not an annotation file, or wfdb is not installed.
     """
-    where = shown_path(path)
+    where = printable_path(path)
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -174,7 +174,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             f"{where}: size is {size / 2**20:.0f} MB; an annotation file must have at most "
             f"{MAX_BYTES >> 20} MB"
         )
-    wfdb: Any = needed("wfdb", "reading annotations", "ecg")
+    wfdb: Any = require_package("wfdb", "reading annotations", "ecg")
     try:
         annotation = wfdb.rdann(str(path.with_suffix("")), path.suffix[1:])
         samples = np.asarray(annotation.sample, dtype=np.int64)

@@ -17,6 +17,7 @@ import itertools
 import re
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import (
     ListDescription,
     ListEntry,
@@ -24,9 +25,8 @@ from overview_dsp.data.readers.events.timeline_builder import (
     timeline_of,
     with_kinds,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.times import clock_s
+from overview_dsp.data.timeline.time_parsing import clock_s
 from overview_dsp.errors import InputError, shown
 
 _TIMES = re.compile(
@@ -40,7 +40,7 @@ _LABEL = re.compile(r"\s*(\d+(?:[.,]\d+)?)\t(\d+(?:[.,]\d+)?)(?:\t(.*))?", re.AS
 _LETTER = re.compile(r"[^\W\d_]")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is text with the times of a cue in its first lines."""
     text = source.head_text
     if text is None or "-->" not in text:
@@ -48,7 +48,7 @@ def sniff(source: Source) -> bool:
     return any(_TIMES.fullmatch(line) for line in text.splitlines()[:200])
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read cues (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
@@ -83,7 +83,7 @@ def _is_caption(line: str) -> bool:
     return bool(line.strip()) and "-->" not in line
 
 
-def sniff_labels(source: Source) -> bool:
+def sniff_labels(source: DataFile) -> bool:
     """Return whether all lines are labels, and some contain letters."""
     if source.head_text is None or "\t" not in source.head_text:
         return False
@@ -95,7 +95,7 @@ def sniff_labels(source: Source) -> bool:
     )
 
 
-def read_labels(source: Source, options: LoadOptions) -> Timeline:
+def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):

@@ -13,14 +13,14 @@ from datetime import UTC, datetime
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import (
     DEFAULT_KIND,
     ListDescription,
     ListEntry,
     timeline_of,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
-from overview_dsp.data.timeline import times
+from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -31,13 +31,13 @@ Entry = dict[str, tuple[str, str, int]]
 """Value, parameters and line of each property of a VEVENT; of repeated ones the first."""
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file begins with BEGIN:VCALENDAR."""
     text = source.head_text
     return text is not None and text.lstrip("\ufeff \r\n").upper().startswith("BEGIN:VCALENDAR")
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
@@ -122,7 +122,7 @@ def _unfolded(text: str) -> Iterator[tuple[int, str]]:
 
 def _moment(entry: Entry, name: str) -> datetime:
     value, parameters, line = entry[name]
-    found = times.moment(value, "iso") if value[:8].isdigit() else None
+    found = time_parsing.moment(value, "iso") if value[:8].isdigit() else None
     if found is None:
         raise InputError(
             f"line {line}, {name}: {shown(value)} isn't a time; must have the form 20240603, "

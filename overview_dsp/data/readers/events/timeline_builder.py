@@ -34,7 +34,7 @@ class ListEntry:
     label
         Label of the event.
     location
-        Location for error messages, such as `line 7`.
+        CellLocation for error messages, such as `line 7`.
     weight
         Strength relative to an ordinary event, 1.
     id

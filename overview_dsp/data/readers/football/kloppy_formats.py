@@ -21,6 +21,7 @@ from datetime import datetime
 from typing import Any
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     MAX_PERIOD_S,
@@ -32,8 +33,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     match_timeline,
     short_name,
 )
-from overview_dsp.data.readers.plugins import needed
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
@@ -80,24 +80,24 @@ class _Format:
     """
 
     name: str
-    matches: Callable[[Source], bool]
+    matches: Callable[[DataFile], bool]
     load: tuple[str, ...]
-    companion: tuple[str, Callable[[Source], bool]] | None = None
+    companion: tuple[str, Callable[[DataFile], bool]] | None = None
 
 
-def _xml(root: str, *texts: str) -> Callable[[Source], bool]:
+def _xml(root: str, *texts: str) -> Callable[[DataFile], bool]:
     """Return a test for XML with this root element, and with the texts at its beginning."""
 
-    def matches(source: Source) -> bool:
+    def matches(source: DataFile) -> bool:
         return source.xml_root == root and all(t in (source.head_text or "") for t in texts)
 
     return matches
 
 
-def _json(*path: str | int) -> Callable[[Source], bool]:
+def _json(*path: str | int) -> Callable[[DataFile], bool]:
     """Return a test for JSON with a value at a path of keys and indices."""
 
-    def matches(source: Source) -> bool:
+    def matches(source: DataFile) -> bool:
         if not source.looks_like_json or f'"{path[0]}"' not in source.text:
             return False
         value: Any = source.json
@@ -111,7 +111,7 @@ def _json(*path: str | int) -> Callable[[Source], bool]:
     return matches
 
 
-def _either(*tests: Callable[[Source], bool]) -> Callable[[Source], bool]:
+def _either(*tests: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
     return lambda source: any(test(source) for test in tests)
 
 
@@ -151,12 +151,12 @@ _FORMATS = (
 )
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file has match events in one of the formats."""
     return _format_of(source) is not None
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes only the options for limits).
 
     Raises
@@ -169,7 +169,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     files = [_bytes(source)]
     with validation.located(f"{source.where}: "):
         module, function, *arguments = format_.load
-        kloppy = needed(f"kloppy.{module}", format_.name, "football")
+        kloppy = require_package(f"kloppy.{module}", format_.name, "football")
         if format_.companion is not None:
             files.append(_bytes(_companion(source, format_.name, *format_.companion)))
         streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
@@ -185,11 +185,11 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         return _timeline(dataset, format_.name, source.stem)
 
 
-def _format_of(source: Source) -> _Format | None:
+def _format_of(source: DataFile) -> _Format | None:
     return next((format_ for format_ in _FORMATS if format_.matches(source)), None)
 
 
-def _bytes(source: Source) -> bytes:
+def _bytes(source: DataFile) -> bytes:
     """Return the text of a file as UTF-8, after checking its size and content."""
     limit = source.options.max_mb * 2**20 if source.options.max_mb is not None else MAX_BYTES
     if source.size > limit:
@@ -205,17 +205,17 @@ def _bytes(source: Source) -> bytes:
 
 
 def _companion(
-    source: Source, name: str, companion: str, is_companion: Callable[[Source], bool]
-) -> Source:
+    source: DataFile, name: str, companion: str, is_companion: Callable[[DataFile], bool]
+) -> DataFile:
     """Return the companion file, which must be the only one in the folder."""
-    found: list[Source] = []
+    found: list[DataFile] = []
     try:
         paths = sorted(p for p in source.folder.iterdir() if p.suffix.lower() in (".xml", ".json"))
     except OSError:  # no permission to list the folder
         paths = []
     for path in paths[:MAX_FILES]:
         with contextlib.suppress(InputError):  # an unrelated file
-            candidate = Source.open(path, source.options)
+            candidate = DataFile.open(path, source.options)
             if path != source.path and candidate.size <= MAX_BYTES and is_companion(candidate):
                 found.append(candidate)
     if len(found) > 1:

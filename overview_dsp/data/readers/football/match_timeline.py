@@ -58,7 +58,7 @@ class MatchEvent:
     minute
         Minute as written in the source; "" if the time is exact.
     location
-        Location of the record for notes and error messages.
+        CellLocation of the record for notes and error messages.
     """
 
     time_s: float

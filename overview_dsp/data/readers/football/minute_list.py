@@ -36,6 +36,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
     SHOOT_OUT,
@@ -54,10 +55,9 @@ from overview_dsp.data.readers.football.minutes import (
     parse_minute,
 )
 from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
-from overview_dsp.data.readers.tables.table import MAX_COLUMNS, Location
+from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -147,11 +147,11 @@ class _Row:
 
     @property
     def location(self) -> str:
-        return str(Location(self.line))
+        return str(CellLocation(self.line))
 
-    def location_of(self, key: str) -> Location:
+    def location_of(self, key: str) -> CellLocation:
         """Return the location of a field."""
-        return Location(self.line, self.headers.get(key, key))
+        return CellLocation(self.line, self.headers.get(key, key))
 
     def get(self, key: str) -> str:
         value = self.fields.get(key, "")
@@ -168,7 +168,7 @@ class _Row:
         return self.get("date"), self.get("home"), self.get("away"), self.get("match")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with minutes, and with football events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
@@ -185,14 +185,14 @@ def sniff(source: Source) -> bool:
     return "kind" in columns and _has_football_kinds(source.head_text, columns, timed[0])
 
 
-def matches(source: Source) -> list[str]:
+def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     text = source.text
     with validation.located(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and line."""
     text = source.text  # its errors contain the path
     with validation.located(f"{source.where}: "):
@@ -425,7 +425,7 @@ def _minute(row: _Row) -> Minute:
     return replace(minute, period=_period(period, row.location_of("period"))) if period else minute
 
 
-def _period(text: str, location: Location) -> int | None:
+def _period(text: str, location: CellLocation) -> int | None:
     normalized = re.sub(r" 0$", "", normalize_terms(text))  # "1.0" in tables of numbers
     for number, names in _PERIODS.items():
         if normalized in names:

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from overview_dsp.data.readers.football.match_timeline import SHOOT_OUT, concatenate_periods
-from overview_dsp.data.readers.tables.table import Location
-from overview_dsp.data.timeline.times import match_minute
+from overview_dsp.data.readers.tables.table import CellLocation
+from overview_dsp.data.timeline.time_parsing import match_minute
 from overview_dsp.errors import InputError, shown
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
@@ -57,7 +57,7 @@ class Minute:
         return self.base + (self.added or 0)
 
 
-def parse_minute(text: str, location: str | Location) -> Minute:
+def parse_minute(text: str, location: str | CellLocation) -> Minute:
     """Return the Minute of `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError for other texts."""
     parts = match_minute(text)
     if parts is None:
@@ -67,7 +67,7 @@ def parse_minute(text: str, location: str | Location) -> Minute:
     return Minute(base, added, seconds)
 
 
-def check_minute(base: int, added: int | None, location: str | Location) -> None:
+def check_minute(base: int, added: int | None, location: str | CellLocation) -> None:
     """Raise InputError if a minute is out of range."""
     if not 0 <= base <= MAX_MINUTE:
         raise _error(location, base, f"is out of range; minutes must be {_RANGE}")
@@ -77,8 +77,8 @@ def check_minute(base: int, added: int | None, location: str | Location) -> None
         )
 
 
-def _error(location: str | Location, value: object, note: str) -> InputError:
-    if isinstance(location, Location):
+def _error(location: str | CellLocation, value: object, note: str) -> InputError:
+    if isinstance(location, CellLocation):
         return location.error(value, note)
     return InputError(f"{location}: {shown(value)} {note}")
 

@@ -31,6 +31,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
@@ -44,7 +45,6 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
     team_index,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -80,14 +80,14 @@ _ENDS = {1: "half-time", 2: "full time", 3: "extra-time half-time", 4: "full tim
 _CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a JSON list of objects with period, timestamp and type."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
     return contains_record(source.json, "period", "timestamp", "type")
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); the InputError contains file and record."""
     document = source.json  # its errors contain the path
     with validation.located(f"{source.where}: "):
@@ -329,7 +329,7 @@ class Record:
 
     @property
     def location(self) -> str:
-        """Location for error messages and notes."""
+        """CellLocation for error messages and notes."""
         id_ = f" (id {shown(self.id)[1:-1]})" if self.id else ""
         return f"event {self.number}{id_}"
 

@@ -28,6 +28,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
@@ -42,7 +43,6 @@ from overview_dsp.data.readers.football.match_timeline import (
     shoot_out_note,
     short_name,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -108,14 +108,14 @@ class _Event:
             )
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is JSON of events with `matchPeriod` and `eventSec`."""
     if not source.looks_like_json or '"matchPeriod"' not in source.text:
         return False
     return contains_record(_listed(source.json), "matchPeriod", "eventSec")
 
 
-def matches(source: Source) -> list[str]:
+def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     document = source.json
     with validation.located(f"{source.where}: "):
@@ -124,7 +124,7 @@ def matches(source: Source) -> list[str]:
         return _lines(list(grouped), found)
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and event."""
     document = source.json  # its errors contain the path
     with validation.located(f"{source.where}: "):
@@ -394,7 +394,7 @@ class Companion:
 
 
 def companions(
-    source: Source, ids: Collection[str]
+    source: DataFile, ids: Collection[str]
 ) -> tuple[dict[str, Companion], tuple[str, ...]]:
     """Return the data in `matches*.json` for the matches with these ids, and notes."""
     found: dict[str, Companion] = {}
@@ -405,7 +405,7 @@ def companions(
         return {}, ()
     for path in paths[:MAX_FILES]:
         try:
-            candidate = Source.open(path, LoadOptions(max_mb=MAX_MB))
+            candidate = DataFile.open(path, LoadOptions(max_mb=MAX_MB))
             document = candidate.json if candidate.looks_like_json else None
         except InputError as error:
             notes.append(f"the companion file with the names was not read: {error}")
