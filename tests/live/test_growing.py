@@ -210,7 +210,7 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
 
 @pytest.mark.parametrize("preset", ["football", "plain", "series"])
 def test_no_click_comes_with_an_update(monkeypatch, preset):
-    live = ov.LiveTimeline("flat", map="so far", unit="u")
+    live = ov.LiveTimeline("flat", layout="so far", unit="u")
     live.append(intensity=[(float(n), 0.2) for n in range(0, 1000, 10)])
     heard = []
     for update in (False, True):
