@@ -112,7 +112,7 @@ def data_routes(
         return served() if name == given.name and not named else fitted(preset_named(name))
 
     def now() -> Timeline:
-        return timeline if live is None else live.felt()
+        return timeline if live is None else live.padded_snapshot()
 
     def made() -> SiteContent:
         version = None if live is None else live.revision

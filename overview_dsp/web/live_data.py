@@ -67,7 +67,7 @@ class LiveData:
         self._live = live
         self._preset = preset
         self.version = live.revision
-        self.timeline: Timeline = live.felt()
+        self.timeline: Timeline = live.padded_snapshot()
         self._told = asyncio.Event()
         self._ticking: asyncio.Task[None] | None = None
         self._pages = 0
@@ -86,7 +86,7 @@ class LiveData:
         preset = self._preset()
         news = [
             {
-                "what": change.what,
+                "what": change.action,
                 "kind": change.event.kind,
                 "label": change.event.display_label,
                 "time_s": change.event.time_s,
@@ -184,7 +184,7 @@ class LiveData:
         """Make the present revision the version."""
         revision = self._live.revision
         # what comes in between is in the timeline already, and news of the next version
-        timeline = self._live.felt()
+        timeline = self._live.padded_snapshot()
         with self._making:
             self.version, self.timeline = revision, timeline
 

@@ -71,7 +71,7 @@ class Session:
             },
         )
         self.player = Player(
-            live.felt() if timeline is None else timeline,
+            live.padded_snapshot() if timeline is None else timeline,
             PresetWatch(preset),
             self._open,
             OutputSettings(),

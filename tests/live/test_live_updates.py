@@ -17,7 +17,7 @@ from tests.live.stepped_session import RATE, Session, event
 
 @pytest.fixture
 def live():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(
         events=[event(0, "period"), event(300, "foul", "a"), event(700, "near_miss", "b")],
         clock_s=800.0,
@@ -42,7 +42,7 @@ def session(live, monkeypatch):
 def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touched(
     session, live, map
 ):
-    live.map = map
+    live.layout = map
     one = session()
     snapshot = one.window_timeline
     alone = ov.Engine(one.player.engine.preset, snapshot)
@@ -66,7 +66,7 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
     assert one.window_timeline is snapshot or map == "whole"  # what lies ahead comes at once
     one.player.release()
     one.run(1.5)
-    assert one.window_timeline is live.felt()
+    assert one.window_timeline is live.padded_snapshot()
     assert one.window_timeline.kinds()["goal"] == 50
 
 
@@ -102,7 +102,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
     joined = one.player.engine.surface.friction
     one.player.release()
     one.run(2.5)
-    assert one.window_timeline is live.felt()
+    assert one.window_timeline is live.padded_snapshot()
     assert not np.array_equal(one.player.engine.surface.friction, joined)  # all of it now
     heard = one.samples
     one.player.close()
@@ -119,7 +119,7 @@ def test_nothing_comes_under_a_hand_where_places_move_or_what_is_behind_has_chan
 ):
     one = session()
     if how == "so far":
-        live.map = "so far"
+        live.layout = "so far"
     if how == "a part":
         one.player.show(200.0, 800.0)
     one.run(0.2)
@@ -139,7 +139,7 @@ def test_nothing_comes_under_a_hand_where_places_move_or_what_is_behind_has_chan
 
 def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
     one = session()
-    live.map = "so far"
+    live.layout = "so far"
     one.run(0.2)
     one.player.touch(0.9)
     one.run(2.0)
@@ -157,7 +157,7 @@ def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
 
 def test_an_update_waits_for_a_disk_that_is_still_on_its_way(session, live):
     one = session()
-    live.map = "so far"
+    live.layout = "so far"
     one.run(0.2)
     one.player.tap(0.9)
     one.run(0.3)
@@ -180,9 +180,9 @@ def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, 
     one.run(0.1)
     live.append(events=[event(900, "foul")], clock_s=900.0)
     one.run(0.3)
-    assert one.window_timeline is not live.felt()
+    assert one.window_timeline is not live.padded_snapshot()
     one.run(0.3)
-    assert one.window_timeline is live.felt()
+    assert one.window_timeline is live.padded_snapshot()
 
 
 def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_path):
@@ -194,7 +194,7 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
     one.run(0.1)
     one.player.touch(0.13)
     one.run(0.1)
-    live.end(live.felt().duration_s)
+    live.end(live.padded_snapshot().duration_s)
     one.run(0.5)
     assert one.window_timeline.known_until_s is None
     assert one.player.engine.surface.angle_map.is_linear
@@ -210,7 +210,7 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
 
 @pytest.mark.parametrize("preset", ["football", "plain", "series"])
 def test_no_click_comes_with_an_update(monkeypatch, preset):
-    live = ov.LiveTimeline("flat", map="so far", unit="u")
+    live = ov.LiveTimeline("flat", layout="so far", unit="u")
     live.append(intensity=[(float(n), 0.2) for n in range(0, 1000, 10)])
     heard = []
     for update in (False, True):
@@ -225,7 +225,7 @@ def test_no_click_comes_with_an_update(monkeypatch, preset):
             # new while it moves, under the hand: the harshest moment there is
             def change(one=one):
                 live.append(intensity=[(float(n), 0.9) for n in range(0, 1000, 10)])
-                one.player.active_window.update_timeline(live.felt())
+                one.player.active_window.update_timeline(live.padded_snapshot())
 
         else:
             change = None
@@ -253,7 +253,7 @@ def test_a_goal_is_under_the_hand_within_a_tenth_of_a_second(session, live):
         kinds = one.window_timeline.kinds()
         assert kinds == {"goal": 1} or kinds["goal"] == n + 1
         one.run(1.5)
-        assert one.window_timeline is live.felt()
+        assert one.window_timeline is live.padded_snapshot()
 
 
 def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
@@ -273,7 +273,7 @@ def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
     assert struck
     assert set(struck) == {"goal"}
     assert "new: goal 1-0 Parris at 15:50.0" in one.messages
-    assert one.window_timeline is live.felt()
+    assert one.window_timeline is live.padded_snapshot()
     assert not one.player.engine.meters.touching
     live.retract(event(950, "goal", "1-0 Parris"))
     one.run(0.2, look)
@@ -315,7 +315,7 @@ def test_a_hand_takes_the_disk_from_what_is_told(session, live):
     assert one.window_timeline.kinds() == {"goal": 1}
     one.player.touch(0.3)
     one.run(0.04)
-    assert one.window_timeline is live.felt()
+    assert one.window_timeline is live.padded_snapshot()
     one.run(1.0)
     assert one.player.engine.holder == ("touch", pytest.approx(0.3 * math.pi))
 

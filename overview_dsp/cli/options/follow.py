@@ -80,8 +80,8 @@ class Feed:
         if after_s is not None and not after_s >= 0.0:
             raise InputError(f"--update-held-after is {after_s:g}; must be 0 s or more")
         live = ov.LiveTimeline(
-            expect_s=None if length is None else parse_duration(length),
-            map=None if layout is None else parse_layout(layout),
+            expected_duration_s=None if length is None else parse_duration(length),
+            layout=None if layout is None else parse_layout(layout),
         )
         source = open_source(self.follow, sys.stdin.buffer)
         follower = Follower(live, source).start()
@@ -127,12 +127,12 @@ def open_data(
             assert timeline is not None
             data = open_timeline(timeline, reading)
         else:
-            data, preset = follow.live.felt(), preset or follow.preset
+            data, preset = follow.live.padded_snapshot(), preset or follow.preset
         first = window.of(data)
         if first is not None and window.window and follow is None:
             data, first = data.window(*first), None
         name = preset_for(data, preset)
         if follow is not None:
             follow.use_preset_layout(ov.load_preset(name))
-            data = follow.live.felt()
+            data = follow.live.padded_snapshot()
         yield OpenedData(data, first, name, follow)

@@ -9,10 +9,10 @@ from typing import BinaryIO
 
 import numpy as np
 
-from overview_dsp.data.feeds.live_timeline import MAPS, Map
-from overview_dsp.data.feeds.net import Http, WebSocket
+from overview_dsp.data.feeds.live_timeline import LAYOUTS, Layout
+from overview_dsp.data.feeds.network_sources import Http, WebSocket
 from overview_dsp.data.feeds.sources import (
-    DEVICE_ENDS_WITHIN_S,
+    DEVICE_CLOSE_TIMEOUT_S,
     GrowingFile,
     Sound,
     Source,
@@ -44,7 +44,7 @@ def open_source(text: str, stdin: BinaryIO) -> Source:
         return WebSocket(text)
     if text.startswith("audio:"):
         device = text.removeprefix("audio:")
-        return Sound(text, lambda: _record_device(device), DEVICE_ENDS_WITHIN_S)
+        return Sound(text, lambda: _record_device(device), DEVICE_CLOSE_TIMEOUT_S)
     if text.startswith("pcm:"):
         found = _PCM.fullmatch(text)
         if found is None:
@@ -107,9 +107,9 @@ def parse_duration(text: str) -> float:
     return duration
 
 
-def parse_layout(text: str) -> Map:
+def parse_layout(text: str) -> Layout:
     """Parse a layout, `whole` or `so-far`; InputError."""
-    for layout in MAPS:
+    for layout in LAYOUTS:
         if text.strip().lower().replace("-", " ").replace("_", " ") == layout:
             return layout
     raise InputError(f"layout {text!r} must be whole or so-far")

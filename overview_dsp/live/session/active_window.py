@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.data.feeds.difference import difference
+from overview_dsp.data.feeds.timeline_diff import timeline_diff
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.time_expressions import Zoom
 from overview_dsp.design.presets.model import Preset
@@ -276,6 +276,6 @@ class ActiveWindow:
     def _timeline_change(self, whole: Timeline, more: dict[str, Any]) -> dict[str, Any] | None:
         """Return the change of the timeline as a take stores it; None if it is too long."""
         try:
-            return {"timeline": {**difference(self.timeline, whole), **more}}
+            return {"timeline": {**timeline_diff(self.timeline, whole), **more}}
         except InputError:
             return None

@@ -145,11 +145,11 @@ def _live(player: Player) -> LiveTimeline:
 
 
 def _layout(player: Player, *name: str) -> None:
-    _live(player).map = parse_layout(" ".join(name))
+    _live(player).layout = parse_layout(" ".join(name))
 
 
 def _expected_duration(player: Player, length: str) -> None:
-    _live(player).expect_s = parse_duration(length)
+    _live(player).expected_duration_s = parse_duration(length)
 
 
 COMMANDS: dict[str, Callable[..., None]] = {

@@ -12,9 +12,13 @@ import math
 import time
 from dataclasses import dataclass
 
-from overview_dsp.data.feeds.difference import HOLDS_S, LASTS_S, TAP, pattern_change
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.feeds.timeline_diff import (
+    ANNOUNCEMENT_S,
+    TAP_HOLD_S,
+    announcement_change,
+)
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
@@ -71,7 +75,7 @@ class FollowSettings:
         """Use the preset's layout unless the user chose one."""
         layout = str(preset.values[LAYOUT_KEY])
         if layout != "auto" and not self.layout_is_explicit:
-            self.live.map = parse_layout(layout)
+            self.live.layout = parse_layout(layout)
 
 
 class LiveUpdates:
@@ -107,7 +111,9 @@ class LiveUpdates:
     def status_text(self) -> str:
         """Status for display: the time up to which there are data."""
         follower = self._follow.follower
-        return f"data until {clock_text(self.live.now_s)}" if follower is None else follower.words
+        if follower is None:
+            return f"data until {clock_text(self.live.now_s)}"
+        return follower.status_text
 
     def poll(self, pointer_touches: bool) -> None:
         """Apply new data and announce new events as far as the present touch allows it."""
@@ -128,7 +134,7 @@ class LiveUpdates:
         if now < self._next_update:
             return
         after_s = math.inf if self._follow.after_s is None else self._follow.after_s
-        snapshot = self.live.felt()
+        snapshot = self.live.padded_snapshot()
         if self._touched_since is not None and now - self._touched_since < after_s:
             self._update_future(snapshot, now)
             return
@@ -144,7 +150,7 @@ class LiveUpdates:
     def _update_future(self, snapshot: Timeline, now: float) -> None:
         """Apply only the data that are ahead of the disk and of its input."""
         window, holder = self._window, self._engine.holder
-        is_new = self.live.map == "whole" and snapshot is not window.timeline
+        is_new = self.live.layout == "whole" and snapshot is not window.timeline
         if not is_new or holder is None or window.timeline.known_until_s is None:
             return
         position = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + MARGIN
@@ -163,7 +169,7 @@ class LiveUpdates:
         """Return whether an input other than the announcement's tap moves the disk."""
         engine, holder = self._engine, self._engine.holder
         if self._announcement is not None:
-            tap = ("touch", TAP * HALF_TURN) if self._announcement[1] else None
+            tap = ("touch", TAP_POSITION * HALF_TURN) if self._announcement[1] else None
             return holder not in (None, tap)
         # after a release the disk still moves to its last input
         arrives = engine.meters.engaged and engine.preset.values["disk.release"] == "recoil"
@@ -189,7 +195,7 @@ class LiveUpdates:
                 continue
             text = f"{event.kind.replace('_', ' ')} {event.display_label}".strip()
             at = clock_text(event.time_s)
-            if change.what == "retracted":
+            if change.action == "retracted":
                 self._say(f"retracted: {text} at {at}")
                 if self._next_event == event:
                     self._next_event = None
@@ -219,13 +225,13 @@ class LiveUpdates:
         """Set the event's pattern as the surface and tap it."""
         self._next_event = None
         try:
-            set_pattern(self._engine, pattern_change(event))
+            set_pattern(self._engine, announcement_change(event))
         except InputError:
             return
         except OverviewError:  # two surfaces are being crossfaded: try again at the next poll
             self._next_event = event
             return
-        self._engine.control(TAP * HALF_TURN, True)
+        self._engine.control(TAP_POSITION * HALF_TURN, True)
         self._announcement = (now, True)
         self.announced = [*self.announced[-99:], event]
 
@@ -233,13 +239,13 @@ class LiveUpdates:
         """Release the tap and restore the timeline when it is time; at once during a touch."""
         assert self._announcement is not None
         start, taps = self._announcement
-        if taps and (touched or now >= start + HOLDS_S):
+        if taps and (touched or now >= start + TAP_HOLD_S):
             if not pointer_touches:  # a touch of the pointer has replaced the tap
-                self._engine.control(TAP * HALF_TURN, False)
+                self._engine.control(TAP_POSITION * HALF_TURN, False)
             self._announcement = (start, False)
-        if touched or now >= start + LASTS_S:
+        if touched or now >= start + ANNOUNCEMENT_S:
             self._announcement = None
-            self._must_update = not self._window.update_timeline(self.live.felt())
+            self._must_update = not self._window.update_timeline(self.live.padded_snapshot())
 
 
 def _strength(preset: Preset, event: Event) -> float:

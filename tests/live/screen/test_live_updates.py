@@ -13,12 +13,12 @@ from tests.live.screen.test_app import run
 
 
 def test_it_says_how_far_the_data_reach_and_what_is_new():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[ov.Event(300.0, "foul")], clock_s=800.0)
 
     async def watched():
         player = Player(
-            live.felt(),
+            live.padded_snapshot(),
             PresetWatch("football"),
             lambda engine, settings: NullStream(engine, 256, settings),
             OutputSettings(),

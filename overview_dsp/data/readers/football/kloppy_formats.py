@@ -1,13 +1,12 @@
-"""Matches of other providers, read with kloppy (the extra `football`).
+"""Reader of match events in formats that kloppy supports (the extra `football`).
 
-Opta F24 or F73 (its F7 beside it), Stats Perform MA3 (MA1 beside it; XML or JSON), Sportec (match
-information beside it), Metrica JSON (EPTS metadata beside it), DataFactory, Wyscout v3. Whichever
-file beside it holds the teams is told by its content.
+The formats are Opta F24 or F73, Stats Perform MA3 (XML or JSON), Sportec, Metrica JSON,
+DataFactory, and Wyscout v3. The first four require a second file with the teams in the same folder:
+Opta F7, MA1, match information, or EPTS metadata. It is detected by its content.
 
-What kloppy 3.19 leaves to whoever has the raw event is taken from it: own goals of DataFactory,
-cards of Wyscout v3 and Metrica, woodwork of Metrica. Wyscout v2 has a reader of its own
-(`wyscout`), as kloppy has no own goals there and takes whichever team comes first for the home
-team.
+Some data are read from the raw events, because kloppy 3.19 omits them: own goals of DataFactory,
+cards of Wyscout v3 and Metrica, and woodwork of Metrica. Wyscout v2 has its own reader (`wyscout`),
+because kloppy omits its own goals and does not know its home team.
 """
 
 from __future__ import annotations
@@ -23,14 +22,14 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.events.listing import repeated_ids
-from overview_dsp.data.readers.football.match import (
+from overview_dsp.data.readers.events.timeline_builder import repeated_ids
+from overview_dsp.data.readers.football.match_timeline import (
     MAX_PERIOD_S,
     SHOOT_OUT,
     START_LABELS,
-    Happening,
-    Touch,
-    lay_end_to_end,
+    BallTouch,
+    MatchEvent,
+    concatenate_periods,
     match_timeline,
     short_name,
 )
@@ -39,13 +38,16 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
 MAX_BYTES = 16 * 2**20
-"""Largest file without `max_mb`: a match has up to 5 MB, and kloppy takes 20 times its size."""
+"""Maximum file size without `max_mb`. A match has up to 5 MB; kloppy needs 20 times the memory."""
 
 LATE_START_S = (600.0, 14_400.0)
-"""A period whose first event lies between has a clock that didn't restart; later, a broken one."""
+"""Range of the first time in a period, s, if the clock runs on from the previous period.
 
-MAX_BESIDE = 200
-"""Most files beside it that are looked into."""
+Later times indicate a broken clock.
+"""
+
+MAX_FILES = 200
+"""Maximum number of files that are searched for the teams."""
 
 _CARDS = {
     "FIRST_YELLOW": ("yellow_card", ""),
@@ -53,7 +55,7 @@ _CARDS = {
     "RED": ("red_card", ""),
 }
 _NEAR = {"SAVED": "saved", "POST": "on the post"}
-_TOUCHES = {
+_BALL_TOUCHES = {
     "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
     "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
     "MISCONTROL": "miscontrol", "GOALKEEPER": "goalkeeper",
@@ -62,82 +64,86 @@ _OWN_GOAL_OF_DATAFACTORY = 10
 
 
 @dataclass(frozen=True)
-class _Feed:
-    """A provider's files.
+class _Format:
+    """File format of a provider.
 
     Parameters
     ----------
     name
-        Of the events, for a person.
-    claims
-        Whether a file holds its events.
+        Name of the events for display.
+    matches
+        Function that returns whether a file is in this format.
     load
-        Module and function of kloppy, and the names of its arguments: events, then what is beside.
-    beside
-        Of what must lie beside it: its name, and whether a file is that.
+        Module and function of kloppy, and its arguments: the events, then the companion file.
+    companion
+        Name of the companion file, and function that returns whether a file is one.
     """
 
     name: str
-    claims: Callable[[DataFile], bool]
+    matches: Callable[[DataFile], bool]
     load: tuple[str, ...]
-    beside: tuple[str, Callable[[DataFile], bool]] | None = None
+    companion: tuple[str, Callable[[DataFile], bool]] | None = None
 
 
-def _xml(root: str, *words: str) -> Callable[[DataFile], bool]:
-    def claims(source: DataFile) -> bool:
-        return source.xml_root == root and all(w in (source.head_text or "") for w in words)
+def _xml(root: str, *texts: str) -> Callable[[DataFile], bool]:
+    """Return a test for XML with this root element, and with the texts at its beginning."""
 
-    return claims
+    def matches(source: DataFile) -> bool:
+        return source.xml_root == root and all(t in (source.head_text or "") for t in texts)
+
+    return matches
 
 
 def _json(*path: str | int) -> Callable[[DataFile], bool]:
-    """Return whether a file is JSON with something at the end of a path of keys and positions."""
+    """Return a test for JSON with a value at a path of keys and indices."""
 
-    def claims(source: DataFile) -> bool:
+    def matches(source: DataFile) -> bool:
         if not source.looks_like_json or f'"{path[0]}"' not in source.text:
             return False
-        at: Any = source.json
+        value: Any = source.json
         try:
             for step in path:
-                at = at[step]
+                value = value[step]
         except (KeyError, IndexError, TypeError):
             return False
-        return at is not None
+        return value is not None
 
-    return claims
-
-
-def _either(*claims: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
-    return lambda source: any(claim(source) for claim in claims)
+    return matches
 
 
-_FEEDS = (
-    _Feed(
+def _either(*tests: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
+    return lambda source: any(test(source) for test in tests)
+
+
+_FORMATS = (
+    _Format(
         "Opta events (F24)",
         _xml("Games", "<Event", "type_id="),
         ("opta", "load", "f24_data", "f7_data"),
         ("the match's F7 file (line-ups)", _xml("SoccerFeed")),
     ),
-    _Feed(
+    _Format(
         "Stats Perform events (MA3)",
         _either(_xml("matchEvents"), _json("liveData", "event", 0, "typeId")),
         ("statsperform", "load_event", "ma3_data", "ma1_data"),
         ("the match's MA1 file (line-ups)", _either(_xml("match"), _json("liveData", "lineUp"))),
     ),
-    _Feed(
+    _Format(
         "Sportec events",
         _xml("PutDataRequest", "<Event "),
         ("sportec", "load_event", "event_data", "meta_data"),
         ("the match information", _xml("PutDataRequest", "<MatchInformation")),
     ),
-    _Feed(
+    _Format(
         "Metrica events (JSON)",
         _json("data", 0, "start", "frame"),
         ("metrica", "load_event", "event_data", "meta_data"),
         ("the match's EPTS metadata (XML)", _xml("main", "<Metadata")),
     ),
-    _Feed("DataFactory match", _json("incidences", "goals"), ("datafactory", "load", "event_data")),
-    _Feed(
+    _Format(
+        "DataFactory match", _json("incidences", "goals"), ("datafactory", "load", "event_data")
+    ),
+    _Format(
         "Wyscout v3 events",
         _json("events", 0, "type", "primary"),
         ("wyscout", "load", "event_data"),
@@ -146,88 +152,88 @@ _FEEDS = (
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file holds the events of a provider that kloppy reads."""
-    return _feed_of(source) is not None
+    """Return whether the file has match events in one of the formats."""
+    return _format_of(source) is not None
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read a match (takes no options but the limits).
+    """Read a match (takes only the options for limits).
 
     Raises
     ------
     InputError
-        kloppy isn't installed; no line-ups beside the events; what kloppy can't read.
+        kloppy is not installed or cannot read the file, or the companion file is missing.
     """
-    feed = _feed_of(source)
-    assert feed is not None  # sniffed
+    format_ = _format_of(source)
+    assert format_ is not None  # checked by `sniff`
     files = [_bytes(source)]
     with validation.located(f"{source.where}: "):
-        module, function, *arguments = feed.load
-        kloppy = require_package(f"kloppy.{module}", feed.name, "football")
-        if feed.beside is not None:
-            files.append(_bytes(_beside(source, feed)))
+        module, function, *arguments = format_.load
+        kloppy = require_package(f"kloppy.{module}", format_.name, "football")
+        if format_.companion is not None:
+            files.append(_bytes(_companion(source, format_.name, *format_.companion)))
         streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 dataset = getattr(kloppy, function)(**streams)
-        except Exception as error:  # whatever its code meets in a broken file
-            said = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        except Exception as error:  # the exceptions of kloppy are not documented
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
             raise InputError(
-                f"kloppy can't read these {feed.name} ({said}); is the file complete?"
+                f"kloppy cannot read these {format_.name} ({reason}); the file may be incomplete"
             ) from error
-        return _timeline(dataset, feed, source.stem)
+        return _timeline(dataset, format_.name, source.stem)
 
 
-def _feed_of(source: DataFile) -> _Feed | None:
-    return next((feed for feed in _FEEDS if feed.claims(source)), None)
+def _format_of(source: DataFile) -> _Format | None:
+    return next((format_ for format_ in _FORMATS if format_.matches(source)), None)
 
 
 def _bytes(source: DataFile) -> bytes:
-    """Return a file's text as UTF-8, checked to be harmless."""
+    """Return the text of a file as UTF-8, after checking its size and content."""
     limit = source.options.max_mb * 2**20 if source.options.max_mb is not None else MAX_BYTES
     if source.size > limit:
         raise InputError(
-            f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit / 2**20:g} MB a "
-            "match has; is it one match? raise the limit with max_mb (--read max-mb=MB)"
+            f"{source.where}: size is {source.size / 2**20:.0f} MB; one match must have at most "
+            f"{limit / 2**20:g} MB: raise the limit with max_mb (--read max-mb=MB)"
         )
     if source.looks_like_json:
-        _ = source.json  # its limits and errors
+        _ = source.json  # checks its limits
         return source.text.removeprefix("\ufeff").encode()
-    # what one of kloppy's readers knows XML by
+    # kloppy detects XML by the declaration
     return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
 
 
-def _beside(source: DataFile, feed: _Feed) -> DataFile:
-    """Return the one file beside the events that holds the teams."""
-    assert feed.beside is not None
-    what, is_it = feed.beside
+def _companion(
+    source: DataFile, name: str, companion: str, is_companion: Callable[[DataFile], bool]
+) -> DataFile:
+    """Return the companion file, which must be the only one in the folder."""
     found: list[DataFile] = []
     try:
         paths = sorted(p for p in source.folder.iterdir() if p.suffix.lower() in (".xml", ".json"))
-    except OSError:  # a folder that may be passed through but not listed
+    except OSError:  # no permission to list the folder
         paths = []
-    for path in paths[:MAX_BESIDE]:
-        with contextlib.suppress(InputError):  # some other file
+    for path in paths[:MAX_FILES]:
+        with contextlib.suppress(InputError):  # an unrelated file
             candidate = DataFile.open(path, source.options)
-            if path != source.path and candidate.size <= MAX_BYTES and is_it(candidate):
+            if path != source.path and candidate.size <= MAX_BYTES and is_companion(candidate):
                 found.append(candidate)
     if len(found) > 1:
-        # of several matches in a folder: the one that is called most alike
-        name = source.path.name
-        shared = [len(os.path.commonprefix([name, f.path.name])) for f in found]  # noqa: RUF071
-        best = [other for other, n in zip(found, shared, strict=True) if n == max(shared)]
+        # for several matches in a folder: the file whose name begins with most of the same letters
+        prefixes = [os.path.commonprefix([source.path.name, f.path.name]) for f in found]  # noqa: RUF071
+        longest = max(map(len, prefixes))
+        best = [one for one, same in zip(found, prefixes, strict=True) if len(same) == longest]
         found = best if len(best) == 1 else found
     if len(found) != 1:
-        many = f"{len(found)} files beside it may be" if found else "it needs"
+        problem = f"{len(found)} files in the folder may be" if found else "the folder lacks"
         raise InputError(
-            f"{feed.name}: {many} {what}; put the match's own, and no other, into the same folder"
+            f"{name}: {problem} {companion}; put only that of this match into the same folder"
         )
     return found[0]
 
 
-def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
-    notes = repeated_ids(_own_ids(dataset.events))
+def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
+    notes = repeated_ids(_unique_ids(dataset.events))
     kicks: list[bool] = []
     outside = 0
     by_period: dict[int, list[tuple[float, Any]]] = {}
@@ -241,57 +247,58 @@ def _timeline(dataset: Any, feed: _Feed, default_title: str) -> Timeline:
     for period, events in sorted(by_period.items()):
         start = min((time_s for time_s, _ in events if time_s >= 0.0), default=0.0)
         if LATE_START_S[0] < start < LATE_START_S[1]:
-            notes.append(f"period {period} begins {start:.0f} s into its clock: that is its start")
+            notes.append(f"the clock of period {period} starts at {start:.0f} s, not at 0")
         else:
             start = 0.0
         inside = [(t - start, e) for t, e in events if 0.0 <= t - start <= MAX_PERIOD_S]
         outside += len(events) - len(inside)
         lengths[period] = max((time_s for time_s, _ in inside), default=0.0)
         by_period[period] = inside
-    begins, end_s = lay_end_to_end(lengths)
+    begins, end_s = concatenate_periods(lengths)
     if outside:
-        notes.append(f"{outside} events lie outside of their period: left out")
+        notes.append(f"{outside} events are outside their period: omitted")
     if kicks:
-        notes.append(f"the shoot-out is left out: {len(kicks)} kicks, {sum(kicks)} scored")
-    happenings: list[Happening] = []
-    touches: list[Touch] = []
+        notes.append(f"the shoot-out is omitted: {len(kicks)} kicks, {sum(kicks)} scored")
+    match_events: list[MatchEvent] = []
+    ball_touches: list[BallTouch] = []
     for period in begins:
-        for into_s, event in by_period[period]:
-            time_s, who, team = begins[period] + into_s, _player(event), _team(event)
-            found = list(_happened(event))
-            for kind, detail in found:
-                gets = 1 - team if kind == "own_goal" and team is not None else team
-                place = f"event {event.event_id}"
-                happenings.append(Happening(time_s, kind, gets, who, detail, "", place))
-            if not found and event.event_type.name in _TOUCHES:
-                touches.append((time_s, _TOUCHES[event.event_type.name], who))
-    about = dataset.metadata
+        for period_s, event in by_period[period]:
+            time_s, player, team = begins[period] + period_s, _player(event), _team(event)
+            kinds = list(_classify(event))
+            for kind, detail in kinds:
+                scorer = 1 - team if kind == "own_goal" and team is not None else team
+                location = f"event {event.event_id}"
+                match_events.append(MatchEvent(time_s, kind, scorer, player, detail, "", location))
+            if not kinds and event.event_type.name in _BALL_TOUCHES:
+                ball_touches.append((time_s, _BALL_TOUCHES[event.event_type.name], player))
+    metadata = dataset.metadata
+    date = metadata.date
     return match_timeline(
-        [team.name or f"team {team.team_id}" for team in about.teams],
+        [team.name or f"team {team.team_id}" for team in metadata.teams],
         begins,
         end_s,
-        happenings,
-        f"events: {feed.name}, read with kloppy",
+        match_events,
+        f"events: {format_name}, read with kloppy",
         notes,
         default_title=default_title,
-        about=[about.date.date().isoformat()] if isinstance(about.date, datetime) else [],
-        final=_score(about.score),
-        touches=touches,
+        title_parts=[date.date().isoformat()] if isinstance(date, datetime) else [],
+        final=_score(metadata.score),
+        ball_touches=ball_touches,
     )
 
 
-def _own_ids(events: Iterable[Any]) -> Iterator[str]:
-    """Yield the events' ids; one of which kloppy makes several (a pass and a ball out) once."""
+def _unique_ids(events: Iterable[Any]) -> Iterator[str]:
+    """Yield the ids of events; once if kloppy splits an event, such as a pass that goes out."""
     seen: set[tuple[int, str]] = set()
     for event in events:
-        made_of = (id(event.raw_event), str(event.event_id))
-        if event.raw_event is None or made_of not in seen:
-            seen.add(made_of)
-            yield made_of[1]
+        key = (id(event.raw_event), str(event.event_id))
+        if event.raw_event is None or key not in seen:
+            seen.add(key)
+            yield key[1]
 
 
-def _happened(event: Any) -> Iterator[tuple[str, str]]:
-    """Yield (kind, detail) of what happens in an event."""
+def _classify(event: Any) -> Iterator[tuple[str, str]]:
+    """Yield the event kinds and details of an event."""
     kind, result = event.event_type.name, _result(event)
     raw = event.raw_event if isinstance(event.raw_event, Mapping) else {}
     if kind == "FOUL_COMMITTED":
@@ -301,7 +308,7 @@ def _happened(event: Any) -> Iterator[tuple[str, str]]:
             if isinstance(secondary, list) and card in secondary:
                 yield card, ""
     elif kind == "CARD":
-        # Wyscout v3 has it at its foul already, should kloppy give it too
+        # cards of Wyscout v3 are read from the fouls above
         if event.card_type is not None and "primary" not in _table(raw.get("type")):
             yield _CARDS[event.card_type.name]
     elif kind == "SHOT":
@@ -326,9 +333,9 @@ def _table(value: object) -> Mapping[str, object]:
 
 
 def _subtypes(raw: Mapping[str, object]) -> list[object]:
-    """Return the names of Metrica's subtypes: of a list or of one."""
-    given = raw.get("subtypes")
-    return [_table(one).get("name") for one in (given if isinstance(given, list) else [given])]
+    """Return the names of Metrica's subtypes, which are a list or one object."""
+    value = raw.get("subtypes")
+    return [_table(one).get("name") for one in (value if isinstance(value, list) else [value])]
 
 
 def _result(event: Any) -> str:
@@ -346,6 +353,6 @@ def _team(event: Any) -> int | None:
 
 
 def _score(score: Any) -> tuple[int, int] | None:
-    """Return the stated score; Metrica's may be empty text."""
+    """Return the final score; Metrica's may be an empty text."""
     home, away = getattr(score, "home", None), getattr(score, "away", None)
     return (home, away) if isinstance(home, int) and isinstance(away, int) else None

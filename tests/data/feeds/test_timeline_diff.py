@@ -1,4 +1,4 @@
-"""From one timeline to the next and back to the bit."""
+"""Differences between timelines, and timelines made from them."""
 
 from __future__ import annotations
 
@@ -9,49 +9,49 @@ import pytest
 from hypothesis import given, settings
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.difference import applied, difference
-from overview_dsp.data.feeds.feed_lines import encode_line, take_line
+from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
+from overview_dsp.data.feeds.timeline_diff import apply_diff, timeline_diff
 from tests.data.feeds.feeds import lines_of
 from tests.data.timeline.strategies import timelines
 
 
 @given(timelines(), timelines())
 @settings(max_examples=60)
-def test_a_change_makes_the_next_timeline_of_the_last(old, new):
-    change = json.loads(json.dumps(difference(old, new)))
-    made = applied(old, change)
+def test_a_difference_turns_the_old_timeline_into_the_new_one(old, new):
+    change = json.loads(json.dumps(timeline_diff(old, new)))
+    made = apply_diff(old, change)
     assert made == new
-    assert applied(made, change) == new
+    assert apply_diff(made, change) == new
 
 
-def test_the_changes_of_a_match_are_small_and_lead_to_its_end(match):
+def test_the_differences_of_a_match_are_small_and_add_up_to_the_match(match):
     live = ov.LiveTimeline("m")
     mine = live.snapshot()
     most = 0
     for line in lines_of(match)[:-1]:
-        take_line(live, encode_line(line))
+        apply_line(live, encode_line(line))
         shown = live.snapshot()
-        change = json.dumps(difference(mine, shown))
+        change = json.dumps(timeline_diff(mine, shown))
         most = max(most, len(change))
-        mine = applied(mine, json.loads(change))
+        mine = apply_diff(mine, json.loads(change))
         assert mine == shown
     assert most < 1000
 
 
-def test_a_derived_curve_is_named_and_not_sent():
-    live = ov.LiveTimeline("m", expect_s=5700.0)
+def test_a_derived_curve_is_named_and_not_included():
+    live = ov.LiveTimeline("m", expected_duration_s=5700.0)
     live.append(events=[ov.Event(10.0, "goal")], clock_s=60.0)
     before = live.snapshot()
     live.append(events=[ov.Event(50.0, "foul")], clock_s=90.0)
-    change = difference(before, live.snapshot())
+    change = timeline_diff(before, live.snapshot())
     assert change["curve"] == "excitement"
-    assert applied(before, change) == live.snapshot()
+    assert apply_diff(before, change) == live.snapshot()
 
 
-def test_a_series_that_finds_its_events_in_windows_is_there_as_a_whole():
+def test_a_series_with_window_events_is_included_in_full():
     share = ov.load_timeline("made-up-share")
-    change = json.loads(json.dumps(difference(ov.load_timeline("world-cup-final-2018"), share)))
-    made = applied(share, change)
+    change = json.loads(json.dumps(timeline_diff(ov.load_timeline("world-cup-final-2018"), share)))
+    made = apply_diff(share, change)
     assert made == share
     third = share.duration_s / 3.0
     assert made.window(0.0, third).events == share.window(0.0, third).events
@@ -69,8 +69,8 @@ def test_a_series_that_finds_its_events_in_windows_is_there_as_a_whole():
         {"start": "tomorrow"},
     ],
 )
-def test_what_is_no_change_is_one_line(bad):
+def test_an_invalid_difference_is_a_one_line_error(bad):
     curve = ov.Intensity(np.arange(3.0), np.arange(3.0))
-    with pytest.raises(ov.InputError) as refused:
-        applied(ov.Timeline("x", 10.0, (), curve), bad)
-    assert "\n" not in str(refused.value)
+    with pytest.raises(ov.InputError) as raised:
+        apply_diff(ov.Timeline("x", 10.0, (), curve), bad)
+    assert "\n" not in str(raised.value)

@@ -1,4 +1,4 @@
-"""Feeds from the network: HTTP that is asked again and again, server-sent events, WebSockets."""
+"""Network sources of a live timeline: HTTP polling, server-sent events, WebSockets."""
 
 from __future__ import annotations
 
@@ -11,63 +11,69 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
-from overview_dsp.data.feeds.sources import CHUNK_BYTES, ENDS_WITHIN_S, Came, LostError, is_feed
+from overview_dsp.data.feeds.sources import (
+    CHUNK_BYTES,
+    CLOSE_TIMEOUT_S,
+    LostError,
+    Received,
+    is_feed,
+)
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
 
-ASK_EVERY_S = 1.0
-"""How often a file is asked for; `Retry-After` is respected."""
+POLL_EVERY_S = 1.0
+"""Interval at which a file is requested, s; `Retry-After` is respected."""
 
-ANSWER_WITHIN_S = 10.0
-SILENT_S = 60.0
-"""A stream that says nothing for so long, not even a comment, is lost."""
+RESPONSE_TIMEOUT_S = 10.0
+STREAM_TIMEOUT_S = 60.0
+"""Time without data, not even a comment, after which a stream is lost, s."""
 
 MAX_BYTES = 64 << 20
-"""Largest file that is asked for again and again."""
+"""Maximum size of a file that is requested repeatedly."""
 
-MAX_MESSAGE = 16 << 20
-"""Largest message of a WebSocket: it may hold many lines."""
+MAX_MESSAGE_BYTES = 16 << 20
+"""Maximum size of a WebSocket message, which may hold many lines."""
 
 
 @dataclass
 class Http:
-    """An address: server-sent events are listened to, any other file is asked for again."""
+    """URL of server-sent events, or of any other file, which is requested repeatedly."""
 
     name: str
-    ends_within_s: float = ENDS_WITHIN_S
+    close_timeout_s: float = CLOSE_TIMEOUT_S
     _tag: str | None = field(default=None, init=False)
     _last_id: str | None = field(default=None, init=False)
 
-    def come(self) -> Iterator[Came]:
-        """What it answers."""
+    def read(self) -> Iterator[Received]:
+        """Yield the events of a stream, or the file each time it changes."""
         self._tag = None
         while True:
-            answer = self._ask()
-            if answer is None:
+            response = self._request()
+            if response is None:
                 yield b""
-                time.sleep(ASK_EVERY_S)
+                time.sleep(POLL_EVERY_S)
                 continue
-            with answer:
-                if answer.headers.get_content_type() == "text/event-stream":
+            with response:
+                if response.headers.get_content_type() == "text/event-stream":
                     self._tag = None
-                    yield from self._events(answer)
+                    yield from self._events(response)
                     raise LostError("the stream has ended")
-                data = _body(answer)
-            tag = answer.headers.get("ETag") or answer.headers.get("Last-Modified")
+                data = _body(response)
+            tag = response.headers.get("ETag") or response.headers.get("Last-Modified")
             if is_feed(data):
                 yield from _parts(data if data.endswith(b"\n") else data[: data.rfind(b"\n") + 1])
             elif data:
                 try:
                     yield load_timeline(data)
                 except InputError as error:
-                    # half a file, perhaps: it is asked for anew
+                    # the file may be incomplete, so it is requested again
                     raise LostError(f"{error}") from None
             self._tag = tag
-            time.sleep(ASK_EVERY_S)
+            time.sleep(POLL_EVERY_S)
 
-    def _ask(self) -> Any:
-        """The answer; None if nothing has changed."""
+    def _request(self) -> Any:
+        """Return the response; None if the file has not changed."""
         request = urllib.request.Request(self.name)
         request.add_header("Accept", "text/event-stream, application/x-ndjson, */*;q=0.5")
         if self._tag is not None:
@@ -76,7 +82,7 @@ class Http:
         if self._last_id is not None:
             request.add_header("Last-Event-ID", self._last_id)
         try:
-            return urllib.request.urlopen(request, timeout=ANSWER_WITHIN_S)
+            return urllib.request.urlopen(request, timeout=RESPONSE_TIMEOUT_S)
         except urllib.error.HTTPError as error:
             with error:
                 if error.code == 304:
@@ -91,17 +97,20 @@ class Http:
         except ValueError as error:
             raise InputError(f"{self.name}: {error}") from None
 
-    def _events(self, answer: Any) -> Iterator[Came]:
-        """The data of server-sent events (WHATWG HTML, 9.2), a line of a feed each.
+    def _events(self, response: Any) -> Iterator[Received]:
+        """Yield the data of server-sent events (WHATWG HTML, 9.2), one feed line per event.
 
-        An event counts when it is whole: one that is cut off is asked for again by the last id.
+        Only complete events are yielded. After a new connection the server repeats an incomplete
+        event, because the request contains the id of the last complete one.
         """
         line, data = b"", b""
-        name: str | None = None
+        event_id: str | None = None
         try:
-            _set_timeout(answer, SILENT_S)
-            while part := answer.readline(CHUNK_BYTES):
-                # the rest of what is too long for a line isn't kept: its reader says so
+            socket = getattr(getattr(response.fp, "raw", None), "_sock", None)
+            if socket is not None:
+                socket.settimeout(STREAM_TIMEOUT_S)
+            while part := response.readline(CHUNK_BYTES):
+                # cut just above the limit, so that the feed format rejects the line
                 line = (line + part.rstrip(b"\r\n"))[: MAX_LINE_BYTES + 16]
                 if not part.endswith(b"\n"):
                     continue
@@ -110,10 +119,10 @@ class Http:
                 if field == b"data":
                     data = (data + value + b"\n")[:MAX_BYTES]
                 elif field == b"id" and len(value) < 256:
-                    name = value.decode("latin-1")
+                    event_id = value.decode("latin-1")
                 elif not field and not value:
                     yield data
-                    self._last_id, data = name or self._last_id, b""
+                    self._last_id, data = event_id or self._last_id, b""
                 else:
                     yield b""
         except (OSError, http.client.HTTPException) as error:
@@ -122,23 +131,27 @@ class Http:
 
 @dataclass
 class WebSocket:
-    """A WebSocket whose messages are lines of a feed."""
+    """URL of a WebSocket whose messages are lines of a feed."""
 
     name: str
-    ends_within_s: float = ENDS_WITHIN_S
+    close_timeout_s: float = CLOSE_TIMEOUT_S
 
-    def come(self) -> Iterator[Came]:
-        """What is sent."""
+    def read(self) -> Iterator[Received]:
+        """Yield the messages."""
         try:
             from websockets.exceptions import InvalidURI, WebSocketException
             from websockets.sync.client import connect
         except ImportError:
             raise InputError(
-                f"a WebSocket needs the package websockets: {install_command('web')}"
+                f"{self.name}: a WebSocket requires the package websockets: "
+                f"{install_command('web')}"
             ) from None
         try:
             with connect(
-                self.name, open_timeout=ANSWER_WITHIN_S, max_size=MAX_MESSAGE, close_timeout=1.0
+                self.name,
+                open_timeout=RESPONSE_TIMEOUT_S,
+                max_size=MAX_MESSAGE_BYTES,
+                close_timeout=1.0,
             ) as socket:
                 while True:
                     try:
@@ -159,23 +172,19 @@ def _parts(data: bytes) -> Iterator[bytes]:
         yield data[start : start + CHUNK_BYTES]
 
 
-def _body(answer: Any) -> bytes:
+def _body(response: Any) -> bytes:
     try:
-        data: bytes = answer.read(MAX_BYTES + 1)
+        data: bytes = response.read(MAX_BYTES + 1)
     except (OSError, http.client.HTTPException) as error:
         raise LostError(_reason(error)) from None
     if len(data) > MAX_BYTES:
-        raise InputError(f"an answer of more than {MAX_BYTES >> 20} MB; serve it as a feed instead")
+        raise InputError(
+            f"the response has more than {MAX_BYTES >> 20} MB, the maximum; serve a feed instead"
+        )
     return data
-
-
-def _set_timeout(answer: Any, seconds: float) -> None:
-    socket = getattr(getattr(answer.fp, "raw", None), "_sock", None)
-    if socket is not None:
-        socket.settimeout(seconds)
 
 
 def _reason(error: BaseException) -> str:
     inner = error.reason if isinstance(error, urllib.error.URLError) else None
-    found = inner if isinstance(inner, BaseException) else error
-    return str(getattr(found, "strerror", None) or found) or type(found).__name__
+    cause = inner if isinstance(inner, BaseException) else error
+    return str(getattr(cause, "strerror", None) or cause) or type(cause).__name__

@@ -81,7 +81,7 @@ def test_a_providers_match_has_its_goals(
     timeline = load_timeline(copied(tmp_path, name))
     assert timeline.title == title
     assert [label for _, label in told(timeline, "goal", "own_goal")] == goals
-    assert not any("states" in note for note in timeline.notes)
+    assert not any("but goals for" in note for note in timeline.notes)
     assert {"foul", "near_miss", "period"} <= timeline.kinds().keys()
     assert len(timeline.details) > 500
 
@@ -110,20 +110,20 @@ def test_own_goals_count_for_the_other_team(tmp_path: Path) -> None:
         "1-0 Petersen",
         "2-0 own goal, Pléa",  # made up for kloppy's tests
     ]
-    assert any("states 1-0 and lists goals for 2-0" in note for note in timeline.notes)
+    assert any("has the final score 1-0, but goals for 2-0" in note for note in timeline.notes)
 
 
 def test_a_shoot_out_and_times_outside_of_a_period_are_left_out(tmp_path: Path) -> None:
     timeline = load_timeline(copied(tmp_path, "opta"))
     assert timeline.title.startswith("FC København 2-1 FC Nordsjælland")
     assert timeline.duration_s < 3 * 3600.0
-    assert "the shoot-out is left out: 1 kicks, 1 scored" in timeline.notes
-    assert any("lie outside of their period" in note for note in timeline.notes)
+    assert "the shoot-out is omitted: 1 kicks, 1 scored" in timeline.notes
+    assert any("are outside their period" in note for note in timeline.notes)
 
 
 @pytest.mark.parametrize("name", FEEDS)
 def test_each_id_is_said_to_be_there_once_or_more_often(name: str, tmp_path: Path) -> None:
-    said = "the same event id is there more than once"
+    said = "event ids occur more than once"
     path = copied(tmp_path, name)
     repeated = [note for note in load_timeline(path).notes if said in note]
     # kloppy's own Opta file has one id twice
@@ -141,10 +141,10 @@ def test_each_id_is_said_to_be_there_once_or_more_often(name: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("name", "lacks"),
     [
-        ("opta", "it needs the match's F7 file"),
-        ("stats perform", "it needs the match's MA1 file"),
-        ("sportec", "it needs the match information"),
-        ("metrica", "it needs the match's EPTS metadata"),
+        ("opta", "the folder lacks the match's F7 file"),
+        ("stats perform", "the folder lacks the match's MA1 file"),
+        ("sportec", "the folder lacks the match information"),
+        ("metrica", "the folder lacks the match's EPTS metadata"),
     ],
 )
 def test_what_must_lie_beside_is_named(name: str, lacks: str, tmp_path: Path) -> None:
@@ -160,7 +160,7 @@ def test_of_several_beside_it_the_one_called_alike_is_taken(tmp_path: Path) -> N
         shutil.copy(FILES / "opta_f7.xml", tmp_path / f"{match}_f7.xml")
     assert load_timeline(tmp_path / "a_001_f24.xml").kinds()["goal"] == 1
     (tmp_path / "b_002_f24.xml").rename(tmp_path / "events.xml")
-    with pytest.raises(InputError, match="2 files beside it may be the match's F7"):
+    with pytest.raises(InputError, match="2 files in the folder may be the match's F7"):
         load_timeline(tmp_path / "events.xml")
 
 
@@ -196,7 +196,9 @@ def test_a_file_too_large_for_a_match_is_refused(tmp_path: Path) -> None:
     path = copied(tmp_path, "opta")
     text = path.read_text()
     path.write_text(text.replace("</Game>", "<Event type_id='1'/>" * 900_000 + "</Game>"))
-    with pytest.raises(InputError, match=r"17 MB, more than the 16 MB a match has.*--read max-mb"):
+    with pytest.raises(
+        InputError, match=r"size is 17 MB; one match must have at most 16 MB.*--read max-mb"
+    ):
         load_timeline(path)
 
 

@@ -1,11 +1,11 @@
-"""What the words of a list of minutes mean: one of the football kinds, or nothing."""
+"""Vocabulary of lists of minutes: the football event kinds of their texts."""
 
 from __future__ import annotations
 
 import functools
 import re
 
-from overview_dsp.data.readers.football.match import plain
+from overview_dsp.data.readers.football.match_timeline import normalize_text
 
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _GOAL = re.compile(
@@ -55,29 +55,29 @@ _PERIOD = re.compile(
 
 
 @functools.lru_cache(maxsize=4096)
-def words_of(text: str) -> str:
-    """Return text for comparing, `SavedShot` as `saved shot`."""
-    return plain(_CAMEL.sub(" ", text))
+def normalize_terms(text: str) -> str:
+    """Return text for comparison, with `SavedShot` as `saved shot`."""
+    return normalize_text(_CAMEL.sub(" ", text))
 
 
 @functools.lru_cache(maxsize=4096)
 def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, str]:
-    """Return (kind, detail) of what the columns of a row say.
+    """Return the event kind and the label's detail for the columns of a row.
 
     Parameters
     ----------
     kind
-        The words of the column that says what happened.
+        Normalized text of the column with the kind.
     details
-        Those of the columns that add to it (outcome, card, description of the type).
+        Normalized text of further columns, such as outcome, card and description.
     own, penalty
-        Flags of their own columns.
+        Flags in columns of their own.
 
     Returns
     -------
     tuple
-        A football kind and what its label adds (`pen`, `saved`, ...); `half_end` and `match_end`
-        for the whistles; "" for what is no such kind.
+        Event kind, and detail such as `pen` or `saved`. The kind is `half_end` or `match_end` for
+        the end of a period, "" for all other texts.
     """
     both = f"{kind} {details}".strip()
     if _CANCELLED.search(both) and not _CARD.search(kind):
@@ -108,8 +108,10 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
 
 def _card(kind: str, details: str) -> tuple[str, str] | None:
     both = f"{kind} {details}".strip()
-    about_cards = _CARD.search(kind) or _RED.search(kind) or _YELLOW.search(kind)
-    if not (about_cards or _SECOND_YELLOW.search(kind) or _CARD.search(details)):
+    if not (
+        any(pattern.search(kind) for pattern in (_CARD, _RED, _YELLOW, _SECOND_YELLOW))
+        or _CARD.search(details)
+    ):
         return None
     if _SECOND_YELLOW.search(both):
         return "red_card", "second yellow"
@@ -119,23 +121,20 @@ def _card(kind: str, details: str) -> tuple[str, str] | None:
 
 
 def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
-    bare = re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).strip()
-    bare = " ".join(bare.split())
     if "goal kick" in kind:
         return False
+    bare = " ".join(re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).split())
     if _GOAL.fullmatch(bare) or _GOAL.fullmatch(kind):
         return True
-    if is_penalty and _PENALTY.fullmatch(kind):
-        return True
-    if is_penalty and bare in ("scored", "converted", "in"):
+    if is_penalty and (_PENALTY.fullmatch(kind) or bare in ("scored", "converted", "in")):
         return True
     return bool(_SHOT.search(kind)) and bool(re.search(r"\bgoal\b|\bscored\b", details))
 
 
 def _whistle(kind: str, both: str) -> str:
-    for words in (kind, both):
-        if _END_1.search(words):
+    for text in (kind, both):
+        if _END_1.search(text):
             return "half_end"
-        if _END.search(words):
+        if _END.search(text):
             return "match_end"
     return "period" if _PERIOD.search(kind) else ""

@@ -1,21 +1,20 @@
-"""What has changed from one timeline to the next: small, as JSON, for takes and for pages.
+"""Differences between two timelines as compact JSON, for takes and pages.
 
 ::
 
     {"duration_s": ..., "known_until_s": ..., "title": ..., "notes": [...], "provenance": ...,
-     "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      where they differ
+     "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      only changed fields
      "gone": [event], "new": [event], "details_gone": [...], "details_new": [...],
      "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
                                      "percentiles": [...]}}
 
-`excitement` is the curve that is derived from the events, `keep` how many points at its beginning
-stay. A timeline that this doesn't hold (one that finds events in its windows by rule) is there as a
-whole: `{"whole": {...}}`, in the native format. Making a change a second time changes nothing.
+`gone` and `new` list the removed and the added events. `excitement` is the curve that is derived
+from the events, and `keep` the number of unchanged points at the start of the curve. A timeline
+that these fields cannot describe, such as one with window events, is stored in full in the native
+format: `{"whole": {...}}`. Applying a difference twice has the same result as applying it once.
 
-The pattern that tells of something new: the event itself, met and met again within a moment.
-
-It is a timeline of its own with nothing but that event on it, which the disk is sent over by a
-short tap: so it is felt and heard by the same disk, torque and preset as the event on the timeline.
+The module also defines the announcement of a new event: a timeline with this event only. A short
+tap moves the disk over it, with the same preset, so it feels and sounds as on the full timeline.
 """
 
 from __future__ import annotations
@@ -34,37 +33,37 @@ from overview_dsp.data.readers import native
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.intensity import Intensity
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 
 EXCITEMENT = "excitement"
-_PLAIN = ("title", "duration_s", "known_until_s", "provenance")
-_LISTED = ("notes", "gaps", "gap_reasons")
+_SCALAR_FIELDS = ("title", "duration_s", "known_until_s", "provenance")
+_LIST_FIELDS = ("notes", "gaps", "gap_reasons")
 
 
-def difference(old: Timeline, new: Timeline) -> dict[str, Any]:
-    """Return what `applied` makes `new` of `old` with.
+def timeline_diff(old: Timeline, new: Timeline) -> dict[str, Any]:
+    """Return the difference with which `apply_diff` turns `old` into `new`.
 
     Raises
     ------
     InputError
-        A curve of too many points.
+        The curve has too many points.
     """
     if new.rules is None and old.rules is None and old.signal is new.signal:
         parts = _parts(old, new)
-        if applied(old, parts) == new:
+        if apply_diff(old, parts) == new:
             return parts
     return {"whole": json.loads(native.encode(new))}
 
 
-def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
-    """Return a timeline after a change; InputError if it isn't one."""
+def apply_diff(old: Timeline, change: Mapping[str, Any]) -> Timeline:
+    """Return the timeline after a change; InputError if `change` is not a valid difference."""
     try:
         if "whole" in change:
             return native.decode(change["whole"])
-        fields: dict[str, Any] = {name: change[name] for name in _PLAIN if name in change}
-        if "until_s" in change:  # the key's name before version 0.2
+        fields: dict[str, Any] = {name: change[name] for name in _SCALAR_FIELDS if name in change}
+        if "until_s" in change:  # the key in takes of version 0.1
             fields["known_until_s"] = change["until_s"]
-        for name in _LISTED:
+        for name in _LIST_FIELDS:
             if name in change:
                 fields[name] = tuple(
                     tuple(one) if isinstance(one, list) else one for one in change[name]
@@ -82,23 +81,25 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(f"not a change of a timeline ({type(error).__name__}: {error})") from None
+        raise InputError(
+            f"invalid timeline difference ({type(error).__name__}: {error}); record the take again"
+        ) from None
 
 
 def _parts(old: Timeline, new: Timeline) -> dict[str, Any]:
     parts: dict[str, Any] = {}
-    for name in (*_PLAIN, *_LISTED):
+    for name in (*_SCALAR_FIELDS, *_LIST_FIELDS):
         value = getattr(new, name)
         if getattr(old, name) != value:
             parts[name] = list(value) if isinstance(value, tuple) else value
     if old.start != new.start:
         parts["start"] = None if new.start is None else new.start.isoformat()
     for key, name in (("", "events"), ("details_", "details")):
-        were, are = (dict.fromkeys(getattr(timeline, name)) for timeline in (old, new))
-        gone = [event_object(event) for event in were if event not in are]
-        came = [event_object(event) for event in are if event not in were]
-        parts |= {f"{key}gone": gone} if gone else {}
-        parts |= {f"{key}new": came} if came else {}
+        before, after = (dict.fromkeys(getattr(timeline, name)) for timeline in (old, new))
+        removed = [event_object(event) for event in before if event not in after]
+        added = [event_object(event) for event in after if event not in before]
+        parts |= {f"{key}gone": removed} if removed else {}
+        parts |= {f"{key}new": added} if added else {}
     if old.intensity != new.intensity:
         parts["curve"] = _curve_parts(old.intensity, new)
     return parts
@@ -135,7 +136,7 @@ def _curve(old: Intensity | None, change: Any, events: Iterable[Event], reach: f
         return _excitement(events, reach)
     keep = change["keep"]
     if keep and (old is None or old.count < keep):
-        raise InputError(f"a curve keeps {keep} points that aren't there")
+        raise InputError(f"the difference keeps {keep} points of a curve that has fewer")
     before: Any = (old.time_s[:keep], old.value[:keep]) if old is not None and keep else ([], [])
     return Intensity(
         np.concatenate((before[0], change["time_s"])),
@@ -146,40 +147,39 @@ def _curve(old: Intensity | None, change: Any, events: Iterable[Event], reach: f
 
 
 def _excitement(events: Iterable[Event], reach: float) -> Intensity | None:
-    # periods first, as in `LiveTimeline`: the same products to the bit
+    # periods first, as in `LiveTimeline`, so that the curve is bit-identical
     return derive_intensity(sorted(events, key=lambda event: event.kind != "period"), reach)[0]
 
 
 def _changed(events: tuple[Event, ...], change: Mapping[str, Any], key: str) -> tuple[Event, ...]:
-    """Return events without those that are gone and with those that are new."""
-    without = {event_of(one) for one in change.get(f"{key}gone", ())}
-    kept = [event for event in events if event not in without]
-    there = set(kept)
-    came = [event_of(one) for one in change.get(f"{key}new", ())]
-    return (*kept, *(event for event in came if event not in there))
+    """Return events without the removed and with the added ones."""
+    removed = {event_of(one) for one in change.get(f"{key}gone", ())}
+    result = dict.fromkeys(event for event in events if event not in removed)
+    added = [event_of(one) for one in change.get(f"{key}new", ())]
+    return (*result, *(event for event in added if event not in result))
 
 
-PLACE = 0.04
-"""Where the event is, 0 to 1 of the surface ..."""
+EVENT_POSITION = 0.04
+"""Position of the announced event, 0 to 1 of its surface."""
 
-TAP = 0.08
-"""... and how far the disk is sent: half of it to be in motion, half to be past the event."""
+TAP_POSITION = 0.08
+"""Position of the tap. The event is halfway, so the disk moves when it passes the event."""
 
-HOLDS_S = 0.25
-"""How long the tap holds, s: the disk is beyond the event by then under every bundled preset."""
+TAP_HOLD_S = 0.25
+"""Duration of the tap, s. Under every bundled preset the disk has passed the event by then."""
 
-LASTS_S = 0.8
-"""After so long, from the tap on, the timeline is under the disk again, s."""
+ANNOUNCEMENT_S = 0.8
+"""Time from the tap until the timeline is under the disk again, s."""
 
 
-def pattern_change(event: Event) -> dict[str, Any]:
-    """Return what a recording holds of an event's pattern."""
+def announcement_change(event: Event) -> dict[str, Any]:
+    """Return the entry of a recorded take for the announcement of an event."""
     return {"pattern": {"kind": event.kind, "weight": event.weight}}
 
 
-def pattern_of(what: Mapping[str, Any]) -> Timeline:
-    """Return the timeline of the pattern of an event's kind and weight; InputError."""
-    if not isinstance(what, Mapping) or what.keys() != {"kind", "weight"}:
-        raise InputError("a pattern has a kind and a weight")
-    event = event_of({"time_s": PLACE, **what})
+def announcement_of(pattern: Mapping[str, Any]) -> Timeline:
+    """Return the announcement of an event's kind and weight; InputError if it is invalid."""
+    if not isinstance(pattern, Mapping) or pattern.keys() != {"kind", "weight"}:
+        raise InputError(f"pattern is {shown(pattern)}; must have the keys kind and weight")
+    event = event_of({"time_s": EVENT_POSITION, **pattern})
     return Timeline("something is new", 1.0, (event,))
