@@ -22,7 +22,7 @@ from overview_dsp.devices.sensors.frames import FrameDecoder
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 
 BAUD = 1_000_000
 TICK_S = 0.002
@@ -138,9 +138,9 @@ def simulate(
                 rows.append((since, motor.angle, torque, given, motor.stored, motor.disk))
         said = back.take(now)
         if ear is not None:
-            ear.hear(said, now)
+            ear.receive(said, now)
         readings = decoder.feed(said)
-        loop.hear([(now, one) for one in readings], now)
+        loop.receive([(now, one) for one in readings], now)
         if now < begins[0] + killed_at:
             there.put(now, loop.step(True, now))
         if loop.ready and begins[0] == math.inf:

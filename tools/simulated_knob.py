@@ -308,8 +308,8 @@ def play_motor(options: argparse.Namespace) -> None:
     finally:
         wire.close()
     totals = {
-        "put_in_mj": 1e3 * motor.put_in,
-        "given_mj": 1e3 * motor.given,
+        "absorbed_mj": 1e3 * motor.put_in,
+        "returned_mj": 1e3 * motor.given,
         "hand_mj": 1e3 * motor.hand_work,
         "moved_deg": moved,  # in the last second
         "target": motor.target,

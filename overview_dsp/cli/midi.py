@@ -56,7 +56,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     def hear(came: list[bytes], now_s: float) -> Control | None:
         return next(filter(None, map(learner.read, came)), None)
 
-    moved = listen(MidiPort(name), lambda: learner.ask, hear, learning.timeout,
+    moved = listen(MidiPort(name), lambda: learner.instruction, hear, learning.timeout,
                        lambda: f"no control was moved that can be {target!r}")  # fmt: skip
     found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)

@@ -54,10 +54,10 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         return learner.found(now_s)
 
     def otherwise() -> str:
-        came = f"heard were {learner.heard}" if learner.heard else "nothing came"
+        came = f"heard were {learner.received}" if learner.received else "nothing came"
         return f"no message was known that can be {target!r}; {came}"
 
-    found = listen(OscPort(port), lambda: learner.ask, hear, learning.timeout, otherwise)
+    found = listen(OscPort(port), lambda: learner.instruction, hear, learning.timeout, otherwise)
     found = replace(found, low=learning.low, high=learning.high)
     replaced = SENSED if target == DEVICE else (target,)
     same = (found.address, found.value)

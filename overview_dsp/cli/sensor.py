@@ -54,10 +54,10 @@ def setup(
         return watched.toml() if watched.done else None
 
     def otherwise() -> str:
-        return f"{watched.twists} of 2 twists were seen ({watched.problem or watched.ask})"
+        return f"{watched.twists} of 2 twists were seen ({watched.problem or watched.instruction})"
 
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    write_text(output, listen(opened, lambda: watched.ask, hear, timeout, otherwise))
+    write_text(output, listen(opened, lambda: watched.instruction, hear, timeout, otherwise))
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 

@@ -316,11 +316,11 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
     force = lines[-1]["summary"]["input"]["force"]
     told = motor.told()
     print(force, told)
-    assert force["put_in_mj"] > 0.5
-    assert force["given_mj"] <= force["put_in_mj"] + force["rubbed_mj"]
-    assert force["put_in_mj"] == pytest.approx(told["put_in_mj"], rel=0.25)
-    assert told["given_mj"] <= told["put_in_mj"]
-    assert told["hand_mj"] > told["put_in_mj"]
+    assert force["absorbed_mj"] > 0.5
+    assert force["returned_mj"] <= force["absorbed_mj"] + force["friction_mj"]
+    assert force["absorbed_mj"] == pytest.approx(told["absorbed_mj"], rel=0.25)
+    assert told["returned_mj"] <= told["absorbed_mj"]
+    assert told["hand_mj"] > told["absorbed_mj"]
     assert not told["enabled"]
     assert told["target"] == 0.0
     assert lines[-1]["summary"]["block_size"] == 128
@@ -340,7 +340,7 @@ def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(m
     assert report["damaged"] == 0
     assert any(line["input"]["force"]["torque_nm"] < -1e-3 for line in lines[:-1])
     assert any(line["touching"] and line["cursor"] > 0.5 for line in lines[:-1])
-    assert told["put_in_mj"] > 0.5
+    assert told["absorbed_mj"] > 0.5
     assert told["hand_mj"] > 0.0
 
 

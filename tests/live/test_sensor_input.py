@@ -426,7 +426,7 @@ def test_a_device_on_a_port_is_detected_played_and_recorded(
     lines, said = played("--input", f"serial:{device('--format', form)}", "--seconds", 8,
                          "--record", take)  # fmt: skip
     report = lines[-1]["summary"]["input"]
-    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["told"]
+    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["format"]
     assert report["readings"] > 800
     assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
     assert any(line["touching"] and line["cursor"] > 0.3 for line in lines[:-1])

@@ -105,7 +105,7 @@ class Control:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What it hears: each may be in a map once."""
+        """What it matches: each may be in a map once."""
         return self.name, self.channel
 
     @property
@@ -115,7 +115,7 @@ class Control:
             return f"keys {self.number}-{self.highest}"
         return f"{self.kind} {self.number}" if self.kind in ("cc", "note") else self.kind
 
-    def hears(self, kind: str, number: int, channel: int) -> bool:
+    def matches(self, kind: str, number: int, channel: int) -> bool:
         """Whether a message (channel 1 to 16) is this control's."""
         if self.channel not in (0, channel):
             return False
@@ -142,10 +142,10 @@ class OscControl:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What it hears: each may be in a map once."""
+        """What it matches: each may be in a map once."""
         return self.address, self.value
 
-    def hears(self, address: str) -> bool:
+    def matches(self, address: str) -> bool:
         """Whether a message of that address is this control's."""
         if self.address.startswith("*"):
             return address.endswith(self.address[1:])

@@ -9,7 +9,7 @@ from overview_dsp.units import HALF_TURN
 
 
 @dataclass(frozen=True)
-class Turned:
+class AngleChanged:
     """`control`, which feels no touch, is at theta2 (rad)."""
 
     control: str
@@ -17,7 +17,7 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Touched:
+class TouchStarted:
     """`finger` holds on at theta2 (rad): a step if it didn't, else it moves there."""
 
     finger: str
@@ -25,14 +25,14 @@ class Touched:
 
 
 @dataclass(frozen=True)
-class LetGo:
+class TouchEnded:
     """`finger` lets go; None: every one does."""
 
     finger: str | None = None
 
 
 @dataclass(frozen=True)
-class Asked:
+class SetParameter:
     """The parameter `id` is to be `value`."""
 
     id: str
@@ -40,7 +40,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Dialled:
+class ScaleParameter:
     """What sets the parameter `id` is at `part` (0 to 1) of its way from `low` to `high` (None: the
     parameter's own ends); it acts once it has passed where the parameter is."""
 
@@ -51,7 +51,7 @@ class Dialled:
 
 
 @dataclass(frozen=True)
-class Nudged:
+class StepParameter:
     """What sets the parameter `id` goes on by `step` (1 is all) of its way from `low` to `high`."""
 
     id: str
@@ -67,7 +67,15 @@ class Command:
     words: tuple[str, ...]
 
 
-Move = Turned | Touched | LetGo | Asked | Dialled | Nudged | Command
+Move = (
+    AngleChanged
+    | TouchStarted
+    | TouchEnded
+    | SetParameter
+    | ScaleParameter
+    | StepParameter
+    | Command
+)
 
 
 @dataclass
@@ -104,7 +112,7 @@ def theta2_at(part: float, low: float | None, high: float | None) -> float:
 class PositionControl:
     """A position on the timeline that something moves, and a touch that something else may say.
 
-    Until a touch has been said it is `Turned`; from then on the touch decides alone.
+    Until a touch has been said it is `AngleChanged`; from then on the touch decides alone.
     """
 
     def __init__(self, name: str) -> None:
@@ -116,15 +124,15 @@ class PositionControl:
         """It is at theta2 (rad)."""
         self._theta2 = theta2
         if self._touch is None:
-            return [Turned(self._name, theta2)]
-        return [Touched(self._name, theta2)] if self._touch else []
+            return [AngleChanged(self._name, theta2)]
+        return [TouchStarted(self._name, theta2)] if self._touch else []
 
     def touch(self, touching: bool) -> list[Move]:
         """The hand holds on, or lets go."""
         before, self._touch = self._touch, touching
         if touching:
-            return [] if before else [Touched(self._name, self._theta2)]
-        return [] if before is False else [LetGo(self._name)]
+            return [] if before else [TouchStarted(self._name, self._theta2)]
+        return [] if before is False else [TouchEnded(self._name)]
 
     def both(self, theta2: float, touching: bool) -> list[Move]:
         """It is at theta2 (rad), and the hand holds on there, or lets go."""

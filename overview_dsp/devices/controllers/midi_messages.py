@@ -12,12 +12,12 @@ from __future__ import annotations
 from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 from overview_dsp.devices.controllers.control_messages import (
     Counters,
-    Dialled,
-    LetGo,
     Move,
-    Nudged,
     PositionControl,
-    Touched,
+    ScaleParameter,
+    StepParameter,
+    TouchEnded,
+    TouchStarted,
     theta2_at,
 )
 
@@ -62,7 +62,7 @@ class MidiReader:
             return []
         length = 2 if kind in (0xC0, 0xD0) else 3
         if kind < 0x80 or len(data) != length or any(byte > 0x7F for byte in data[1:]):
-            self.counters.refused += 1
+            self.counters.rejected += 1
             return []
         channel = (data[0] & 0x0F) + 1
         self.counters.messages += 1
@@ -101,7 +101,7 @@ class MidiReader:
     # --- inside -----------------------------------------------------------------------------------
 
     def _heard(self, kind: str, number: int, channel: int) -> list[Control]:
-        return [one for one in self._controls if one.hears(kind, number, channel)]
+        return [one for one in self._controls if one.matches(kind, number, channel)]
 
     def _nothing(self) -> list[Move]:
         self.counters.unknown += 1
@@ -117,7 +117,9 @@ class MidiReader:
                 name = f"key {channel}/{number}"
                 part = (number - one.number) / (one.highest - one.number)
                 moves.append(
-                    Touched(name, theta2_at(part, one.low, one.high)) if down else LetGo(name)
+                    TouchStarted(name, theta2_at(part, one.low, one.high))
+                    if down
+                    else TouchEnded(name)
                 )
             else:
                 moves += self._do(one, float(down))
@@ -125,7 +127,7 @@ class MidiReader:
 
     def _change(self, number: int, value: int, channel: int, time_s: float) -> list[Move]:
         if number >= SOUND_OFF:
-            return [LetGo()] if number in (SOUND_OFF, NOTES_OFF) else self._nothing()
+            return [TouchEnded()] if number in (SOUND_OFF, NOTES_OFF) else self._nothing()
         heard = self._heard("cc", number, channel)
         if any(one.relative for one in heard):
             return [move for one in heard for move in self._stepped(one, value)]
@@ -157,7 +159,7 @@ class MidiReader:
         part = step_of(value, control.relative) / control.steps
         part = -part if control.reverse else part
         if control.to != THETA2:
-            return [Nudged(control.to, part, control.low, control.high)]
+            return [StepParameter(control.to, part, control.low, control.high)]
         self._parts[control] = min(max(self._parts.get(control, 0.0) + part, 0.0), 1.0)
         return self._do(control, self._parts[control])
 
@@ -167,7 +169,7 @@ class MidiReader:
         if control.to == TOUCH:
             touching = part >= 0.5
             return [move for one in self._positions.values() for move in one.touch(touching)]
-        return [Dialled(control.to, part, control.low, control.high)]
+        return [ScaleParameter(control.to, part, control.low, control.high)]
 
 
 def step_of(value: int, relative: str) -> int:

@@ -31,16 +31,16 @@ from overview_dsp.devices.controllers.control_map import (
     sensor_of,
 )
 from overview_dsp.devices.controllers.control_messages import (
-    Asked,
+    AngleChanged,
     Command,
     Counters,
-    Dialled,
     Move,
     PositionControl,
-    Turned,
+    ScaleParameter,
+    SetParameter,
     theta2_at,
 )
-from overview_dsp.devices.sensors.angles import Angle, angle_of
+from overview_dsp.devices.sensors.angles import Angle, make_angle
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters
 from overview_dsp.errors import InputError, OverviewError
@@ -68,7 +68,7 @@ class OscDevice:
         self._sign = 0.0
         self.words = ""
 
-    def step(self, control: OscControl, values: list[float], time_s: float) -> list[Turned]:
+    def step(self, control: OscControl, values: list[float], time_s: float) -> list[AngleChanged]:
         """The turns of a control's values; InputError if they are none, or can't be used."""
         columns = SENSED[control.to]
         if len(values) < len(columns):
@@ -86,11 +86,11 @@ class OscDevice:
             self._sign = self._sign or math.copysign(1.0, numbers[2])
             self._reading.update((name, self._reading[name] * self._sign) for name in ACCELERATION)
         if self._angle is None:
-            self._angle = angle_of(sensor_of(control), False, self._reading, self._counters)
+            self._angle = make_angle(sensor_of(control), False, self._reading, self._counters)
             assert self._angle is not None
         turn = self._angle.step(time_s, dict(self._reading))
         self.words = self._angle.words
-        return [] if turn is None else [Turned(NAME, turn.theta2)]
+        return [] if turn is None else [AngleChanged(NAME, turn.theta2)]
 
 
 HINT = "OSC needs python-osc: pip install 'overview-dsp[osc]'"
@@ -196,7 +196,7 @@ class OscReader:
         return said
 
     def _of(self, address: str, values: Sequence[Any], time_s: float) -> list[Move]:
-        heard = [one for one in self._controls if one.hears(address)]
+        heard = [one for one in self._controls if one.matches(address)]
         if not heard and not address.startswith(PREFIX):
             self.counters.unknown += 1
             return []
@@ -227,7 +227,7 @@ class OscReader:
             return self._position.touch(_flag(values[0]))
         if not isinstance(values[0], bool | int | float | str):
             raise InputError("it takes a number, a text, true or false")
-        return [Asked(name.replace("/", "."), values[0])]
+        return [SetParameter(name.replace("/", "."), values[0])]
 
     def _by(self, control: OscControl, values: Sequence[Any], time_s: float) -> Sequence[Move]:
         """What one of another program's messages means."""
@@ -249,7 +249,7 @@ class OscReader:
             ]
         if control.to == THETA2:
             return self._positions[control].turn(theta2_at(kept, control.low, control.high))
-        return [Dialled(control.to, kept, control.low, control.high)]
+        return [ScaleParameter(control.to, kept, control.low, control.high)]
 
     def _angle(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -267,9 +267,9 @@ class OscReader:
         return kept
 
     def _refuse(self, why: str) -> None:
-        if not self.counters.refused:
+        if not self.counters.rejected:
             self._said.append(f"{why} (the first of them; counted on)")
-        self.counters.refused += 1
+        self.counters.rejected += 1
 
 
 def _number(value: object) -> float:

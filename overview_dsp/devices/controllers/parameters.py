@@ -10,7 +10,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, PARAMETERS
 from overview_dsp.devices.controllers.control_map import TAPS, THETA2, TOUCH, Control
-from overview_dsp.devices.controllers.control_messages import Dialled, Nudged
+from overview_dsp.devices.controllers.control_messages import ScaleParameter, StepParameter
 from overview_dsp.errors import InputError, did_you_mean
 
 NEAR = 1.0 / 64.0
@@ -51,14 +51,14 @@ def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
                 raise InputError(f"MIDI {one.name!r}: {error}") from None
 
 
-def as_asked(known: Parameter, value: Value) -> Value:
+def coerce_value(known: Parameter, value: Value) -> Value:
     """A value as another program writes it: 0 and 1 also for false and true."""
     if known.choices and isinstance(known.choices[0], bool) and value in (0, 1):
         return bool(value)
     return value
 
 
-def value_at(known: Parameter, dialled: Dialled) -> Value:
+def scaled_value(known: Parameter, dialled: ScaleParameter) -> Value:
     """The value at a part of the way: evenly, by ratio where the range is one of ratios."""
     part = dialled.part
     if known.choices:
@@ -74,7 +74,9 @@ def _between(value: float, one: float, other: float) -> float:
     return min(max(value, min(one, other)), max(one, other))
 
 
-def part_of_way(known: Parameter, dialled: Dialled, value: Value | None) -> float | None:
+def position_of_value(
+    known: Parameter, dialled: ScaleParameter, value: Value | None
+) -> float | None:
     """Where on the control's way a value is, 0 to 1 within its ends; None for what has no way."""
     if known.choices or value is None or isinstance(value, str):
         return None
@@ -87,17 +89,17 @@ def part_of_way(known: Parameter, dialled: Dialled, value: Value | None) -> floa
     return (float(value) - low) / (high - low)
 
 
-def nudged(known: Parameter, by: Nudged, value: Value | None) -> Value:
+def stepped_value(known: Parameter, by: StepParameter, value: Value | None) -> Value:
     """The value a step further on the control's way, no further than its end."""
-    dialled = Dialled(by.id, 0.0, by.low, by.high)
+    dialled = ScaleParameter(by.id, 0.0, by.low, by.high)
     if known.choices:
         at = known.choices.index(value) + (1 if by.step > 0.0 else -1)
         return known.choices[min(max(at, 0), len(known.choices) - 1)]
-    part = part_of_way(known, dialled, value)
-    return value_at(known, replace(dialled, part=min(max((part or 0.0) + by.step, 0.0), 1.0)))
+    part = position_of_value(known, dialled, value)
+    return scaled_value(known, replace(dialled, part=min(max((part or 0.0) + by.step, 0.0), 1.0)))
 
 
-class PickUp:
+class SoftTakeover:
     """Takes a parameter over without a jump: a control acts from where it has met the parameter.
 
     What sets the parameter elsewhere meanwhile (a file, another controller) lets it go again.
@@ -107,7 +109,7 @@ class PickUp:
         self._before: float | None = None
         self._set: Value | None = None
 
-    def value(self, preset: Preset, dialled: Dialled) -> Value | None:
+    def value(self, preset: Preset, dialled: ScaleParameter) -> Value | None:
         """The value to set; None while the control hasn't met the parameter.
 
         Raises
@@ -116,9 +118,9 @@ class PickUp:
             No such parameter, or a value that it can't have.
         """
         known, present = find_parameter(preset, dialled.id)
-        there = part_of_way(known, dialled, present)
+        there = position_of_value(known, dialled, present)
         before, self._before = self._before, dialled.part
-        value = known.check(value_at(known, dialled))
+        value = known.check(scaled_value(known, dialled))
         met = (
             there is None
             or present == self._set

@@ -12,9 +12,9 @@ Takeover, the one rule: **the last to touch holds the disk, until it lets go or 
 
 from __future__ import annotations
 
-from overview_dsp.devices.controllers.control_messages import LetGo, Touched, Turned
+from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
 from overview_dsp.devices.sensors.angles import Turn
-from overview_dsp.devices.sensors.touching import Event, TouchRules, TwistTouch
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules, TwistTouch
 
 
 class ControllerSource:
@@ -59,16 +59,16 @@ class ControllerSource:
 
     def move(
         self,
-        move: Turned | Touched | LetGo,
+        move: AngleChanged | TouchStarted | TouchEnded,
         time_s: float,
         elsewhere: float | None = None,
         position: float = 0.0,
         yields: bool = False,
     ) -> list[Event]:
         """The events of a move; `elsewhere`, `position` and `yields` as `TwistTouch.step`."""
-        if isinstance(move, Touched):
+        if isinstance(move, TouchStarted):
             return self._touch(move.finger, move.theta2, time_s)
-        if isinstance(move, LetGo):
+        if isinstance(move, TouchEnded):
             names = list(self._fingers) if move.finger is None else [move.finger]
             return [
                 event
@@ -157,9 +157,9 @@ class ControllerSource:
         if not event.touching:
             return self._leave(name, turn.time_s)
         again = False
-        if not was or event.again:
+        if not was or event.retouch:
             # inside, the source holds on already
-            again = not inside and (event.again or bool(others))
+            again = not inside and (event.retouch or bool(others))
             self._holding = [*others, name]
         if self._holding[-1] != name:
             return []

@@ -97,8 +97,8 @@ def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
     per_rad = HALF_TURN / math.radians(sensor.number("motor.turn_deg"))
     return _DISK.pack(
         inertia, k1, k2, ratio, tap_s * (ratio or 1.0), smoothing_ms * 1e-3,
-        sensor.number("motor.board_scale"), sensor.number("motor.knock"),
-        sensor.number("motor.home"), sensor.number("motor.ceiling_nm"),
+        sensor.number("motor.board_scale"), sensor.number("motor.impact_gain"),
+        sensor.number("motor.recoil_gain"), sensor.number("motor.ceiling_nm"),
         sensor.number("motor.end_nm_per_rad"),
         -per_rad if sensor.values["motor.reverse"] else per_rad,
     )  # fmt: skip
@@ -290,7 +290,7 @@ class BoardLoop:
             "torque_nm": round(self.torque, 6),
             "steps_per_s": int(state.get("knob_hz", 0)),
             "points": int(state.get("knob_points", 0)),
-            "refused": int(state.get("knob_refused", 0)),
+            "refused": int(state.get("knob_rejected", 0)),
             "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
             "silences": self._watchdog.silences,
         }

@@ -107,7 +107,7 @@ ENOUGH_J = 2e-5
 """Credit that the knob's own friction brings at most: 2 mN m on a hundredth of a radian."""
 
 
-class EnergyLedger:
+class PassivityObserver:
     """Torques and angles in, energies out.
 
     Attributes

@@ -9,18 +9,18 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
-    Asked,
+    SetParameter,
     Command,
     Counters,
-    Dialled,
-    Nudged,
-    Turned,
+    ScaleParameter,
+    StepParameter,
+    AngleChanged,
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
+from overview_dsp.devices.controllers.parameters import SoftTakeover, coerce_value, find_parameter, stepped_value
 from overview_dsp.devices.controllers.source import ControllerSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
@@ -71,9 +71,9 @@ class ControllerInput(ThreadedInput):
         super().__init__(engine, source, port, port.name)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
-        self._wanted: dict[str, Asked | Dialled | Nudged] = {}
+        self._wanted: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
         self._wanting = threading.Lock()
-        self._pick_ups: dict[str, PickUp] = {}
+        self._pick_ups: dict[str, SoftTakeover] = {}
         self._refused: set[str] = set()
         self._begin()
 
@@ -94,7 +94,7 @@ class ControllerInput(ThreadedInput):
             try:
                 self._set(engine, asked)
             except InputError as error:
-                self.counters.refused += 1
+                self.counters.rejected += 1
                 if id not in self._refused:
                     self._refused.add(id)
                     self._say_once(f"{error} (the first of them; counted on)")
@@ -102,7 +102,7 @@ class ControllerInput(ThreadedInput):
                 with self._wanting:
                     self._wanted.setdefault(id, asked)
 
-    def _set(self, engine: Engine, asked: Asked | Dialled | Nudged) -> None:
+    def _set(self, engine: Engine, asked: SetParameter | ScaleParameter | StepParameter) -> None:
         try:
             known, present = find_parameter(engine.preset, asked.id)
         except InputError as error:
@@ -110,12 +110,12 @@ class ControllerInput(ThreadedInput):
                 self._say_once(f"{error} (the first of them; counted on)")
             self.counters.unknown += 1
             return
-        if isinstance(asked, Asked):
-            value = known.check(as_asked(known, asked.value))
-        elif isinstance(asked, Nudged):
-            value = nudged(known, asked, present)
+        if isinstance(asked, SetParameter):
+            value = known.check(coerce_value(known, asked.value))
+        elif isinstance(asked, StepParameter):
+            value = stepped_value(known, asked, present)
         else:
-            picked = self._pick_ups.setdefault(asked.id, PickUp()).value(engine.preset, asked)
+            picked = self._pick_ups.setdefault(asked.id, SoftTakeover()).value(engine.preset, asked)
             if picked is None:
                 return
             value = picked
@@ -154,14 +154,14 @@ class ControllerInput(ThreadedInput):
         found = self._writer.find()
         events = []
         for move in moves:
-            if isinstance(move, Turned) and not self._source.rules.by_rest:
+            if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
                 self._say_once('a control feels no taps: choose twist.release = "rest"')
             if isinstance(move, Command):
-                self._ask(*move.words)
-            elif isinstance(move, Asked | Dialled | Nudged):
+                self._ask(*move.arguments)
+            elif isinstance(move, SetParameter | ScaleParameter | StepParameter):
                 with self._wanting:
                     before = self._wanted.get(move.id)
-                    if isinstance(move, Nudged) and isinstance(before, Nudged):
+                    if isinstance(move, StepParameter) and isinstance(before, StepParameter):
                         move = replace(move, step=before.step + move.step)
                     self._wanted[move.id] = move
             else:

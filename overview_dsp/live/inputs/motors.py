@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
-from overview_dsp.devices.force_feedback.loop import MotorLoop
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S
 from overview_dsp.devices.sensors.frames import KNOB_MOTION
@@ -62,7 +62,7 @@ class MotorInput(SensorInput):
     @property
     def words(self) -> str:
         """As `SensorInput.words`, and the force."""
-        return f"{super().words}; {self._loop.words(time.monotonic())}"
+        return f"{super().words}; {self._loop.status_text(time.monotonic())}"
 
     def report(self) -> dict[str, Any]:
         """As `SensorInput.report`, with `force`: the loop's, and what the port didn't accept."""
@@ -78,7 +78,7 @@ class MotorInput(SensorInput):
         now = time.monotonic()
         if data:
             self._choose_loop()
-            self._loop.hear(self._source.heard, now)
+            self._loop.receive(self._source.samples, now)
         sent = self._next(now)
         if self._was_alive and not self._loop.alive:
             self._let_go()
@@ -98,7 +98,7 @@ class MotorInput(SensorInput):
             self._blocked += not self._port.write(sent)
 
     def _choose_loop(self) -> None:
-        for _, reading in self._source.heard:
+        for _, reading in self._source.samples:
             if KNOB_MOTION[0] in reading and not isinstance(self._loop, BoardLoop):
                 self._loop = BoardLoop(self._sensor, self._baud)
                 self._rendered_at = -1e300
@@ -109,7 +109,7 @@ class MotorInput(SensorInput):
         """What to send."""
         held = self._engine.holder
         mine = held is not None and held[0] == self.SOURCE
-        torque = self._torque.look(self._engine.impulse, now)
+        torque = self._torque.update(self._engine.impulse, now)
         if isinstance(self._loop, MotorLoop):
             return self._loop.step(torque if mine else 0.0, now)
         if now - self._rendered_at >= RENDER_S:
@@ -134,4 +134,4 @@ class MotorInput(SensorInput):
 
     def _lose(self) -> None:
         super()._lose()
-        self._loop.lost()
+        self._loop.disconnected()

@@ -8,7 +8,7 @@ from typing import Any
 
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import Diagnostics, SensorSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
@@ -88,7 +88,7 @@ class SensorInput(ThreadedInput):
         angle = report["theta2_rad"]
         position = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
         hold = ", holding" if self._source.holding else ""
-        state = self.GONE if self._port is None else report["told"] or "listening"
+        state = self.GONE if self._port is None else report["format"] or "listening"
         return self._line(f"{state}{position}{hold}", counters)
 
     def _counted(self) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
+from overview_dsp.devices.sensors.pads import LENGTHS, CALIBRATION, framed
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.ports.port import Port, PortLostError
 
@@ -101,7 +101,7 @@ class PadPort(Port):
             self._pad.set_nonblocking(True)
             if pad.kind == "dualsense":
                 # that it is asked for makes it send all by Bluetooth too
-                units = self._pad.get_feature_report(TRUE_UNITS, LENGTHS[TRUE_UNITS])
+                units = self._pad.get_feature_report(CALIBRATION, LENGTHS[CALIBRATION])
                 self._first = [framed(bytes(units))]
             else:
                 for number, order in enumerate((_MOTION_ON, _FULL_REPORTS)):

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 
 RATE, BLOCK = 48_000, 128
 TICK_S = 1e-3
@@ -70,7 +70,7 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
             engine.control(event.theta2, event.touching, None, "serial")
         while engine.sample_time < now * RATE:
             engine.process(out)
-        loop.hear(reader.heard, now)
+        loop.receive(reader.samples, now)
         sent = loop.step(tap.look(engine.impulse, now), now)
         course.time.append(now)
         course.angle.append(motor.angle)

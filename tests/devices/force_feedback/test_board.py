@@ -65,7 +65,7 @@ def test_a_board_has_what_it_was_given(surface, football):
     motor = simulated_board.BoardMotor(points=POINTS)
     state = given_to(motor, everything(surface, football))[-1]
     assert (state["knob_points"], state["knob_hz"]) == (POINTS, 4000)
-    assert (state["knob_table"], state["knob_disk"], state["knob_refused"]) == (1, 1, 0)
+    assert (state["knob_table"], state["knob_disk"], state["knob_rejected"]) == (1, 1, 0)
 
 
 def test_a_part_that_is_missing_is_asked_for_and_the_table_isnt_used(surface, football):
@@ -92,7 +92,7 @@ def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which
             return
     motor = simulated_board.BoardMotor(points=POINTS)
     state = given_to(motor, [*frames[:which], bytes(frame), b"\0", *frames[which + 1 :]])[-1]
-    assert state["knob_refused"] >= 1
+    assert state["knob_rejected"] >= 1
     assert (state["knob_table"], state["knob_disk"]) != (1, 1)
 
 
@@ -119,7 +119,7 @@ def test_a_surface_that_changes_is_crossfaded_to(surface, football, match):
             sent = b""
             motor.angle = 0.3 * max(0.0, motor.time - 1.0)
             motor.time += motor.dt
-        loop.hear([(now, one) for one in decoder.feed(said)], now)
+        loop.receive([(now, one) for one in decoder.feed(said)], now)
         if tick == 800:
             loop.render(other, football.values)
         torques.append(motor.torque)
@@ -196,7 +196,7 @@ def test_a_board_that_was_told_nothing_gives_no_torque():
 
 @pytest.mark.parametrize("reverse", [False, True])
 def test_the_torque_is_against_the_turn_either_way_round(surface, football, reverse):
-    sensor = SENSOR.told({"motor.reverse": True}) if reverse else SENSOR
+    sensor = SENSOR.with_defaults({"motor.reverse": True}) if reverse else SENSOR
     way = -1.0 if reverse else 1.0
     course = knob_session.simulate(
         surface, football, sensor, lambda t: way * min(1.5, 1.5 * t), 0.9, 0.002
@@ -216,7 +216,7 @@ def test_nothing_is_sent_too_often(surface, football):
         now = 0.001 * tick
         sent = loop.step(True, now)
         said = b"".join(motor.loop(sent if n == 0 else b"") for n in range(8))
-        loop.hear([(now, one) for one in decoder.feed(said)], now)
+        loop.receive([(now, one) for one in decoder.feed(said)], now)
         sizes.append(len(sent))
     assert loop.ready
     assert sum(size > 0 for size in sizes) == pytest.approx(500, abs=2)

@@ -31,7 +31,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from overview_dsp.devices.force_feedback.motion import Motion, Rate, SpeedEstimator
-from overview_dsp.devices.force_feedback.passivity import EnergyLedger, PassivityController
+from overview_dsp.devices.force_feedback.passivity import PassivityController, PassivityObserver
 from overview_dsp.devices.force_feedback.watchdog import Watchdog
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
 from overview_dsp.devices.sensors.stream import Sample
@@ -209,7 +209,7 @@ class MotorLoop:
 
     Attributes
     ----------
-    ledger : EnergyLedger
+    ledger : PassivityObserver
     commands : int
         Torques sent so far.
     torque : float
@@ -224,7 +224,7 @@ class MotorLoop:
         self._forward = -1.0 if sensor.values["motor.reverse"] else 1.0
         self._scale = sensor.number("motor.scale")
         ceiling = sensor.number("motor.ceiling_nm")
-        letter = str(sensor.values["motor.letter"])
+        letter = str(sensor.values["motor.command_letter"])
         self._commander = Commander(letter, round(sensor.number("motor.downsample")))
         self._controller = PassivityController(sensor.number("motor.inertia"), ceiling)
         resolution = math.radians(sensor.number("motor.resolution_deg"))
@@ -234,7 +234,7 @@ class MotorLoop:
         self._delay = LoopDelay(REPORTED_STEP)
         self._watchdog = Watchdog()
         self._check = ReportCheck(ceiling / self._per_target + TARGET_STEP)
-        self.ledger = EnergyLedger(ceiling * CREDIT_RAD, self._friction, resolution)
+        self.ledger = PassivityObserver(ceiling * CREDIT_RAD, self._friction, resolution)
         self.commands = 0
         self.torque = 0.0
         self._was_alive = False
@@ -362,9 +362,9 @@ class MotorLoop:
             "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
             "silences": self._watchdog.silences,
             "implausible": self._check.refused,
-            "put_in_mj": round(1e3 * self.ledger.put_in, 4),
-            "given_mj": round(1e3 * self.ledger.given, 4),
-            "rubbed_mj": round(1e3 * self.ledger.rubbed, 4),
+            "absorbed_mj": round(1e3 * self.ledger.put_in, 4),
+            "returned_mj": round(1e3 * self.ledger.given, 4),
+            "friction_mj": round(1e3 * self.ledger.rubbed, 4),
             "refused": controller.refused,
             "lessened": controller.lessened,
             "damped": controller.damped,
