@@ -1,4 +1,4 @@
-"""A sensor as an input: received bytes to control events; opens no device.
+"""Input from one sensor: received bytes become control events; opens no device.
 
 Faults of the stream are reported as text, each once.
 """

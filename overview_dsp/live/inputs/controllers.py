@@ -18,7 +18,12 @@ from overview_dsp.devices.controllers.control_messages import (
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.parameters import SoftTakeover, coerce_value, find_parameter, stepped_value
+from overview_dsp.devices.controllers.parameters import (
+    SoftTakeover,
+    coerce_value,
+    find_parameter,
+    stepped_value,
+)
 from overview_dsp.devices.controllers.source import ControllerSource
 from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError

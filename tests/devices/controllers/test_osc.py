@@ -108,9 +108,9 @@ def test_a_parameter_is_asked_for_by_its_id_with_dots_or_strokes():
         (message("/overview/touch", 0.5), "0 or 1"),
         (message("/overview/touch"), "one value"),
         (message("/overview/tactor/gain_db", 1.0, 2.0), "one value"),
-        (b"", "no OSC"),
-        (b"GET / HTTP/1.1", "no OSC"),
-        (b"/overview/theta2\0\0\0\0,f\0\0\x3f", "no OSC"),
+        (b"", "not OSC"),
+        (b"GET / HTTP/1.1", "not OSC"),
+        (b"/overview/theta2\0\0\0\0,f\0\0\x3f", "not OSC"),
     ],
 )
 def test_what_can_not_be_is_counted_and_the_first_one_said(datagram, word):
