@@ -169,7 +169,7 @@ def data_header(points, folder):
     surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(surface, football.values)
-    frames = b"".join(loop.everything(points))
+    frames = b"".join(loop.all_frames(points))
     frames += b"\x05damaged\x00"
     dice = np.random.default_rng(1)
     n = np.arange(STEPS[points])

@@ -68,7 +68,7 @@ def sources(tmp_path_factory, match, football):
     folder = tmp_path_factory.mktemp("knob")
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(ov.build_surface(match, football), football.values)
-    frames = b"".join(loop.everything(8193))
+    frames = b"".join(loop.all_frames(8193))
     frames += framed(bytes((19, 1))) * 4000
     data = f"static const unsigned char FRAMES[] = {{{','.join(map(str, frames))}}};\n"
     (folder / "SimpleFOC.h").write_text(data + LIBRARY)

@@ -248,7 +248,7 @@ def test_a_knob_that_runs_the_surface_itself_is_given_it_and_played(board):
     report = board.input.report()
     assert (report["damaged"], report["lost"]) == (0, 0)
     assert (report["force"]["on_board"], report["force"]["ready"]) == (True, True)
-    assert "made on its board" in board.input.words
+    assert "computed on its board" in board.input.words
 
 
 def test_a_changed_surface_and_another_hand_reach_the_board(board, football):

@@ -97,9 +97,11 @@ def test_a_control_32_above_that_is_one_of_its_own_stays_so():
 def test_keys_tap_across_the_timeline_and_hold_until_let_go():
     moves = read(MidiReader(), (0x90, 36, 100), (0x90, 66, 1), (0x80, 36, 0), (0x90, 66, 0))
     assert moves == [
-        TouchStarted("key 1/36", 0.0), TouchStarted("key 1/66", math.pi / 2), TouchEnded("key 1/36"),
+        TouchStarted("key 1/36", 0.0),
+        TouchStarted("key 1/66", math.pi / 2),
+        TouchEnded("key 1/36"),
         TouchEnded("key 1/66"),
-    ]  # fmt: skip
+    ]
     assert read(MidiReader(), (0x90, 97, 100)) == []
 
 

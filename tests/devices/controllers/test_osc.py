@@ -55,8 +55,11 @@ def test_once_a_touch_was_said_it_decides_alone():
         message("/overview/theta2", 2.5),
     )
     assert moves == [
-        TouchEnded("theta2"), TouchStarted("theta2", 1.5), TouchStarted("theta2", 2.0), TouchEnded("theta2")
-    ]  # fmt: skip
+        TouchEnded("theta2"),
+        TouchStarted("theta2", 1.5),
+        TouchStarted("theta2", 2.0),
+        TouchEnded("theta2"),
+    ]
 
 
 def test_an_angle_and_a_touch_in_one_are_a_step_there():
@@ -70,8 +73,11 @@ def test_an_angle_and_a_touch_in_one_are_a_step_there():
         message("/overview/theta2", 1.0, 1),
     )
     assert moves[1:] == [
-        TouchStarted("theta2", 2.0), TouchStarted("theta2", 2.5), TouchEnded("theta2"), TouchStarted("theta2", 1.0)
-    ]  # fmt: skip
+        TouchStarted("theta2", 2.0),
+        TouchStarted("theta2", 2.5),
+        TouchEnded("theta2"),
+        TouchStarted("theta2", 1.0),
+    ]
 
 
 def test_a_bundle_is_its_messages_whenever_they_are_due():

@@ -107,8 +107,12 @@ def test_a_wheel_that_springs_back_takes_nothing_over():
     moves = [*turned("wheel", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
     hand = ControllerSource(RULES)
     before = played(hand, moves, 3.0)
-    after = played(hand, [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, AngleChanged("wheel", 0.0))], 4.0,
-                   since=3.0)  # fmt: skip
+    after = played(
+        hand,
+        [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, AngleChanged("wheel", 0.0))],
+        4.0,
+        since=3.0,
+    )
     assert after == []
     assert before[-1].touching
     assert hand.holding

@@ -71,12 +71,12 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
         while engine.sample_time < now * RATE:
             engine.process(out)
         loop.receive(reader.samples, now)
-        sent = loop.step(tap.look(engine.impulse, now), now)
+        sent = loop.step(tap.update(engine.impulse, now), now)
         course.time.append(now)
         course.angle.append(motor.angle)
         course.torque.append(motor.torque)
         course.put_in.append(motor.put_in)
         course.given.append(motor.given)
         course.hand_work.append(motor.hand_work)
-        course.credit.append(loop.ledger.credit)
+        course.credit.append(loop.observer.credit)
     return course.arrays(), motor, loop

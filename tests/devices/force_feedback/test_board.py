@@ -12,7 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.board_loop import AGAIN_S, PERIOD_S, BoardLoop, board_table
+from overview_dsp.devices.force_feedback.board_loop import (
+    RESEND_S,
+    PERIOD_S,
+    BoardLoop,
+    board_table,
+)
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
@@ -58,7 +63,7 @@ def given_to(motor, frames):
 def everything(surface, football, points=POINTS):
     loop = BoardLoop(SENSOR, 1_000_000)
     loop.render(surface, football.values)
-    return loop.everything(points)
+    return loop.all_frames(points)
 
 
 def test_a_board_has_what_it_was_given(surface, football):
@@ -222,7 +227,7 @@ def test_nothing_is_sent_too_often(surface, football):
     assert sum(size > 0 for size in sizes) == pytest.approx(500, abs=2)
     assert max(sizes[-200:]) == len(framed(bytes((19, 1))))
     assert sum(sizes) < 2 * sum(map(len, everything(surface, football))) + 500 * 8
-    assert AGAIN_S > PERIOD_S
+    assert RESEND_S > PERIOD_S
 
 
 def test_a_step_takes_any_angle():

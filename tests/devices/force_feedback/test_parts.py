@@ -29,7 +29,7 @@ from overview_dsp.devices.force_feedback.motor_loop import (
     ReportCheck,
 )
 from overview_dsp.devices.force_feedback.passivity import (
-    ENOUGH_J,
+    FRICTION_CREDIT_J,
     PassivityController,
     PassivityObserver,
 )
@@ -49,21 +49,21 @@ def test_the_mean_torque_misses_nothing_between_two_looks():
     torque = dice.standard_normal(4800)
     integral = np.concatenate([[0.0], np.cumsum(torque)]) / 48_000
     mean, at, given_impulse = MeanTorque(), 0, 0.0
-    mean.look((0.0, 0.0), 0.0)
+    mean.update((0.0, 0.0), 0.0)
     while at < 4800:
         step = min(int(dice.integers(1, 300)), 4800 - at)
         at += step
-        given_impulse += mean.look((at / 48_000, integral[at]), at / 48_000) * step / 48_000
+        given_impulse += mean.update((at / 48_000, integral[at]), at / 48_000) * step / 48_000
     assert given_impulse == pytest.approx(integral[-1], abs=1e-12)
 
 
 def test_the_mean_torque_of_an_engine_that_stands_still_ends():
     mean = MeanTorque()
-    assert mean.look((0.0, 0.0), 0.0) == 0.0
-    assert mean.look((0.01, 2e-5), 0.01) == pytest.approx(2e-3)
-    assert mean.look((0.01, 2e-5), 0.01 + 0.9 * STALE_S) == pytest.approx(2e-3)
-    assert mean.look((0.01, 2e-5), 0.01 + 1.1 * STALE_S) == 0.0
-    assert mean.look((0.0, 0.0), 0.2) == 0.0  # a reset
+    assert mean.update((0.0, 0.0), 0.0) == 0.0
+    assert mean.update((0.01, 2e-5), 0.01) == pytest.approx(2e-3)
+    assert mean.update((0.01, 2e-5), 0.01 + 0.9 * STALE_S) == pytest.approx(2e-3)
+    assert mean.update((0.01, 2e-5), 0.01 + 1.1 * STALE_S) == 0.0
+    assert mean.update((0.0, 0.0), 0.2) == 0.0  # a reset
 
 
 # --- the speed ------------------------------------------------------------------------------------
@@ -115,12 +115,12 @@ def test_the_ledger_is_the_work_of_a_known_torque():
     angles = np.linspace(0.0, 2.0, 2001)
     for angle in angles:
         ledger.add(-3e-3, angle, True)
-    assert ledger.put_in == pytest.approx(6e-3)
-    assert ledger.given == 0.0
+    assert ledger.absorbed == pytest.approx(6e-3)
+    assert ledger.returned == 0.0
     for angle in angles[::-1]:
         ledger.add(-3e-3, angle, True)
-    assert ledger.given == pytest.approx(6e-3)
-    assert ledger.credit == pytest.approx(ledger.rubbed, abs=1e-12)
+    assert ledger.returned == pytest.approx(6e-3)
+    assert ledger.credit == pytest.approx(ledger.friction_loss, abs=1e-12)
 
 
 @given(st.lists(st.tuples(st.floats(-0.1, 0.1), st.floats(-5.0, 5.0)), max_size=80))
@@ -133,15 +133,15 @@ def test_the_ledger_never_flatters(reports):
         best += min(-before[0] * turned, -after[0] * turned)
     for torque, angle in reports:
         ledger.add(torque, angle, True)
-    assert ledger.put_in - ledger.given <= best + 1e-9
-    assert ledger.credit <= ledger.put_in - ledger.given + ledger.rubbed + 1e-9
+    assert ledger.absorbed - ledger.returned <= best + 1e-9
+    assert ledger.credit <= ledger.absorbed - ledger.returned + ledger.friction_loss + 1e-9
 
 
 def test_credit_of_long_ago_is_no_leave_to_push():
     ledger = PassivityObserver(1e-3, 1e-4, STEP)
     for n in range(1000):
         ledger.add(-0.01, 0.1 * n, True)
-    assert ledger.put_in > 0.9
+    assert ledger.absorbed > 0.9
     assert ledger.credit == 1e-3
 
 
@@ -155,7 +155,7 @@ def test_friction_of_the_knob_brings_a_little_credit_and_trembling_none():
     assert ledger.credit == 0.0
     for n in range(1000, 2000):
         ledger.add(0.0, 0.01 * n, True)
-    assert ledger.credit == pytest.approx(ENOUGH_J)
+    assert ledger.credit == pytest.approx(FRICTION_CREDIT_J)
 
 
 def test_what_a_lost_device_did_is_not_reckoned():
@@ -163,7 +163,7 @@ def test_what_a_lost_device_did_is_not_reckoned():
     ledger.add(-0.01, 0.0, True)
     ledger.interrupt()
     ledger.add(-0.01, 50.0, True)
-    assert ledger.put_in == ledger.given == 0.0
+    assert ledger.absorbed == ledger.returned == 0.0
 
 
 # --- the delay ------------------------------------------------------------------------------------
@@ -226,9 +226,9 @@ def test_a_push_is_refused_and_a_brake_passes():
     controller = PassivityController(5e-5, 0.02)
     forward = Motion(2.0, 1e-3)
     assert controller.step(1e-3, forward, 1.0, 2e-3, 0.0) == 0.0
-    assert controller.refused == 1
+    assert controller.rejected == 1
     assert controller.step(-1e-3, forward, 1.0, 2e-3, 0.0) == -1e-3
-    assert controller.lessened == 0
+    assert controller.limited == 0
 
 
 def test_damping_is_added_where_more_was_given_than_put_in_and_the_hand_goes_on():
@@ -319,7 +319,7 @@ def test_reports_that_cannot_be_are_not_believed():
     assert not check.plausible(0.001, 0.0, 81.0)  # a digit
     assert check.plausible(0.002, 0.0, 1.01)
     assert not check.plausible(0.003, 50.0, 1.01)
-    assert check.refused == 2
+    assert check.rejected == 2
     for n in range(IN_A_ROW - 1):
         assert not check.plausible(0.01 + n * 1e-3, 0.0, -30.0)
     assert check.plausible(0.02, 0.0, -30.0)

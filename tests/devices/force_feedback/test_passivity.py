@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.devices.force_feedback.passivity import ENOUGH_J
+from overview_dsp.devices.force_feedback.passivity import FRICTION_CREDIT_J
 from overview_dsp.devices.sensors.profile import load_sensor
 from tests.devices.force_feedback.simulation import sim, simulate
 from tests.profiles import share
@@ -26,13 +26,13 @@ def check_passive(course, motor, loop):
     assert motor.hand_work > 0.0
     assert course["hand_work"].min() >= -1e-12
     # the motor's, but for the little that the knob's friction had lent
-    assert (course["given"] - course["put_in"]).max() <= 2.0 * ENOUGH_J
+    assert (course["given"] - course["put_in"]).max() <= 2.0 * FRICTION_CREDIT_J
     # and the ledger knew it, but for what is under way and the encoder's step
-    ledger = loop.ledger
-    assert course["credit"].min() >= -ENOUGH_J
+    ledger = loop.observer
+    assert course["credit"].min() >= -FRICTION_CREDIT_J
     way = np.ptp(course["angle"][-50:]) + motor.step_rad
     unknown = np.abs(course["torque"]).max() * way
-    assert ledger.put_in - ledger.given <= motor.put_in - motor.given + unknown
+    assert ledger.absorbed - ledger.returned <= motor.put_in - motor.given + unknown
     assert np.abs(course["torque"]).max() <= SENSOR.number("motor.ceiling_nm")
 
 
