@@ -52,7 +52,7 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
     engine = ov.Engine(preset, timeline)
     engine.prepare(RATE, BLOCK)
     motor = sim.Motor() if motor is None else motor
-    session = sim.Session(motor, sim.Hand(path, **hand), delay_s)
+    session = sim.Session(motor, sim.Fingers(path, **hand), delay_s)
     loop, tap = MotorLoop(sensor), MeanTorque()
     if naive:
         per = sensor.number("motor.nm_per_unit")
@@ -75,8 +75,8 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
         course.time.append(now)
         course.angle.append(motor.angle)
         course.torque.append(motor.torque)
-        course.put_in.append(motor.put_in)
-        course.given.append(motor.given)
-        course.hand_work.append(motor.hand_work)
+        course.put_in.append(motor.absorbed)
+        course.given.append(motor.returned)
+        course.hand_work.append(motor.user_work)
         course.credit.append(loop.observer.credit)
     return course.arrays(), motor, loop

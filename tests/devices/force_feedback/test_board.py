@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.devices.force_feedback.board_loop import (
-    RESEND_S,
     PERIOD_S,
+    RESEND_S,
     BoardLoop,
     board_table,
 )
@@ -160,12 +160,12 @@ def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
         for delay_s in (0.0, 0.02)
     )
     goal, card, foul = (
-        np.median(measure_knob.felt(here, surface, kind))
+        np.median(measure_knob.torque_rises(here, surface, kind))
         for kind in ("goal", "yellow_card", "foul")
     )
     assert goal > 1.5 * card
     assert card > foul > 2e-4
-    assert np.median(measure_knob.knock_at(here, surface)) > 5e-3
+    assert np.median(measure_knob.impact_rises(here, surface)) > 5e-3
     assert np.array_equal(here.torque, far.torque[: len(here.torque)])
     assert far.ready_after_s > here.ready_after_s
     assert here.greatest_rise() < 1e-5
