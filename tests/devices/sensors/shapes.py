@@ -332,7 +332,7 @@ def table() -> str:
     for shape in SHAPES:
         result = played(shape)
         if shape.said:
-            became = f"refused: {REASONS[shape.said]}"
+            became = f"rejected: {REASONS[shape.said]}"
         else:
             became = str(result.detected)
         rows.append(f"| {shape.source} | {example(shape)} | {became} |")
@@ -340,10 +340,10 @@ def table() -> str:
 
 
 REASONS = {
-    GRAVITY: "it lacks gravity, so that up can't be known",
+    GRAVITY: "it lacks gravity, so up is unknown",
     "Binary data": "no check and no frame, as noise",
-    DO_SAY: "shown with its two best readings",
-    FILE: "degrees, counts or a wiper: `sensor=` says it",
+    DO_SAY: "reported with its two likeliest readings",
+    FILE: "degrees, counts or a wiper: choose `sensor=`",
     "no check": "no check: its serial protocol has one",
     "no number": "no number in it",
 }
