@@ -1,4 +1,4 @@
-"""Input from one controller: its messages become control events of one source.
+"""Input from one controller: control events of one source, made from its messages.
 
 One rule decides on takeover: **the latest touch holds the disk until it ends or another begins.**
 

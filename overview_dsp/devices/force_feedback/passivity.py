@@ -4,7 +4,7 @@ The surface's torque is friction: it may brake the knob and never turns it. It r
 the knob, which three rules change (as in Hannaford, Ryu 2002). `hold` is the time for which a
 torque sent now acts unrevised: the loop's delay, the speed's age, and the time to the next command.
 
-1. The torque brakes, or is 0. A friction that lags behind a hand that turns back would push it.
+1. The torque brakes, or is 0. A friction that lags would push the hand after it turns back.
 2. torque <= 3/4 * inertia * |speed| / hold. A delayed damping d oscillates if d * hold / inertia
    passes 3/2, where d may change with time (Yoneyama, "On the 3/2 stability theorem", J. Math.
    Analysis and Applications 125, 1987). A hand on the knob adds inertia.

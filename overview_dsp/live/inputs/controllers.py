@@ -9,12 +9,12 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
-    SetParameter,
+    AngleChanged,
     Command,
     Counters,
     ScaleParameter,
+    SetParameter,
     StepParameter,
-    AngleChanged,
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
-from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S
 from overview_dsp.devices.sensors.frames import KNOB_MOTION
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor

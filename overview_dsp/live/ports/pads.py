@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.devices.sensors.pads import LENGTHS, CALIBRATION, framed
+from overview_dsp.devices.sensors.pads import CALIBRATION, LENGTHS, framed
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.ports.port import Port, PortLostError
 
