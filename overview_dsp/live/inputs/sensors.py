@@ -108,10 +108,10 @@ class SensorInput(ThreadedInput):
         if len(data) > MOST:
             counters.overrun_bytes += len(data) - MOST
             data = data[-MOST:]
-        before, understood = self._source.turn, counters.readings - counters.repeated
+        before, understood = self._source.angle, counters.readings - counters.repeated
         elsewhere, position, yields = self._writer.find()
         events = self._source.feed(data, now, elsewhere, position, yields) if data else []
-        turn = self._source.turn
+        turn = self._source.angle
         if turn is not None and turn is not before:
             self._writer.saw(turn.time_s)
         self._writer.write(events)
