@@ -288,7 +288,9 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
 
     bench.input._port = Flood()
     bench.until(lambda: bench.input.report()["overrun_bytes"] > 1000)
-    bench.until(lambda: any("faster than they are read" in line for line in bench.input.take_messages()))
+    bench.until(
+        lambda: any("faster than they are read" in line for line in bench.input.take_messages())
+    )
 
 
 def test_one_long_wait_of_the_machine_gives_nothing_up(bench):

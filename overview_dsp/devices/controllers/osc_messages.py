@@ -44,6 +44,7 @@ from overview_dsp.devices.sensors.angles import Angle, make_angle
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.units import HALF_TURN
 
 NAME = "device"
@@ -95,9 +96,6 @@ class OscDevice:
         return [] if angle is None else [AngleChanged(NAME, angle.theta2)]
 
 
-HINT = "OSC needs python-osc: pip install 'overview-dsp[osc]'"
-
-
 def require_osc() -> None:
     """Raise OverviewError with the command to install python-osc if it is missing.
 
@@ -106,7 +104,7 @@ def require_osc() -> None:
     try:
         import pythonosc  # noqa: F401
     except ImportError:
-        raise OverviewError(HINT) from None
+        raise OverviewError(f"OSC needs python-osc: {install_command('osc')}") from None
     root = logging.getLogger()
     if _not_from_osc not in root.filters:
         root.addFilter(_not_from_osc)
