@@ -88,7 +88,7 @@ def test_a_file_says_units_axes_and_columns():
         (HEAD + "[roll]\n", 2, "unknown key"),
         (HEAD + "[encoder]\ncount = 3\n", 3, "counts"),
         ("schema = 3\n", 1, "must be 2"),
-        ("title = 3\nschema = 2\n", 1, "no text"),
+        ("title = 3\nschema = 2\n", 1, "must be text"),
         ("", None, "schema is missing"),
         ("=", None, "not TOML"),
     ],
