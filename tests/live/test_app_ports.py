@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.packets import WitDecoder, as_wit_packets, wit_columns
+from overview_dsp.devices.sensors.packets import WitDecoder, packets_from_notification, wit_columns
 from overview_dsp.devices.sensors.pads import framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
@@ -178,7 +178,7 @@ def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(ru
     assert phone.queued_commands[2] == "/get?accX&accY&accZ&acc_time"
     report = hand.report()
     assert report["damaged"] == 0
-    assert report["told"] == "an app's JSON"
+    assert report["format"] == "an app's JSON"
     phone.close()
     hand.close()
     assert hand.report()["holding"] is False
@@ -277,7 +277,7 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     bleak, left = made_bleak(WITMOTION, notifications=sent)
     port = BlePort("wt901", bleak)
     received = port.receive(0.05)
-    assert received == list(map(as_wit_packets, sent))
+    assert received == list(map(packets_from_notification, sent))
     data = b"".join(received)
     counters = Counters()
     readings = WitDecoder(counters, wit_columns(data)).feed(data)

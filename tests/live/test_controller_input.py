@@ -182,7 +182,7 @@ def test_values_that_cannot_be_are_said_once_a_parameter_and_counted(opened, run
     (line,) = hand.take_messages()
     assert "100" in line
     assert "only counted" in line
-    assert hand.report()["refused"] == hand.report()["unknown"] == 20
+    assert hand.report()["rejected"] == hand.report()["unknown"] == 20
 
 
 def test_a_knob_without_ends_goes_on_from_where_the_parameter_is(opened, running):
@@ -219,7 +219,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
     until(lambda: hand.report()["messages"] == 5)
     hand.poll(running)
     assert hand.take_messages() == ()
-    assert (hand.report()["unknown"], hand.report()["refused"]) == (2, 1)
+    assert (hand.report()["unknown"], hand.report()["rejected"]) == (2, 1)
 
 
 def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, running):
@@ -349,7 +349,7 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
         client.sendto(b"rubbish", ("127.0.0.1", number))
         client.sendto(message("/overview/touch", 0), ("127.0.0.1", number))
         until(lambda: running.holder is None)
-        assert hand.report()["refused"] == 1
+        assert hand.report()["rejected"] == 1
         with pytest.raises(ov.InputError, match="another program uses this port"):
             OscPort(str(number))
     finally:

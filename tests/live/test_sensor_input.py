@@ -213,7 +213,7 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
         # as another speed reads: bytes come, and none of them is a line
         (lambda bench: bytes(range(0, 256, 5)), "speed"),
         # one sample, again and again: the device hangs in its sending
-        (lambda bench: f"{bench.now_ms},512\n".encode(), "twice"),
+        (lambda bench: f"{bench.now_ms},512\n".encode(), "repeated"),
     ],
 )
 def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
@@ -288,7 +288,9 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
 
     bench.input._port = Flood()
     bench.until(lambda: bench.input.report()["overrun_bytes"] > 1000)
-    bench.until(lambda: any("more comes" in line for line in bench.input.take_messages()))
+    bench.until(
+        lambda: any("faster than they are read" in line for line in bench.input.take_messages())
+    )
 
 
 def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
@@ -426,7 +428,7 @@ def test_a_device_on_a_port_is_detected_played_and_recorded(
     lines, said = played("--input", f"serial:{device('--format', form)}", "--seconds", 8,
                          "--record", take)  # fmt: skip
     report = lines[-1]["summary"]["input"]
-    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["told"]
+    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["format"]
     assert report["readings"] > 800
     assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
     assert any(line["touching"] and line["cursor"] > 0.3 for line in lines[:-1])

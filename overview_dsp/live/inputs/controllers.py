@@ -9,18 +9,23 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
-    Asked,
+    AngleChanged,
     Command,
     Counters,
-    Dialled,
-    Nudged,
-    Turned,
+    ScaleParameter,
+    SetParameter,
+    StepParameter,
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
+from overview_dsp.devices.controllers.parameters import (
+    SoftTakeover,
+    coerce_value,
+    find_parameter,
+    stepped_value,
+)
 from overview_dsp.devices.controllers.source import ControllerSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
@@ -71,9 +76,9 @@ class ControllerInput(ThreadedInput):
         super().__init__(engine, source, port, port.name)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
-        self._changes: dict[str, Asked | Dialled | Nudged] = {}
+        self._changes: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
         self._changes_lock = threading.Lock()
-        self._takeovers: dict[str, PickUp] = {}
+        self._takeovers: dict[str, SoftTakeover] = {}
         self._rejected: set[str] = set()
         self._start()
 
@@ -94,7 +99,7 @@ class ControllerInput(ThreadedInput):
             try:
                 self._set(engine, change)
             except InputError as error:
-                self.counters.refused += 1
+                self.counters.rejected += 1
                 if id not in self._rejected:
                     self._rejected.add(id)
                     self._say_once(f"{error} (further ones are only counted)")
@@ -102,7 +107,7 @@ class ControllerInput(ThreadedInput):
                 with self._changes_lock:
                     self._changes.setdefault(id, change)
 
-    def _set(self, engine: Engine, change: Asked | Dialled | Nudged) -> None:
+    def _set(self, engine: Engine, change: SetParameter | ScaleParameter | StepParameter) -> None:
         try:
             parameter, present = find_parameter(engine.preset, change.id)
         except InputError as error:
@@ -110,12 +115,13 @@ class ControllerInput(ThreadedInput):
                 self._say_once(f"{error} (further ones are only counted)")
             self.counters.unknown += 1
             return
-        if isinstance(change, Asked):
-            value = parameter.check(as_asked(parameter, change.value))
-        elif isinstance(change, Nudged):
-            value = nudged(parameter, change, present)
+        if isinstance(change, SetParameter):
+            value = parameter.check(coerce_value(parameter, change.value))
+        elif isinstance(change, StepParameter):
+            value = stepped_value(parameter, change, present)
         else:
-            taken = self._takeovers.setdefault(change.id, PickUp()).value(engine.preset, change)
+            takeover = self._takeovers.setdefault(change.id, SoftTakeover())
+            taken = takeover.value(engine.preset, change)
             if taken is None:
                 return
             value = taken
@@ -153,14 +159,14 @@ class ControllerInput(ThreadedInput):
         disk = self._writer.disk_state()
         events = []
         for move in moves:
-            if isinstance(move, Turned) and not self._source.rules.by_rest:
+            if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
                 self._say_once('a controller can\'t detect taps; set twist.release = "rest"')
             if isinstance(move, Command):
-                self._queue_command(*move.words)
-            elif isinstance(move, Asked | Dialled | Nudged):
+                self._queue_command(*move.arguments)
+            elif isinstance(move, SetParameter | ScaleParameter | StepParameter):
                 with self._changes_lock:
                     before = self._changes.get(move.id)
-                    if isinstance(move, Nudged) and isinstance(before, Nudged):
+                    if isinstance(move, StepParameter) and isinstance(before, StepParameter):
                         move = replace(move, step=before.step + move.step)
                     self._changes[move.id] = move
             else:

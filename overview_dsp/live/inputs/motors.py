@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
-from overview_dsp.devices.force_feedback.loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S
 from overview_dsp.devices.sensors.frames import KNOB_MOTION
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
@@ -62,7 +62,7 @@ class MotorInput(SensorInput):
     @property
     def status_text(self) -> str:
         """Status of the sensor and of the force."""
-        return f"{super().status_text}; {self._loop.words(time.monotonic())}"
+        return f"{super().status_text}; {self._loop.status_text(time.monotonic())}"
 
     def report(self) -> dict[str, Any]:
         """Return the sensor's report with `force`: that of the loop, and rejected writes."""
@@ -78,7 +78,7 @@ class MotorInput(SensorInput):
         now = time.monotonic()
         if data:
             self._choose_loop()
-            self._loop.hear(self._source.heard, now)
+            self._loop.receive(self._source.samples, now)
         frame = self._next_frame(now)
         if self._was_alive and not self._loop.alive:
             self._write_release()
@@ -98,7 +98,7 @@ class MotorInput(SensorInput):
             self._blocked += not self._port.write(frame)
 
     def _choose_loop(self) -> None:
-        for _, reading in self._source.heard:
+        for _, reading in self._source.samples:
             if KNOB_MOTION[0] in reading and not isinstance(self._loop, BoardLoop):
                 self._loop = BoardLoop(self._sensor, self._baud)
                 self._rendered_at = -1e300
@@ -109,7 +109,7 @@ class MotorInput(SensorInput):
         """Return the bytes to send; may be empty."""
         held = self._engine.holder
         mine = held is not None and held[0] == self.SOURCE
-        torque = self._torque.look(self._engine.impulse, now)
+        torque = self._torque.update(self._engine.impulse, now)
         if isinstance(self._loop, MotorLoop):
             return self._loop.step(torque if mine else 0.0, now)
         if now - self._rendered_at >= RENDER_EVERY_S:
@@ -131,4 +131,4 @@ class MotorInput(SensorInput):
 
     def _lose(self) -> None:
         super()._lose()
-        self._loop.lost()
+        self._loop.disconnected()

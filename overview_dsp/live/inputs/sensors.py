@@ -8,7 +8,7 @@ from typing import Any
 
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import Diagnostics, SensorSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
@@ -87,7 +87,7 @@ class SensorInput(ThreadedInput):
         angle = report["theta2_rad"]
         position = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
         touch = ", touching" if self._source.holding else ""
-        state = self.GONE if self._port is None else report["told"] or "listening"
+        state = self.GONE if self._port is None else report["format"] or "listening"
         return self._line(f"{state}{position}{touch}", counters)
 
     def _source_report(self) -> dict[str, Any]:
@@ -107,10 +107,10 @@ class SensorInput(ThreadedInput):
         if len(data) > MAX_BYTES:
             counters.overrun_bytes += len(data) - MAX_BYTES
             data = data[-MAX_BYTES:]
-        before, decoded = self._source.turn, counters.readings - counters.repeated
+        before, decoded = self._source.angle, counters.readings - counters.repeated
         disk = self._writer.disk_state()
         events = self._source.feed(data, now, *disk) if data else []
-        turn = self._source.turn
+        turn = self._source.angle
         if turn is not None and turn is not before:
             self._writer.observe(turn.time_s)
         self._writer.write(events)

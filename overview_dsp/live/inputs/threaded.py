@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.signal.engine.engine import Engine
@@ -150,7 +150,7 @@ class SourceWriter:
                 self.release(None if event.touching else event)
                 continue
             stamp = self._clock.stamp(event.time_s, sample) if self._observed else None
-            if event.again:
+            if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)
 

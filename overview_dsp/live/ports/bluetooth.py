@@ -10,7 +10,7 @@ import asyncio
 import threading
 from typing import Any
 
-from overview_dsp.devices.sensors.packets import as_wit_packets
+from overview_dsp.devices.sensors.packets import packets_from_notification
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
@@ -96,7 +96,7 @@ class BlePort(QueuedPort):
         self._loop.call_soon_threadsafe(self._over.set)
 
     def _notified(self, sender: Any, data: bytearray) -> None:
-        self.put(as_wit_packets(bytes(data)) or bytes(data))
+        self.put(packets_from_notification(bytes(data)) or bytes(data))
 
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new notifications, as `Port.receive`."""

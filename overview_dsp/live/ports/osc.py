@@ -147,7 +147,7 @@ class OscOut:
 
     def _send(self) -> None:
         meters, struck = self._engine.meters, self._engine.take_struck_events()
-        for datagram in self._report.due(
+        for datagram in self._report.messages(
             time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
         ):
             with contextlib.suppress(OSError):  # not accepted by the system

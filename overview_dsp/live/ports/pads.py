@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
+from overview_dsp.devices.sensors.pads import CALIBRATION, LENGTHS, framed
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import Port, PortLostError
@@ -103,7 +103,7 @@ class PadPort(Port):
             self._pad.set_nonblocking(True)
             if pad.kind == "dualsense":
                 # by Bluetooth, this request also enables full reports
-                units = self._pad.get_feature_report(TRUE_UNITS, LENGTHS[TRUE_UNITS])
+                units = self._pad.get_feature_report(CALIBRATION, LENGTHS[CALIBRATION])
                 self._first = [framed(bytes(units))]
             else:
                 for number, command in enumerate((_MOTION_ON, _FULL_REPORTS)):

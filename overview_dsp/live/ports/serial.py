@@ -167,7 +167,7 @@ def _listen(device: str, seconds: float, baud: int) -> str:
                 data += b"".join(port.receive(WAIT_S))
                 found = detect(bytes(data[-8192:]))
         if found is None:
-            found = detect(bytes(data[-8192:]), over=True)
+            found = detect(bytes(data[-8192:]), timed_out=True)
     except (InputError, PortLostError) as error:
         return str(error)
     silent = (

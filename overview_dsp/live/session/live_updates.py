@@ -17,6 +17,7 @@ from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.feeds.timeline_diff import (
     ANNOUNCEMENT_S,
     TAP_HOLD_S,
+    TAP_POSITION,
     announcement_change,
 )
 from overview_dsp.data.timeline import Event, Timeline
