@@ -68,10 +68,10 @@ def command(
             refuse_options("is for --audio host; the page sounds by itself", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
         if publish is not None and data.growth is not None:
-            from overview_dsp.web.published import Published
+            from overview_dsp.web.static_publisher import StaticPublisher
 
             preset = choice.load(data.preset)
-            stack.callback(Published(data.growth.live, preset, publish, note).close)
+            stack.callback(StaticPublisher(data.growth.live, preset, publish, note).close)
         growing = data.growth is not None
         if audio == "host":
             from overview_dsp.web.session import HostSession

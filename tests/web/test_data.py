@@ -175,7 +175,7 @@ def test_a_preset_is_kept_whole_and_found_again(page, own_folder):
     assert (answer.status_code, answer.json()) == (201, {"name": "my-match"})
     assert ov.load_preset("my-match").values["tactor.gain_db"] == -9.0
     assert "my-match" in page.get("/data/presets").json()["own"]
-    refused(page.put("/preset/my-match", content=text), "there already")
+    refused(page.put("/preset/my-match", content=text), "already exists")
     again = text.replace("-9.0", "-6.0")
     assert page.put("/preset/my-match?replace=1", content=again).status_code == 201
     assert ov.load_preset("my-match").values["tactor.gain_db"] == -6.0
@@ -281,10 +281,10 @@ def test_a_page_has_the_map_of_each_window(page, match, football):
         start, end = window
         part = match if end == match.duration_s else match.window(start, end)
         surface = build_surface(part, football)
-        assert drawn["map"]["place"] == surface.angle_map.position.tolist()
-        assert drawn["map"]["time_s"] == (start + surface.angle_map.time_s).tolist()
-        places = [event["place"] for event in drawn["events"]]
-        assert places == surface.angle_map.events.tolist()
+        assert drawn["angle_map"]["position"] == surface.angle_map.position.tolist()
+        assert drawn["angle_map"]["time_s"] == (start + surface.angle_map.time_s).tolist()
+        positions = [event["position"] for event in drawn["events"]]
+        assert positions == surface.angle_map.events.tolist()
 
 
 def test_without_the_map_no_preset_of_a_page_has_one(match):
@@ -293,7 +293,7 @@ def test_without_the_map_no_preset_of_a_page_has_one(match):
         server.client(Origin=server.origin) as client,
     ):
         whole = {"window": [0.0, match.duration_s]}
-        assert client.post("/data/window", json=whole).json()["map"] is None
+        assert client.post("/data/window", json=whole).json()["angle_map"] is None
         for name in ("football", "football-stadium"):
             preset = client.get(f"/data/preset?name={name}").json()["preset"]
             assert preset["values"]["surface.angle_map"] == 0.0

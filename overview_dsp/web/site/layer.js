@@ -1,11 +1,11 @@
-// What stands still: the curve, its axis, the events, the disk's scale. Drawn once into a layer of
-// its own, and again when the window, the size or the colours change.
+// The static picture: curve, axis, events and the disk's scale. It is drawn again only if the window,
+// the size or the colours change.
 
-import { placeAt, stretched } from "./angle_map.js";
+import { positionAt, stretched } from "./angle_map.js";
 import { angleOf } from "./geometry.js";
 import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
-import { momentText, tickText } from "./words.js";
+import { momentText, tickText } from "./descriptions.js";
 
 /** @import { Colours, Disk, Geometry, Info, TimelineEvent, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
@@ -13,11 +13,11 @@ import { momentText, tickText } from "./words.js";
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 /** @param {Geometry} g */
 const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
-const VALUE_PX = 34; // at least from one line of a value to the next
-const MOST_DETAILS = 400; // more than that are a smear: fewer are drawn
+const VALUE_PX = 34; // minimum distance of two value lines
+const MOST_DETAILS = 400; // maximum number of details that are drawn
 const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
   86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
-const BETWEEN = 30; // px at least from one label to the next
+const BETWEEN = 30; // minimum distance (px) of two labels
 
 /**
  * @param {SvgContext} c
@@ -55,11 +55,11 @@ function drawTraceAxis(c, g, colours) {
   c.fillStyle = colours.soft;
   c.textAlign = "left";
   c.textBaseline = "bottom";
-  c.fillText("torque, the last seconds", left, y - half + 2);
+  c.fillText("torque of the last seconds", left, y - half + 2);
 }
 
 /**
- * A line for each of a few round values, with the value at its left.
+ * Draw one line for each of a few round values, with the value at its left.
  * @param {SvgContext} c
  * @param {Geometry} g
  * @param {View} view
@@ -88,21 +88,21 @@ function drawValues(c, g, view, colours) {
 }
 
 /**
- * The curve's level at a place, 0 to 1.
+ * Return the curve's level at a position, 0 to 1.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  */
-export function levelAt(view, place) {
-  return view.level[Math.round(place * (view.level.length - 1))];
+export function levelAt(view, position) {
+  return view.level[Math.round(position * (view.level.length - 1))];
 }
 
 /**
- * What the disk is held with there, N m s/rad.
+ * Return the friction at a position, N m s/rad.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  */
-export function resistanceAt(view, place) {
-  return view.resistance[Math.round(place * (view.resistance.length - 1))];
+export function resistanceAt(view, position) {
+  return view.resistance[Math.round(position * (view.resistance.length - 1))];
 }
 
 /**
@@ -129,7 +129,7 @@ function drawCurve(c, g, view, colours) {
 }
 
 /**
- * Hatched, each line cut at the gap's sides.
+ * Draw hatched gaps, each line clipped to its gap.
  * @param {SvgContext} c
  * @param {Geometry} g
  * @param {View} view
@@ -152,7 +152,7 @@ function drawGaps(c, g, view, colours) {
 }
 
 /**
- * Up to where it has happened: a line, and the word beside it.
+ * Draw a line and a label where the known data end.
  * @param {SvgContext} c
  * @param {Geometry} g
  * @param {View} view
@@ -197,9 +197,9 @@ function drawAxis(c, g, view, info, colours) {
   c.lineTo(g.right, g.bottom + 0.5);
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
-  let free = g.left; // from where on there is room for a label
+  let free = g.left; // x from which there is room for a label
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
-    const x = g.x(placeAt(view, at));
+    const x = g.x(positionAt(view, at));
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
     const text = tickText(at, info, step);
@@ -215,7 +215,7 @@ function drawAxis(c, g, view, info, colours) {
 }
 
 /**
- * The axis is bold where time is stretched, so that close events lie apart (`about.js`).
+ * Draw a bold axis where time is stretched to separate close events (`about.js`).
  * @param {SvgContext} c
  * @param {Geometry} g
  * @param {View} view
@@ -240,23 +240,23 @@ function drawStretched(c, g, view, colours) {
  * @param {Colours} colours
  */
 function drawEvents(c, g, view, info, colours) {
-  // a detail, of which there may be hundreds: a row of their own
+  // details have a row of their own: there may be hundreds
   const details = view.events.filter(({ kind }) => isDetail(info, kind));
   const every = Math.ceil(details.length / MOST_DETAILS);
   details.forEach((event, i) => {
     if (i % every > 0) return;
     const { shape, colour } = info.kinds[event.kind];
-    drawMark(c, shape, g.x(event.place), g.bottom - 8, 3.5, colours[colour], colours.rim);
+    drawMark(c, shape, g.x(event.position), g.bottom - 8, 3.5, colours[colour], colours.rim);
   });
   for (const event of view.events) {
     if (!isDetail(info, event.kind)) drawEvent(c, g, view, event, info, colours);
   }
 }
 
-const MANY = 200; // of a kind bury the curve: a recording's heartbeats
+const MANY = 200; // events of a kind that would hide the curve, such as heartbeats
 
 /**
- * Whether events of a kind are drawn in the row at the bottom.
+ * Return whether events of a kind are drawn in the row at the bottom.
  * @param {Info} info
  * @param {string} kind
  */
@@ -274,8 +274,8 @@ export function isDetail(info, kind) {
  */
 function drawEvent(c, g, view, event, info, colours) {
   const { shape, colour } = info.kinds[event.kind];
-  const x = g.x(event.place);
-  const y = g.y(levelAt(view, event.place));
+  const x = g.x(event.position);
+  const y = g.y(levelAt(view, event.position));
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   c.beginPath();
@@ -286,7 +286,7 @@ function drawEvent(c, g, view, event, info, colours) {
 }
 
 /**
- * The first word of a goal's label, its score, above it: the last first, where there is room.
+ * Draw the score of each goal above it; the last goals first, where there is room.
  * @param {SvgContext} c
  * @param {Geometry} g
  * @param {View} view
@@ -303,15 +303,15 @@ function drawLabels(c, g, view, colours) {
     if (event.kind !== "goal" && event.kind !== "own_goal") continue;
     const text = event.label.split(" ")[0];
     const half = c.measureText(text).width / 2;
-    const x = Math.min(Math.max(g.x(event.place), half), g.width - half);
+    const x = Math.min(Math.max(g.x(event.position), half), g.width - half);
     if (!text || taken.some(([from, to]) => x + half + 6 > from && x - half - 6 < to)) continue;
-    c.fillText(text, x, Math.max(g.y(levelAt(view, event.place)) - 15, 13 * g.em));
+    c.fillText(text, x, Math.max(g.y(levelAt(view, event.position)) - 15, 13 * g.em));
     taken.push([x - half, x + half]);
   }
 }
 
 /**
- * Half a turn about the disk, and where the events are on it.
+ * Draw the disk's scale with the events on it.
  * @param {SvgContext} c
  * @param {Disk} disk
  * @param {View} view
@@ -328,7 +328,7 @@ function drawScale(c, disk, view, info, colours) {
   for (const event of view.events) {
     const { colour } = info.kinds[event.kind];
     if (isDetail(info, event.kind)) continue;
-    const angle = angleOf(event.place);
+    const angle = angleOf(event.position);
     const light = colour === "grey";
     const out = light ? 7 : 12;
     c.strokeStyle = colours[colour];

@@ -37,7 +37,7 @@ export function drawTimeline(svg, view, kinds) {
   c.strokeStyle = "var(--curve)";
   c.lineWidth = 1.75;
   c.stroke();
-  for (const { place, kind } of view.events) {
+  for (const { position: place, kind } of view.events) {
     const { shape, colour } = kinds[kind];
     const up = y(view.level[Math.round(place * last)]);
     drawMark(c, shape, x(place), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
