@@ -81,11 +81,6 @@ class Delay:
     def add(self, now_s: float, age_s: float) -> float:
         """Add the age of an event on arrival; return the common age."""
         self._age.add(now_s, min(max(age_s, 0.0), MAX_DELAY_S))
-        return self.seconds
-
-    @property
-    def seconds(self) -> float:
-        """Age of events when they take effect."""
         return self._age.value
 
 

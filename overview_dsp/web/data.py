@@ -13,8 +13,8 @@
 `live_data` has the routes `GET /live/...` of a live timeline.
 
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null}``. `audio` is the machine that plays the sound, `window`
-the first visible window. A reloaded page uses the current content of the preset file.
+"media": {"url", "type", "offset_s"} or null}``. `audio` is the machine that plays the sound,
+`window` the first visible window. A reloaded page uses the current content of the preset file.
 
 ``/preset/changes`` sends server-sent events in the format of ``/data/preset``: first the current
 preset, then each valid change of its file. For an invalid file it sends ``event: refused`` with the
@@ -44,6 +44,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import without_map
@@ -53,9 +54,9 @@ from overview_dsp.web.media import Media
 from overview_dsp.web.messages import json_object
 from overview_dsp.web.preset_data import (
     named_preset,
+    parse_preset,
     preset_data,
     preset_names,
-    preset_text,
     save_preset,
 )
 from overview_dsp.web.security.request_body import threaded_endpoint
@@ -99,7 +100,7 @@ def data_routes(
         Whether presets are used without their angle map.
     """
     one_at_a_time = threading.Lock()
-    is_library_name = preset in sum(preset_names().values(), [])
+    is_library_name = any(preset in names for names in preset_names().values())
     first_name = load_preset(preset).name
 
     def adapted(preset: Preset) -> Preset:
@@ -174,7 +175,7 @@ def data_routes(
             )
 
     def toml(request: Request, body: bytes) -> Response:
-        return PlainTextResponse(preset_text(json_object(body)))
+        return PlainTextResponse(preset_toml(parse_preset(json_object(body))))
 
     def save(request: Request, body: bytes) -> Response:
         try:

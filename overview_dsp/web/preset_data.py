@@ -26,7 +26,6 @@ from overview_dsp.design.presets.library import (
 )
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
-from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, whole_file
 from overview_dsp.files.toml import SUFFIX
@@ -80,11 +79,6 @@ def save_preset(name: str, text: str, replace: bool) -> Path:
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return path
-
-
-def preset_text(value: Any) -> str:
-    """Return the preset file of a preset by name or JSON object."""
-    return preset_toml(parse_preset(value))
 
 
 def _check_parent(text: str, name: str) -> None:

@@ -46,7 +46,6 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
-from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import vibration_pattern
 from overview_dsp.web.values import series_json
@@ -93,7 +92,6 @@ _STYLES = {
     "shot": ("wedge", "green"),
     "touch": ("plus", "grey"),
 }
-_TICK = ("bar", "grey")
 # names of kinds whose identifier isn't plain English
 _NAMES = {
     "period": "kick-off, half-time, full time",
@@ -113,22 +111,19 @@ def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]
     window_kinds = SERIES_KINDS if timeline.rules is not None else TICKS
     for kind in (*(detail.kind for detail in timeline.details), *window_kinds):
         counts.setdefault(kind, 0)
-    others = sorted(set(counts) - set(_STYLES) - set(TICKS))
+    fixed = {**_STYLES, **dict.fromkeys(TICKS, ("bar", "grey"))}
+    others = sorted(set(counts) - set(fixed))
     styles = {}
-    for kind in (*(name for name in (*_STYLES, *TICKS) if name in counts), *others):
-        if kind in TICKS:
-            shape, colour = _TICK
-            name = kind.replace("_", " ")
-        elif kind in _STYLES:
-            shape, colour = _STYLES[kind]
-            name = _NAMES.get(kind, KIND_STYLE[kind][2])
+    for kind in (*(name for name in fixed if name in counts), *others):
+        if kind in fixed:
+            shape, colour = fixed[kind]
         else:
             i = others.index(kind)
             shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
             colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
-            name = _NAMES.get(kind, kind.replace("_", " "))
+        name = KIND_STYLE[kind][2] if kind in _STYLES else kind.replace("_", " ")
         styles[kind] = {
-            "name": name,
+            "name": _NAMES.get(kind, name),
             "shape": shape,
             "colour": colour,
             "count": counts[kind],
@@ -166,10 +161,14 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
     first = np.searchsorted(columns, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
     angle_map = surface.angle_map
+    map_points = {
+        "time_s": (start_s + angle_map.time_s).tolist(),
+        "position": angle_map.position.tolist(),
+    }
     level = angle_map.at_even_positions(timeline.normalised_levels(COLUMNS - 1))
     now = None if timeline.until_s is None else float(angle_map.position_of(timeline.until_s))
     return {
-        "angle_map": _angle_map_json(angle_map, start_s),
+        "angle_map": None if angle_map.is_linear else map_points,
         "level": [round(one, 4) for one in level.tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
@@ -189,10 +188,3 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
         "strike_events": event_numbers(surface),
         "scale": list(timeline.scale),
     }
-
-
-def _angle_map_json(angle_map: AngleMap, start_s: float) -> dict[str, list[float]] | None:
-    if angle_map.is_linear:
-        return None
-    time_s = start_s + angle_map.time_s
-    return {"time_s": time_s.tolist(), "position": angle_map.position.tolist()}

@@ -228,7 +228,7 @@ def test_addresses_with_wrong_tokens_dont_fill_the_memory():
     access = Access()
     for number in range(3000):
         access.check("wrong", None, f"10.1.{number // 256}.{number % 256}")
-    assert len(access._wrong) <= 1024
+    assert len(access._failures) <= 1024
 
 
 @pytest.mark.parametrize(

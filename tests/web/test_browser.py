@@ -278,7 +278,7 @@ def test_a_bad_send_is_reported_and_disturbs_no_sample(browser, match, football)
     )
     assert np.array_equal(out, expected)
     assert len(told["faults"]) == 2
-    assert "source" in told["faults"][0]
+    assert "unknown input" in told["faults"][0]
     assert "not a valid change" in told["faults"][1]
 
 

@@ -13,7 +13,7 @@ from overview_dsp.offline.export.browser_memory import encode_change
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json
-from overview_dsp.web.static_site import front_page, write_site
+from overview_dsp.web.static_site import start_page, write_site
 from tests.web.serving import served
 
 FILM = bytes(range(256)) * 400
@@ -62,7 +62,7 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
         answer = page.get("/" if name == "index.html" else f"/{name}")
         assert answer.status_code == 200, name
         if name == "index.html":
-            assert front_page(answer.text, match) == path.read_text()
+            assert start_page(answer.text, match) == path.read_text()
         elif name == "data/timeline.json":
             kept = json.loads(path.read_text())
             assert kept["server"] is None
@@ -132,9 +132,11 @@ def test_presets_come_by_name_with_the_parameter_table(page):
 
 @pytest.mark.parametrize("name", ["../football", "/etc/passwd", "football.toml", "x" * 300, ""])
 def test_a_preset_is_never_a_path(page, name):
-    refused(page.get("/data/preset", params={"name": name}), "no preset is called")
-    refused(page.post("/data/window", json={"window": [0, 60], "preset": name}), "no preset")
-    refused(page.post("/sound/change", json={"sample_rate": 48000, "after": name}), "no preset")
+    refused(page.get("/data/preset", params={"name": name}), "unknown preset")
+    refused(page.post("/data/window", json={"window": [0, 60], "preset": name}), "unknown preset")
+    refused(
+        page.post("/sound/change", json={"sample_rate": 48000, "after": name}), "unknown preset"
+    )
 
 
 def test_a_page_gets_the_native_engines_changes(page, match, football):

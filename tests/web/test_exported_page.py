@@ -18,7 +18,7 @@ import overview_dsp as ov
 from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.sound_data import make_patch, packed, window_bytes
+from overview_dsp.web.sound_data import make_patch, pack, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.null_sink import null_sink
@@ -739,9 +739,9 @@ def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
     ends = np.array([-(2**63), 2**63 - 1, -1, 0, 1] * 7).view(float)
     columns = [smooth, random.bytes(800), ends, np.zeros(50), -smooth, np.full(3, np.nan)]
     for raw in (b"".join(bytes(one) for one in columns), bytes(smooth), random.bytes(4000), b""):
-        packed_bytes = packed(raw)
+        packed_bytes = pack(raw)
         assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
-    assert len(packed(bytes(smooth))) < smooth.nbytes / 3
+    assert len(pack(bytes(smooth))) < smooth.nbytes / 3
 
 
 @pytest.mark.soak

@@ -19,7 +19,7 @@ import overview_dsp as ov
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.sound_data import window_bytes
-from overview_dsp.web.static_publisher import OLD, StaticPublisher
+from overview_dsp.web.static_publisher import KEPT_VERSIONS, StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.serving import served
 
@@ -259,7 +259,7 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
                 assert (folder / "live" / f"{now['version']}-44100.update").stat().st_size > 5e5
         assert [one["label"] for one in now["changes"] if one["kind"] == "goal"][-1] == "7-0"
         kept = set()
-        while len(kept) != 1 + 2 * (OLD + 1):  # the oldest go last
+        while len(kept) != 1 + 2 * (KEPT_VERSIONS + 1):  # the oldest go last
             assert time.monotonic() < end, kept
             kept = {path.name for path in (folder / "live").iterdir()}
         assert f"{now['version']}-48000.update" in kept

@@ -23,7 +23,7 @@ def opened(tab):
     until(tab, "p.view")
     tab.click("#settings")
     tab.click("#tune")
-    until(tab, "p.editor.sides && !document.getElementById('bench').hidden")
+    until(tab, "p.editor.sides && !document.getElementById('editor').hidden")
     assert not tab.is_visible("#dialog")
 
 

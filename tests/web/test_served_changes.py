@@ -24,7 +24,7 @@ def own(tmp_path):
     return path
 
 
-def test_a_preset_saved_on_the_desk_is_felt_on_every_page(match, chromium, own):
+def test_a_saved_preset_is_used_by_every_page(match, chromium, own):
     with (
         served(match, plays=False, preset=str(own)) as server,
         page_of(server, chromium) as (one, wrong),
@@ -48,7 +48,7 @@ def test_a_preset_saved_on_the_desk_is_felt_on_every_page(match, chromium, own):
         assert wrong == []
 
 
-def test_an_open_bench_shows_what_the_desk_saved_and_keeps_what_was_tuned(match, chromium, own):
+def test_an_open_editor_shows_the_saved_preset_and_keeps_the_users_changes(match, chromium, own):
     with (
         served(match, plays=False, preset=str(own)) as server,
         page_of(server, chromium) as (tab, wrong),
@@ -70,7 +70,7 @@ def test_an_open_bench_shows_what_the_desk_saved_and_keeps_what_was_tuned(match,
         assert wrong == []
 
 
-def test_hands_at_a_host_see_each_other_by_name(match, chromium):
+def test_inputs_of_a_host_see_each_other_by_name(match, chromium):
     with (
         served(match) as server,
         page_of(server, chromium) as (one, wrong),
@@ -121,12 +121,12 @@ def test_a_kept_token_is_one_or_a_line_says_why_not(tmp_path):
         load_token(str(tmp_path / "none" / "t"))
 
 
-def test_a_server_that_is_gone_is_told_in_a_persons_words(match, chromium):
+def test_a_server_that_cant_be_reached_is_reported(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         until(tab, "p.served?.presets.preset && p.sound.node")
         server.web.close()
         tab.click("#in")
-        says(tab, "fault", "nothing answers there")
+        says(tab, "fault", "the server doesn't answer")
 
 
 def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium, own):
@@ -138,7 +138,7 @@ def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium,
         until(tab, "p.served?.presets.preset && p.sound.node")
         port = server.origin.rpartition(":")[2]
         server.end()
-        says(tab, "fault", "the server is gone: what is here goes on")
+        says(tab, "fault", "the server can't be reached: this page keeps working")
         tab.mouse.move(*at(tab, 0.2))
         tab.mouse.down()
         until(tab, "p.meters?.clock > 0 && Math.abs(p.cursor - 0.2) < 0.01")
@@ -156,7 +156,7 @@ def test_twist_without_a_sensor_says_so(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         until(tab, "p.sound?.node")
         tab.click("#twist")
-        says(tab, "fault", "tells no motion")
+        says(tab, "fault", "reports no motion")
         assert tab.get_attribute("#twist", "aria-pressed") == "false"
 
 

@@ -138,7 +138,7 @@ def wait_for(condition, seconds=10.0):
 
 def test_a_page_with_a_wrong_token_says_what_to_do(match, chromium):
     with served(match) as server, page_of(server, chromium, "wrong") as (tab, _):
-        says(tab, "fault", "open the address printed last")
+        says(tab, "fault", "open the URL printed last")
 
 
 def test_the_page_finds_its_host_again(match, chromium):
@@ -288,7 +288,7 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         watched(tab)
 
 
-def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, tmp_path):
+def test_a_removed_film_is_reported_and_plays_once_restored(match, chromium, tmp_path):
     media = open_media(str(film_at(tmp_path)), 12.0 - 4050.0)
     with (
         served(match, plays=False, media=media) as server,
@@ -298,7 +298,7 @@ def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, 
         (tmp_path / "match.wav").rename(tmp_path / "elsewhere.wav")
         tab.evaluate("(position) => overview.navigation.to(position)", GOAL)
         tab.click("#play")
-        says(tab, "fault", "the film is gone: put it back")
+        says(tab, "fault", "the media file was removed: restore it")
         assert not tab.is_visible("#film")
         (tmp_path / "elsewhere.wav").rename(tmp_path / "match.wav")
         tab.click("#play")

@@ -9,7 +9,7 @@ export class Frames {
    * `draw()` is called every frame, `onState(state)` with each state of the disk.
    * @param {AudioBackend} sound
    * @param {() => void} draw
-   * @param {(told: DiskState) => void} onState
+   * @param {(state: DiskState) => void} onState
    */
   constructor(sound, draw, onState) {
     this.sound = sound;

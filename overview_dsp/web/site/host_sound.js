@@ -15,7 +15,7 @@ export class HostSound {
     /** @type {Status | null} */
     this.status = null;
     this.lastWindow = ""; // the window that the host shows
-    const ignore = /** @type {(told: any) => void} */ (() => {});
+    const ignore = /** @type {(value: any) => void} */ (() => {});
     /** Called with a text on the connection, a text on latency, and [start, end] in s. */
     this.onlink = this.onlatency = this.onwindow = this.onstatus = ignore;
     /** Called with the other inputs that touch: [{ name, position, active }]. */

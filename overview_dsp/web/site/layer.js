@@ -7,7 +7,7 @@ import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
 import { momentText, tickText } from "./descriptions.js";
 
-/** @import { Colours, Disk, Geometry, Info, TimelineEvent, View } from "../types" */
+/** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
 
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
@@ -20,37 +20,47 @@ const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 
 const BETWEEN = 30; // minimum distance (px) of two labels
 
 /**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
+ * @typedef {object} Scene
+ * @property {SvgContext} c
+ * @property {Geometry} g
+ * @property {View} view
+ * @property {Info} info
+ * @property {Colours} colours
  */
-export function drawLayer(c, g, view, info, colours) {
-  drawGaps(c, g, view, colours);
-  drawCurve(c, g, view, colours);
-  if (info.series) drawValues(c, g, view, colours);
-  drawAxis(c, g, view, info, colours);
-  drawEvents(c, g, view, info, colours);
-  drawLabels(c, g, view, colours);
-  if (typeof view.now === "number") drawNow(c, g, view, colours);
-  if (g.disk) drawScale(c, g.disk, view, info, colours);
-  if (g.trace) drawTraceAxis(c, g, colours);
+
+/** @param {Scene} scene */
+export function drawLayer(scene) {
+  const { g, view, info } = scene;
+  drawGaps(scene);
+  drawCurve(scene);
+  if (info.series) drawValues(scene);
+  drawAxis(scene);
+  drawStretched(scene);
+  drawEvents(scene);
+  drawLabels(scene);
+  if (typeof view.now === "number") drawNow(scene);
+  if (g.disk) drawScale(scene);
+  if (g.trace) drawTraceAxis(scene);
 }
 
 /**
  * @param {SvgContext} c
- * @param {Geometry} g
- * @param {Colours} colours
+ * @param {[number, number]} from
+ * @param {[number, number]} to
  */
-function drawTraceAxis(c, g, colours) {
+function drawLine(c, from, to) {
+  c.beginPath();
+  c.moveTo(...from);
+  c.lineTo(...to);
+  c.stroke();
+}
+
+/** @param {Scene} scene */
+function drawTraceAxis({ c, g, colours }) {
   const { left, right, y, half } = g.trace;
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
-  c.beginPath();
-  c.moveTo(left, y + 0.5);
-  c.lineTo(right, y + 0.5);
-  c.stroke();
+  drawLine(c, [left, y + 0.5], [right, y + 0.5]);
   c.font = fontOf(g);
   c.fillStyle = colours.soft;
   c.textAlign = "left";
@@ -60,12 +70,9 @@ function drawTraceAxis(c, g, colours) {
 
 /**
  * Draw one line for each of a few round values, with the value at its left.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawValues(c, g, view, colours) {
+function drawValues({ c, g, view, colours }) {
   const most = Math.max(2, Math.floor((g.bottom - g.top) / (VALUE_PX * g.em)));
   c.font = fontOf(g);
   c.textAlign = "left";
@@ -74,10 +81,7 @@ function drawValues(c, g, view, colours) {
   for (const { text, level } of linesOf(view.scale, most)) {
     const y = Math.round(g.y(level)) + 0.5;
     c.strokeStyle = colours.line;
-    c.beginPath();
-    c.moveTo(g.left, y);
-    c.lineTo(g.right, y);
-    c.stroke();
+    drawLine(c, [g.left, y], [g.right, y]);
     c.lineWidth = 3;
     c.strokeStyle = colours.paper;
     c.strokeText(text, g.left + 2, y - 1);
@@ -105,13 +109,8 @@ export function resistanceAt(view, position) {
   return view.resistance[Math.round(position * (view.resistance.length - 1))];
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
- */
-function drawCurve(c, g, view, colours) {
+/** @param {Scene} scene */
+function drawCurve({ c, g, view, colours }) {
   const last = view.level.length - 1;
   const course = () => {
     c.beginPath();
@@ -130,12 +129,9 @@ function drawCurve(c, g, view, colours) {
 
 /**
  * Draw hatched gaps, each line clipped to its gap.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawGaps(c, g, view, colours) {
+function drawGaps({ c, g, view, colours }) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   c.beginPath();
@@ -153,19 +149,13 @@ function drawGaps(c, g, view, colours) {
 
 /**
  * Draw a line and a label where the known data end.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawNow(c, g, view, colours) {
+function drawNow({ c, g, view, colours }) {
   const x = g.x(view.now);
   c.strokeStyle = colours.ink;
   c.lineWidth = 1.5;
-  c.beginPath();
-  c.moveTo(x, g.top);
-  c.lineTo(x, g.bottom);
-  c.stroke();
+  drawLine(c, [x, g.top], [x, g.bottom]);
   c.font = fontOf(g, 600);
   const before = x + 4 + c.measureText("now").width > g.right;
   c.textAlign = before ? "right" : "left";
@@ -177,14 +167,8 @@ function drawNow(c, g, view, colours) {
   c.fillText("now", before ? x - 4 : x + 4, g.bottom - 4);
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
- */
-function drawAxis(c, g, view, info, colours) {
+/** @param {Scene} scene */
+function drawAxis({ c, g, view, info, colours }) {
   const length = view.end_s - view.start_s;
   c.font = fontOf(g);
   const { width } = c.measureText(momentText(view.end_s, info));
@@ -211,17 +195,13 @@ function drawAxis(c, g, view, info, colours) {
     free = left + 2 * half + BETWEEN / 3;
   }
   c.stroke();
-  drawStretched(c, g, view, colours);
 }
 
 /**
  * Draw a bold axis where time is stretched to separate close events (`about.js`).
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawStretched(c, g, view, colours) {
+function drawStretched({ c, g, view, colours }) {
   c.strokeStyle = colours.soft;
   c.lineWidth = 3;
   c.beginPath();
@@ -232,14 +212,9 @@ function drawStretched(c, g, view, colours) {
   c.stroke();
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
- */
-function drawEvents(c, g, view, info, colours) {
+/** @param {Scene} scene */
+function drawEvents(scene) {
+  const { c, g, view, info, colours } = scene;
   // details have a row of their own: there may be hundreds
   const details = view.events.filter(({ kind }) => isDetail(info, kind));
   const every = Math.ceil(details.length / MOST_DETAILS);
@@ -249,7 +224,7 @@ function drawEvents(c, g, view, info, colours) {
     drawMark(c, shape, g.x(event.position), g.bottom - 8, 3.5, colours[colour], colours.rim);
   });
   for (const event of view.events) {
-    if (!isDetail(info, event.kind)) drawEvent(c, g, view, event, info, colours);
+    if (!isDetail(info, event.kind)) drawEvent(scene, event);
   }
 }
 
@@ -265,34 +240,24 @@ export function isDetail(info, kind) {
 }
 
 /**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
+ * @param {Scene} scene
  * @param {TimelineEvent} event
- * @param {Info} info
- * @param {Colours} colours
  */
-function drawEvent(c, g, view, event, info, colours) {
+function drawEvent({ c, g, view, info, colours }, event) {
   const { shape, colour } = info.kinds[event.kind];
   const x = g.x(event.position);
   const y = g.y(levelAt(view, event.position));
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
-  c.beginPath();
-  c.moveTo(x, y);
-  c.lineTo(x, g.bottom);
-  c.stroke();
+  drawLine(c, [x, y], [x, g.bottom]);
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
 /**
  * Draw the score of each goal above it; the last goals first, where there is room.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawLabels(c, g, view, colours) {
+function drawLabels({ c, g, view, colours }) {
   c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;
   c.textAlign = "center";
@@ -312,14 +277,10 @@ function drawLabels(c, g, view, colours) {
 
 /**
  * Draw the disk's scale with the events on it.
- * @param {SvgContext} c
- * @param {Disk} disk
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
+ * @param {Scene} scene
  */
-function drawScale(c, disk, view, info, colours) {
-  const { x, y, radius } = disk;
+function drawScale({ c, g, view, info, colours }) {
+  const { x, y, radius } = g.disk;
   c.strokeStyle = colours.line;
   c.lineWidth = 2;
   c.beginPath();
@@ -333,9 +294,6 @@ function drawScale(c, disk, view, info, colours) {
     const out = light ? 7 : 12;
     c.strokeStyle = colours[colour];
     c.lineWidth = light ? 1.5 : 3;
-    c.beginPath();
-    c.moveTo(x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle));
-    c.lineTo(x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle));
-    c.stroke();
+    drawLine(c, [x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle)], [x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle)]);
   }
 }

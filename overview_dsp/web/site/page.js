@@ -317,8 +317,8 @@ export class Page {
   announce(passed, peak) {
     const { output, vibration } = this.settings;
     if (!this.atHost && output === "motor" && vibration) {
-      const codes = passed.map(({ kind }) => this.info.kinds[kind].pattern);
-      this.motor.play(codes, peak / this.gain, performance.now());
+      const patterns = passed.map(({ kind }) => this.info.kinds[kind].pattern);
+      this.motor.play(patterns, peak / this.gain, performance.now());
     }
     const last = passed.at(-1);
     if (last && ![null, "keys"].includes(this.input.active)) this.lastEvent = last;

@@ -69,7 +69,8 @@ export class Picture {
     this.colours = coloursOf(this.layer);
     if (!this.view || this.geometry.width === 0) return;
     const c = new SvgContext(this.layer);
-    drawLayer(c, this.geometry, this.view, this.info, this.colours);
+    const { geometry: g, view, info, colours } = this;
+    drawLayer({ c, g, view, info, colours });
     c.show();
   }
 

@@ -86,7 +86,7 @@ export class PresetEditor {
     await this.choose(side);
     const [own, its] = side === 0 ? ["B", "A"] : ["A", "B"];
     const line = `${preset.name} was changed on the server and is now ${its}; your changes are ${own}`;
-    byId("editor-told").textContent ||= line;
+    byId("editor-message").textContent ||= line;
   }
 
   /**
@@ -307,7 +307,7 @@ export class PresetEditor {
 
   /** @param {string} text */
   showMessage(text) {
-    byId("editor-told").textContent = text;
+    byId("editor-message").textContent = text;
   }
 
   /**

@@ -35,7 +35,7 @@ export class Motor {
     this.vibrate = vibrate;
     this.pads = pads;
     /** @type {number[] | null} */
-    this.code = null; // active pattern of an event or the surface
+    this.pattern = null; // active pattern of an event or the surface
     this.weight = 0; // first pulse of the active event, ms; 0 for the surface
     this.began = -Infinity;
     this.surfaceFrom = -Infinity; // time of the next surface pulse
@@ -45,39 +45,39 @@ export class Motor {
 
   /**
    * Update once per frame with the patterns of new strikes and the tactor's peak (0 to 1).
-   * @param {number[][]} codes
+   * @param {number[][]} patterns
    * @param {number} level
    * @param {number} now
    */
-  play(codes, level, now) {
-    const heaviest = codes.reduce((/** @type {number[] | null} */ most, code) => (code[0] > (most?.[0] ?? 0) ? code : most), null);
+  play(patterns, level, now) {
+    const heaviest = patterns.reduce((/** @type {number[] | null} */ most, pattern) => (pattern[0] > (most?.[0] ?? 0) ? pattern : most), null);
     if (heaviest !== null) this.playEvent(heaviest, now);
     else if (now >= this.surfaceFrom) this.playSurface(level, now);
     this.playPads(heaviest === null ? level : Math.max(level, 0.6), heaviest !== null, now);
   }
 
   /**
-   * @param {number[]} code
+   * @param {number[]} pattern
    * @param {number} now
    */
-  playEvent(code, now) {
-    const left = this.code === null ? 0 : this.began + lengthOf(this.code) - now;
+  playEvent(pattern, now) {
+    const left = this.pattern === null ? 0 : this.began + lengthOf(this.pattern) - now;
     /** @type {number[]} */
     let ending = []; // rest of the active pattern
     if (left > 0) {
-      const isLighter = code[0] < this.weight;
+      const isLighter = pattern[0] < this.weight;
       if (isLighter && left + GAP_MS > LATE_MS) return; // the major event hides it
       // a goal stays recognisable if another goal follows
       const remaining = this.weight >= LONG_MS ? this.began + LONG_MS - now : 1;
       const more = Math.max(1, Math.ceil(isLighter ? left : remaining));
       // a goal may extend a surface pulse; a card would then resemble a goal
-      if (this.weight > 0 || code[0] < LONG_MS) ending = [more, GAP_MS];
+      if (this.weight > 0 || pattern[0] < LONG_MS) ending = [more, GAP_MS];
     }
-    this.start([...ending, ...code]);
-    this.code = code;
-    this.weight = code[0];
+    this.start([...ending, ...pattern]);
+    this.pattern = pattern;
+    this.weight = pattern[0];
     this.began = now + lengthOf(ending);
-    this.surfaceFrom = this.began + lengthOf(code) + 2 * GAP_MS;
+    this.surfaceFrom = this.began + lengthOf(pattern) + 2 * GAP_MS;
   }
 
   /**
@@ -86,14 +86,14 @@ export class Motor {
    */
   playSurface(level, now) {
     const pulse = pulseOf(level);
-    this.code = [pulse];
+    this.pattern = [pulse];
     this.weight = 0;
     this.began = now;
     if (pulse === 0) {
       this.stop();
       return;
     }
-    this.start(this.code);
+    this.start(this.pattern);
     this.surfaceFrom = now + EVERY_MS;
   }
 

@@ -77,7 +77,7 @@ export class View {
 
 /** What the marks mean: a list of the kinds that a view has. */
 export function legendOf(kinds) {
-  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ words, shape, colour }) => {
+  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ name: words, shape, colour }) => {
     const svg = newSvg();
     svg.setAttribute("viewBox", "0 0 24 24");
     svg.setAttribute("aria-hidden", "true");

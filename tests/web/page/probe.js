@@ -104,7 +104,7 @@ export async function runKernel({ image, blocks = 0, changes = [], region = [0, 
     kernel.render(outputs);
     waited += kernel.waiting.length > 0 ? 1 : 0;
   }
-  return { loaded, region: await digest(kernel.m.subarray(...region)), waited };
+  return { loaded, region: await digest(kernel.numbers.subarray(...region)), waited };
 }
 
 /** Bytes by which the heap grows in `blocks` blocks of a session, and microseconds a block. */
