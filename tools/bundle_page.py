@@ -5,8 +5,8 @@
 The script needs npm. Rollup joins the modules into few files, since each request delays a phone:
 `main.js` (first picture), `page.js` (the page), `served.js` (features of a server), `live.js` (live
 timelines) and `kernel.js`, which the page and `processor.js` (audio thread) share. esbuild minifies
-each file. Both tools have the MIT licence. They are installed into a temporary folder, in the versions
-below: other versions may produce other bytes.
+each file. Both tools have the MIT licence. They are installed into a temporary folder, in the
+versions below: other versions may produce other bytes.
 """
 
 from __future__ import annotations

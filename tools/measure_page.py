@@ -2,9 +2,9 @@
 
     python tools/measure_page.py          needs playwright and a Chromium
 
-The script simulates a phone of 390 x 844 points with three pixels per point and no graphics card. The
-network has 1.6 Mb/s and a latency of 150 ms. For the frame cost the processor is slowed six times.
-Each figure is the median of `ROUNDS`; on a busy machine the figures are larger.
+The script simulates a phone of 390 x 844 points with three pixels per point and no graphics card.
+The network has 1.6 Mb/s and a latency of 150 ms. For the frame cost the processor is slowed six
+times. Each figure is the median of `ROUNDS`; on a busy machine the figures are larger.
 """
 
 from __future__ import annotations

@@ -3,10 +3,11 @@
     python tools/measure_pages.py [PAGES] [UPDATES] [--sound] [--device NAME]
 
 The script starts `overview serve --follow` with a disk on the host and opens the connections of the
-pages. It adds a goal every few seconds. It prints the time from the line in the feed until each page
-has its update. By default the host has no output but a clock in Python. With `--device` PortAudio plays
-the sound, for example on a headless JACK server. With `--sound` the pages play instead and receive the
-changes of their surface. The pages run in one process of low priority on the same machine.
+pages. It adds a goal every few seconds. It prints the time from the line in the feed until each
+page has its update. By default the host has no output but a clock in Python. With `--device`
+PortAudio plays the sound, for example on a headless JACK server. With `--sound` the pages play
+instead and receive the changes of their surface. The pages run in one process of low priority on
+the same machine.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
 
     async def pages():
         live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
-        data.take()
+        data.refresh()
         return await asyncio.gather(*(data._event(0, -1, 0) for _ in range(100)))
 
     with ThreadPoolExecutor(1) as thread:  # a loop of its own: a browser's may run in this one
@@ -190,7 +190,7 @@ def test_a_series_has_its_values_also_where_it_began_with_none():
             assert (low, low + span) == pytest.approx((20.0, values[-1][1]))
 
 
-def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
+def test_a_page_that_reconnects_receives_the_missed_changes(server, live):
     version = live.revision
     for n in range(3):
         live.append(events=[event(900 + n, "goal", f"{n + 1}-0")])
@@ -203,7 +203,7 @@ def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
     assert known["levels"] == 4
     fresh = Listening(server, since=known["version"])  # nothing is new to it
     live.append(events=[event(990, "goal", "4-0")])
-    assert [one["label"] for one in fresh.until(lambda one: one["changes"])["news"]] == ["4-0"]
+    assert [one["label"] for one in fresh.until(lambda one: one["changes"])["changes"]] == ["4-0"]
     fresh.close()
 
 

@@ -146,7 +146,8 @@ def test_a_preset_is_kept_in_the_own_folder_and_never_over_a_bundled_one(
         for name in ("", "..", "a/b", "caf\u00e9"):
             tab.fill("#editor-name", name)
             tab.click("#editor-save")
-            says(tab, "editor-message", f"{name or 'nothing'} is no name: letters, digits, - and _")
+            line = f"name is {name or 'empty'}; must be letters, digits, - and _"
+            says(tab, "editor-message", line)
         assert sorted(path.name for path in own_folder.iterdir()) == ["bus.toml", "tram.toml"]
 
 
@@ -262,7 +263,7 @@ def test_a_drawn_map_of_the_curve_is_felt_at_once_undone_and_kept(chromium, own_
         tab.click("#editor-save")
         says(tab, "editor-message", "saved as mapped")
         assert list(ov.load_preset("mapped").points) == upper
-        tab.click("details[open] .drawn button:text-is('Back to a straight line')")
+        tab.click("details[open] .drawn button:text-is('Use a straight line')")
         until(tab, "!p.editor.busy && p.editor.playing.points.length === 0")
         assert wrong == []
 
@@ -286,6 +287,6 @@ def test_a_drawn_course_is_felt_at_once_undone_and_kept(match, chromium, own_fol
         says(tab, "editor-message", "saved as drawn")
         kept = ov.load_preset(own_folder / "drawn.toml").kinds["goal"].points
         assert list(kept) == rising
-        tab.click("details[open] .drawn button:text-is('Back to its shape')")
+        tab.click("details[open] .drawn button:text-is('Use the shape')")
         until(tab, "!p.editor.busy && p.editor.playing.kinds.goal.points.length === 0")
         assert wrong == []
