@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from overview_dsp.cli.extensions import START, TYPES, threaded_endpoint, json_object
+from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endpoint
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
 from overview_studies.steps import missing_of, step_of

@@ -98,7 +98,7 @@ def open_server(
     """
     from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app
-    from overview_dsp.web.certificate import fingerprint, user_certificate, secure_context
+    from overview_dsp.web.certificate import fingerprint, secure_context, user_certificate
     from overview_dsp.web.security.auth_token import Access, load_token
     from overview_dsp.web.server import WebServer, listen
 
