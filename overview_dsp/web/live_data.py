@@ -87,7 +87,7 @@ class LiveData:
             {
                 "action": change.what,
                 "kind": change.event.kind,
-                "label": change.event.words,
+                "label": change.event.display_label,
                 "time_s": change.event.time_s,
                 "pattern": list(vibration_pattern(change.event.kind, preset)),
                 "version": change.revision,
@@ -96,7 +96,7 @@ class LiveData:
             if change.revision <= self.version
         ]
         timeline = self.timeline
-        now_s = timeline.duration_s if timeline.until_s is None else timeline.until_s
+        now_s = timeline.duration_s if timeline.known_until_s is None else timeline.known_until_s
         ended = self._live.ended
         return {
             "version": self.version,

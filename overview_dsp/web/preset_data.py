@@ -27,7 +27,7 @@ from overview_dsp.design.presets.library import (
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.files.toml import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
@@ -70,13 +70,13 @@ def save_preset(name: str, text: str, replace: bool) -> Path:
         raise InputError(f"preset name is {name[:70]!r}; must be letters, digits, - and _")
     if name in bundled_presets():
         raise InputError(f"{name!r} is the name of a bundled preset; choose another one")
-    path = LIBRARY.own_folder / (name + SUFFIX)
+    path = LIBRARY.user_folder / (name + SUFFIX)
     if path.exists() and not replace:
         raise InputError(f"preset {name!r} already exists; replace=1 replaces it")
     _check_parent(text, name)
     parse_own(text, path)
     make_folder(path.parent)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return path
 

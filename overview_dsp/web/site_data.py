@@ -40,8 +40,8 @@ import numpy as np
 
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.moments import NARROWEST_S
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
@@ -166,7 +166,11 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
         "position": angle_map.position.tolist(),
     }
     level = angle_map.at_even_positions(timeline.normalised_levels(COLUMNS - 1))
-    now = None if timeline.until_s is None else float(angle_map.position_of(timeline.until_s))
+    now = (
+        None
+        if timeline.known_until_s is None
+        else float(angle_map.position_of(timeline.known_until_s))
+    )
     return {
         "angle_map": None if angle_map.is_linear else map_points,
         "level": [round(one, 4) for one in level.tolist()],
@@ -181,7 +185,7 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
                 "position": position,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
-                "label": event.words,
+                "label": event.display_label,
             }
             for position, event in zip(angle_map.events.tolist(), timeline.events, strict=True)
         ],

@@ -19,7 +19,7 @@ from typing import Any
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.files.atomic import whole_folder
+from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web.assets import START, folder_files
@@ -117,7 +117,7 @@ def write_site(
     """
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
-    with whole_folder(path, MARK) as folder:
+    with atomic_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0
