@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from overview_dsp.cli.extensions import START, TYPES, answering, json_object
+from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endpoint
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
 from overview_studies.steps import missing_of, step_of
@@ -101,11 +101,11 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
 
     one = f"{SESSIONS}/{{session}}"
     return [
-        Route(SESSIONS, answering(begin), methods=["POST"]),
-        Route(one, answering(within(look))),
-        Route(f"{one}/trials/{{trial}}", answering(within(put)), methods=["PUT"]),
-        Route(f"{one}/finish", answering(within(finish)), methods=["POST"]),
-        Route("/{path:path}", answering(file)),
+        Route(SESSIONS, threaded_endpoint(begin), methods=["POST"]),
+        Route(one, threaded_endpoint(within(look))),
+        Route(f"{one}/trials/{{trial}}", threaded_endpoint(within(put)), methods=["PUT"]),
+        Route(f"{one}/finish", threaded_endpoint(within(finish)), methods=["POST"]),
+        Route("/{path:path}", threaded_endpoint(file)),
     ]
 
 

@@ -63,12 +63,12 @@ clock = SampleClock(engine)
 held, said = [], []
 with OutputStream(engine, device="system", block_size=block) as stream:
     for _ in range(200):
-        clock.look(time.monotonic())
+        clock.update(time.monotonic())
         time.sleep(0.005)
     hand = SensorInput(engine, link, Sensor())
     while listening.is_alive():
         now = time.monotonic()
-        clock.look(now)
+        clock.update(now)
         hand.poll(engine)
         said += [(now, line) for line in hand.take_messages()]
         held.append((now, engine.holder is not None))

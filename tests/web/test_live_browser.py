@@ -13,7 +13,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.web.media import open_media
-from overview_dsp.web.published import Published
+from overview_dsp.web.static_publisher import StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
 from tests.web.serving import served
@@ -43,7 +43,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         says(tab, "live", "new: ")
         tab.mouse.move(*at(tab, 0.1))
         tab.mouse.down()
-        until(tab, "p.hand.holder !== null")
+        until(tab, "p.input.active !== null")
         live.append(events=[event(1000, "red_card", "x")], clock_s=1000.0)
         says(tab, "live", "data until 16:40.0")
         time.sleep(1.0)
@@ -54,7 +54,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         until(tab, "p.view.end_s === 1030")
         live.retract(event(900, "goal", "1-0 Parris"))
         until(tab, f"!{kinds('goal')}")
-        says(tab, "live", "taken back: ")
+        says(tab, "live", "withdrawn: ")
         # the kernel has the surface that was drawn: a tap at its end meets the newest
         tab.mouse.click(*at(tab, 0.999))
         until(tab, "p.cursor > 0.9")
@@ -98,7 +98,7 @@ def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
         texts = "[...document.querySelectorAll('#canvas text')].map((one) => one.textContent)"
         until(tab, f"{texts}.includes('now')")
         tab.mouse.click(*at(tab, 1 / 6))
-        until(tab, "Math.abs(p.place - 1 / 6) < 0.01")
+        until(tab, "Math.abs(p.position - 1 / 6) < 0.01")
         until(tab, "document.getElementById('slider').ariaValueText.includes('kW')")
         assert wrong == []
 
@@ -116,7 +116,7 @@ def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
 
 def test_a_folder_that_is_replaced_is_followed_by_asking_for_it(live, chromium, tmp_path):
     folder = tmp_path / "site"
-    published = Published(live, ov.load_preset("football"), folder, print, every_s=0.2)
+    published = StaticPublisher(live, ov.load_preset("football"), folder, print, interval_s=0.2)
     with hosted(folder) as address:
         tab = chromium.new_page()
         tab.goto(address)

@@ -37,7 +37,7 @@ export function drawTimeline(svg, view, kinds) {
   c.strokeStyle = "var(--curve)";
   c.lineWidth = 1.75;
   c.stroke();
-  for (const { place, kind } of view.events) {
+  for (const { position: place, kind } of view.events) {
     const { shape, colour } = kinds[kind];
     const up = y(view.level[Math.round(place * last)]);
     drawMark(c, shape, x(place), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
@@ -77,7 +77,7 @@ export class View {
 
 /** What the marks mean: a list of the kinds that a view has. */
 export function legendOf(kinds) {
-  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ words, shape, colour }) => {
+  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ name: words, shape, colour }) => {
     const svg = newSvg();
     svg.setAttribute("viewBox", "0 0 24 24");
     svg.setAttribute("aria-hidden", "true");

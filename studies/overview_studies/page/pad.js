@@ -3,7 +3,7 @@
 
 import { SampleClock } from "./clock.js";
 import { boxOf, View } from "./drawing.js";
-import { Hand } from "./hand.js";
+import { CombinedInput } from "./combined_input.js";
 import { button, make } from "./make.js";
 import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
@@ -12,7 +12,7 @@ const STEP = 0.01;
 const PAGE = 0.1;
 
 /** Whom a wrist moves between two trials. */
-export const NOBODY = { hold: () => {}, release: () => {} };
+export const NOBODY = { moveTo: () => {}, release: () => {} };
 
 export class Pad {
   /**
@@ -63,9 +63,9 @@ export class Pad {
     this.felt = false;
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
-    this.hand = new Hand(new Strokes(this.clock, send));
+    this.hand = new CombinedInput(new Strokes(this.clock, send));
     this.hand.onchange = () => this.moved();
-    if (this.toggle) this.twist.hand = this.hand;
+    if (this.toggle) this.twist.input = this.hand;
     this.follow(presentation);
   }
 
@@ -76,7 +76,7 @@ export class Pad {
 
   end() {
     this.release();
-    this.twist.hand = NOBODY;
+    this.twist.input = NOBODY;
     this.presentation = null;
     this.view.end();
     document.removeEventListener("visibilitychange", this.left);
@@ -86,7 +86,7 @@ export class Pad {
   async follow(presentation) {
     while (this.presentation === presentation && !presentation.stopped) {
       const { clock, cursor } = await presentation.look();
-      this.clock.heard(clock, performance.now());
+      this.clock.addReading(clock, performance.now());
       this.show(cursor);
       await new Promise((resolve) => {
         requestAnimationFrame(resolve);
@@ -95,7 +95,7 @@ export class Pad {
   }
 
   moved() {
-    const { holder, place } = this.hand;
+    const { active: holder, position: place } = this.hand;
     if (holder === null) return;
     this.place = place;
     this.sources.add(holder);
@@ -109,14 +109,14 @@ export class Pad {
 
   /** What a seen condition says of a place in words. */
   nearby(place) {
-    const near = this.view.view?.events.find((event) => Math.abs(event.place - place) < STEP / 2);
-    return near ? `, ${this.kinds[near.kind].words}` : "";
+    const near = this.view.view?.events.find((event) => Math.abs(event.position - place) < STEP / 2);
+    return near ? `, ${this.kinds[near.kind].name}` : "";
   }
 
   show(cursor) {
     const { x } = boxOf(this.slider.clientWidth, this.slider.clientHeight);
     this.finger.hidden = !this.felt;
-    this.finger.classList.toggle("holding", this.hand.holder !== null);
+    this.finger.classList.toggle("holding", this.hand.active !== null);
     this.finger.style.transform = `translateX(${x(this.place).toFixed(1)}px)`;
     this.view.at(cursor);
   }
@@ -127,11 +127,11 @@ export class Pad {
     const may = (input) => this.presentation !== null && [input, "any"].includes(this.input);
     // a hand of its own in between, as each presentation has another
     const touch = {
-      hold: (source, place, time) => may("touch") && this.hand.hold(source, place, time),
+      moveTo: (source, place, time) => may("touch") && this.hand.moveTo(source, place, time),
       release: (source, time) => may("touch") && this.hand.release(source, time),
     };
     listenToTouch(this.slider, touch, {
-      placeOf: ({ clientX }) => {
+      positionOf: ({ clientX }) => {
         const { left, width, height } = this.slider.getBoundingClientRect();
         return boxOf(width, height).place(clientX - left);
       },
@@ -139,13 +139,13 @@ export class Pad {
       onpinch: () => {},
       onfirst: () => {},
     });
-    const to = (place) => this.hand.hold("keys", place);
-    const by = (step) => ({ shiftKey }) => to(this.hand.place + step * (shiftKey ? 10 : 1));
+    const to = (place) => this.hand.moveTo("keys", place);
+    const by = (step) => ({ shiftKey }) => to(this.hand.position + step * (shiftKey ? 10 : 1));
     const keys = {
       ArrowRight: by(STEP), ArrowUp: by(STEP), ArrowLeft: by(-STEP), ArrowDown: by(-STEP),
       PageUp: by(PAGE), PageDown: by(-PAGE),
       Home: () => to(0), End: () => to(1),
-      " ": ({ repeat }) => repeat || this.hand.tap("keys", this.hand.place),
+      " ": ({ repeat }) => repeat || this.hand.tap("keys", this.hand.position),
       Escape: () => this.hand.release("keys"),
     };
     this.slider.addEventListener("keydown", (event) => {

@@ -2,7 +2,7 @@
 
 import { Answers } from "./answers.js";
 import { Server } from "./client.js";
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { endSession } from "./ending.js";
 import { Felt } from "./felt.js";
 import { goThrough } from "./flow.js";
@@ -17,11 +17,11 @@ import { Twist } from "./twist.js";
 const PATIENCE_MS = 2000;
 
 const fault = (line) => {
-  by("fault").textContent = line;
+  byId("fault").textContent = line;
 };
 
 const say = (line) => {
-  by("said").textContent = line;
+  byId("said").textContent = line;
 };
 
 /** A server or host, entered by the token of the address, which is taken out of it and kept. */
@@ -56,10 +56,10 @@ function kitOf({ study, list, felt, answers, leave, file }) {
     twist: new Twist(NOBODY),
     progress() {
       const { done, total } = progressOf(list.steps, answers.done);
-      by("progress").max = total;
-      by("progress").value = done;
-      by("count").textContent = `${done} of ${total}`;
-      by("progress-line").hidden = false;
+      byId("progress").max = total;
+      byId("progress").value = done;
+      byId("count").textContent = `${done} of ${total}`;
+      byId("progress-line").hidden = false;
     },
     ahead({ id }) {
       const next = trials[trials.findIndex((one) => id.startsWith(one.id)) + 1];
@@ -84,12 +84,12 @@ async function main() {
   }
   const sessions = new Sessions(kept, study);
   const felt = new Felt(study, file);
-  const display = by("study");
+  const display = byId("study");
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
   const { answers: stored, ...session } = await openSession(context);
-  by("title").textContent = study.title;
+  byId("title").textContent = study.title;
   if (!(await isAlone(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
       make("p", { text: "Go on there, or close it and load this page again." }));
@@ -115,13 +115,13 @@ async function main() {
   const kit = kitOf({ study, list, felt, answers, leave, file });
   await goThrough(context, session, list, kit);
   kit.twist.end();
-  by("progress-line").hidden = true;
+  byId("progress-line").hidden = true;
   await endSession(context, session, answers);
 }
 
 function tellWaiting({ unsent }) {
   const { size } = unsent;
-  by("waiting").textContent = size > 1 ? `${size} answers wait to be stored` : "";
+  byId("waiting").textContent = size > 1 ? `${size} answers wait to be stored` : "";
 }
 
 addEventListener("unhandledrejection", ({ reason }) => fault(reason?.message ?? String(reason)));

@@ -91,7 +91,7 @@ def test_any_question_for_a_window_is_refused_in_one_line(match, football, asked
 def test_any_text_under_any_name_is_refused_and_leaves_no_file(tmp_path, monkeypatch, text, name):
     monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path))
     with pytest.raises(ov.InputError):
-        preset_data.save_own(name, text, True)
+        preset_data.save_preset(name, text, True)
     assert not list(tmp_path.iterdir())
 
 

@@ -1,8 +1,7 @@
-// A course drawn by a pointer: an event's friction from where the disk meets it to where it leaves
-// it, and what the curve's intensity does to the bare surface. What is drawn is `points`, of the
-// kind or of the preset; without any it is as it was before.
+// Curves that the user draws: an event's friction profile, and the mapping from intensity to friction.
+// The drawn `points` belong to the event kind or the preset. Without points the defaults apply.
 
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 
 /** @import { Drawing } from "../types" */
 
@@ -12,23 +11,21 @@ const HEIGHT = 96;
 const MOST_UNDONE = 50;
 
 /** @type {Drawing} */
-export const COURSE = {
-  name: "Course",
-  label: "friction over the event, to be drawn by a pointer",
-  doc: "Drawn with a pointer, from where the disk meets the event to where it leaves it; it takes "
-    + "the place of the shape.",
-  back: "Back to its shape",
+export const PROFILE = {
+  name: "Profile",
+  label: "friction profile of the event, drawn by a pointer",
+  doc: "Draw the friction from the start of the event to its end. It replaces the shape.",
+  back: "Use the shape",
   plain: () => 0,
-  empty: false, // a course of nothing would be no event
+  empty: false, // a profile of zeros would remove the event
 };
 
 /** @type {Drawing} */
 export const MAP = {
-  name: "Intensity map",
-  label: "friction over the curve's intensity, to be drawn by a pointer",
-  doc: "Drawn with a pointer: from left to right the curve, from its lowest to its highest; upwards "
-    + "how much of the ambience is felt there.",
-  back: "Back to a straight line",
+  name: "Intensity mapping",
+  label: "friction over the intensity, drawn by a pointer",
+  doc: "Draw the friction (upwards) over the intensity, from its lowest (left) to its highest value.",
+  back: "Use a straight line",
   plain: (part) => part,
   empty: true,
 };
@@ -38,29 +35,29 @@ export const MAP = {
  * @param {Record<string, string>} attributes
  */
 function svg(name, attributes) {
-  const made = document.createElementNS(by("canvas").namespaceURI, name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  return made;
+  const element = document.createElementNS(byId("canvas").namespaceURI, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  return element;
 }
 
 /**
- * Where a pointer is on the drawing: which point, and how high (0 to 1).
+ * Return the point under the pointer and its level (0 to 1).
  * @param {DOMRect} box
  * @param {PointerEvent} event
  * @returns {[number, number]}
  */
-function placeOf(box, { clientX, clientY }) {
+function pointAt(box, { clientX, clientY }) {
   const part = Math.min(Math.max((clientX - box.left) / box.width, 0), 1);
   const level = Math.min(Math.max(1 - (clientY - box.top) / box.height, 0), 1);
   return [Math.round(part * (COUNT - 1)), Number(level.toFixed(3))];
 }
 
 /**
- * Points at the places of a drawing, `plain` where nothing is drawn.
+ * Return the points resampled to the drawing; `plain` gives the levels without any points.
  * @param {number[]} points
  * @param {(part: number) => number} plain
  */
-export function atPlaces(points, plain) {
+export function resampled(points, plain) {
   return Array.from({ length: COUNT }, (_, k) => {
     const part = k / (COUNT - 1);
     if (points.length === 0) return plain(part);
@@ -72,7 +69,7 @@ export function atPlaces(points, plain) {
 }
 
 /**
- * Points with a straight line from one place to another drawn into them.
+ * Return points with a straight line drawn between two of them.
  * @param {number[]} points
  * @param {[number, number]} from
  * @param {[number, number]} to
@@ -81,14 +78,14 @@ export function withLine(points, [from, before], [to, level]) {
   const drawn = points.map((point) => Number(point.toFixed(3)));
   const steps = Math.max(Math.abs(to - from), 1);
   for (let k = 0; k <= steps; k += 1) {
-    const place = Math.round(from + ((to - from) * k) / steps);
-    drawn[place] = Number((before + ((level - before) * k) / steps).toFixed(3));
+    const position = Math.round(from + ((to - from) * k) / steps);
+    drawn[position] = Number((before + ((level - before) * k) / steps).toFixed(3));
   }
   return drawn;
 }
 
 /**
- * The row in which `owner.points` is drawn; `onchange()` follows each stroke of the pointer.
+ * Return a row in which the user draws `owner.points`; `onchange()` is called after each change.
  * @param {{ points: number[] }} owner
  * @param {Drawing} what
  * @param {() => void} onchange
@@ -104,46 +101,46 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
   pad.append(line);
   /** @type {(text: string, act: () => void) => HTMLButtonElement} */
   const button = (text, act) => {
-    const made = Object.assign(document.createElement("button"), { type: "button" });
-    made.textContent = text;
-    made.addEventListener("click", act);
-    return made;
+    const element = Object.assign(document.createElement("button"), { type: "button" });
+    element.textContent = text;
+    element.addEventListener("click", act);
+    return element;
   };
   const show = () => {
-    const points = atPlaces(owner.points, plain);
+    const points = resampled(owner.points, plain);
     const xy = points.map((level, k) => `${(k * WIDTH) / (COUNT - 1)},${HEIGHT * (1 - level)}`);
     line.setAttribute("points", owner.points.length > 0 || empty ? xy.join(" ") : "");
     line.classList.toggle("plain", owner.points.length === 0);
     undo.disabled = undone.length === 0;
     clear.disabled = owner.points.length === 0;
   };
-  const keep = () => {
+  const remember = () => {
     undone.push([...owner.points]);
     if (undone.length > MOST_UNDONE) undone.shift();
   };
   /** @param {number[]} points */
-  const become = (points) => {
+  const setPoints = (points) => {
     owner.points = empty || points.some((level) => level > 0) ? points : [];
     show();
     onchange();
   };
-  const undo = button("Undo", () => become(undone.pop() ?? []));
+  const undo = button("Undo", () => setPoints(undone.pop() ?? []));
   const clear = button(back, () => {
-    keep();
-    become([]);
+    remember();
+    setPoints([]);
   });
   /** @type {[number, number] | null} */
   let last = null;
   pad.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     pad.setPointerCapture(event.pointerId);
-    keep();
-    last = placeOf(pad.getBoundingClientRect(), event);
-    become(withLine(atPlaces(owner.points, plain), last, last));
+    remember();
+    last = pointAt(pad.getBoundingClientRect(), event);
+    setPoints(withLine(resampled(owner.points, plain), last, last));
   });
   pad.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
     if (last === null) return;
-    const next = placeOf(pad.getBoundingClientRect(), event);
-    become(withLine(atPlaces(owner.points, plain), last, next));
+    const next = pointAt(pad.getBoundingClientRect(), event);
+    setPoints(withLine(resampled(owner.points, plain), last, next));
     last = next;
   });
   for (const end of ["pointerup", "pointercancel"]) {

@@ -23,13 +23,13 @@ def opened(tab):
     until(tab, "p.view")
     tab.click("#settings")
     tab.click("#tune")
-    until(tab, "p.bench.sides && !document.getElementById('bench').hidden")
+    until(tab, "p.editor.sides && !document.getElementById('editor').hidden")
     assert not tab.is_visible("#dialog")
 
 
 def slide(tab, section, name, part):
     """Put a parameter's slider at a part of its range."""
-    details = tab.locator("#bench-rows details", has=tab.locator(f"summary:text-is('{section}')"))
+    details = tab.locator("#editor-rows details", has=tab.locator(f"summary:text-is('{section}')"))
     if details.get_attribute("open") is None:
         details.locator("summary").click()
     details.locator(f"input[name='{name}']").evaluate(
@@ -39,7 +39,7 @@ def slide(tab, section, name, part):
         }""",
         part,
     )
-    until(tab, "!p.bench.busy")
+    until(tab, "!p.editor.busy")
 
 
 def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chromium, tmp_path):
@@ -69,15 +69,15 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chr
         slide(tab, "surface", "surface.friction", 0.75)
         until(tab, f"Math.max(...p.view.resistance) > 3 * {before}")  # drawn, too
         heavy = lag()
-        tab.click("#bench-a")
-        until(tab, "!p.bench.busy && p.meters.changesWaiting === 0")
+        tab.click("#editor-a")
+        until(tab, "!p.editor.busy && p.meters.changesWaiting === 0")
         tab.wait_for_timeout(200)
         again = lag()
         print(f"\nbehind by {light:.3f}, with more friction {heavy:.3f}, with A {again:.3f}")
         assert heavy > 2 * light
         assert again < heavy / 2
-        tab.click("#bench-b")
-        until(tab, "p.bench.sounding.values['surface.friction'] > 1e-3")
+        tab.click("#editor-b")
+        until(tab, "p.editor.playing.values['surface.friction'] > 1e-3")
         # what is zoomed to is felt by it as well
         tab.focus("#slider")
         tab.keyboard.press("+")
@@ -88,7 +88,7 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chr
 def test_an_events_height_and_a_choice_can_be_set_by_keys_alone(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)
-        assert tab.evaluate("document.activeElement.id") == "bench-title"
+        assert tab.evaluate("document.activeElement.id") == "editor-title"
         section = tab.locator("summary:text-is('event: goal')")
         section.focus()
         tab.keyboard.press("Enter")
@@ -97,19 +97,19 @@ def test_an_events_height_and_a_choice_can_be_set_by_keys_alone(match, chromium)
         assert tab.evaluate("document.activeElement.name") == "kinds.NAME.height"
         tab.keyboard.press("Home")
         until(
-            tab, "p.bench.preset.kinds.goal.height === p.bench.table.get('kinds.NAME.height').low"
+            tab, "p.editor.preset.kinds.goal.height === p.editor.table.get('kinds.NAME.height').low"
         )
         assert tab.evaluate("document.activeElement.getAttribute('aria-valuetext')")
-        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.height < 1")
+        until(tab, "!p.editor.busy && p.editor.playing.kinds.goal.height < 1")
         assert wrong == []
 
 
 def test_a_preset_that_cant_sound_is_refused_in_a_line_and_the_last_one_stays(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)
-        tab.evaluate("overview.bench.preset.values['disk.k1'] = 1e9; overview.bench.changed()")
-        says(tab, "bench-told", "disk.k1")
-        assert tab.evaluate("overview.bench.sounding.values['disk.k1']") < 1
+        tab.evaluate("overview.editor.preset.values['disk.k1'] = 1e9; overview.editor.changed()")
+        says(tab, "editor-message", "disk.k1")
+        assert tab.evaluate("overview.editor.playing.values['disk.k1']") < 1
         assert [line for line in wrong if "400" not in line] == []
 
 
@@ -119,34 +119,35 @@ def test_a_preset_is_kept_in_the_own_folder_and_never_over_a_bundled_one(
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         opened(tab)
         slide(tab, "tactor", "tactor.gain_db", 0.25)
-        gain = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
-        tab.fill("#bench-name", "football")
-        tab.click("#bench-save")
-        says(tab, "bench-told", "bundled")
-        tab.fill("#bench-name", "bus")
-        tab.click("#bench-save")
-        says(tab, "bench-told", "kept as bus")
+        gain = tab.evaluate("overview.editor.preset.values['tactor.gain_db']")
+        tab.fill("#editor-name", "football")
+        tab.click("#editor-save")
+        says(tab, "editor-message", "bundled")
+        tab.fill("#editor-name", "bus")
+        tab.click("#editor-save")
+        says(tab, "editor-message", "saved as bus")
         assert ov.load_preset("bus").values["tactor.gain_db"] == gain
         assert [path.name for path in own_folder.iterdir()] == ["bus.toml"]
         slide(tab, "tactor", "tactor.gain_db", 0.5)
-        tab.click("#bench-save")
-        says(tab, "bench-told", "bus is there already: replace it, or give another name")
+        tab.click("#editor-save")
+        says(tab, "editor-message", "preset bus already exists: replace it, or enter another name")
         assert ov.load_preset("bus").values["tactor.gain_db"] == gain
-        assert tab.text_content("#bench-save") == "Replace it"
-        tab.click("#bench-save")
-        says(tab, "bench-told", "kept as bus")
+        assert tab.text_content("#editor-save") == "Replace it"
+        tab.click("#editor-save")
+        says(tab, "editor-message", "saved as bus")
         assert ov.load_preset("bus").values["tactor.gain_db"] != gain
-        tab.fill("#bench-name", "tram")
+        tab.fill("#editor-name", "tram")
         tab.evaluate(
-            "() => { for (const _ of 'ab') document.getElementById('bench-save').click(); }"
+            "() => { for (const _ of 'ab') document.getElementById('editor-save').click(); }"
         )
-        says(tab, "bench-told", "kept as tram")
+        says(tab, "editor-message", "saved as tram")
         tab.wait_for_timeout(300)
-        assert tab.text_content("#bench-told") == "kept as tram"  # pressed twice is saved once
+        assert tab.text_content("#editor-message") == "saved as tram"  # pressed twice is saved once
         for name in ("", "..", "a/b", "caf\u00e9"):
-            tab.fill("#bench-name", name)
-            tab.click("#bench-save")
-            says(tab, "bench-told", f"{name or 'nothing'} is no name: letters, digits, - and _")
+            tab.fill("#editor-name", name)
+            tab.click("#editor-save")
+            line = f"name is {name or 'empty'}; must be letters, digits, - and _"
+            says(tab, "editor-message", line)
         assert sorted(path.name for path in own_folder.iterdir()) == ["bus.toml", "tram.toml"]
 
 
@@ -154,9 +155,9 @@ def test_a_preset_is_downloaded_as_a_file_that_loads(match, football, chromium, 
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)
         slide(tab, "click", "click.gain_db", 0.5)
-        tab.fill("#bench-name", "bus")
+        tab.fill("#editor-name", "bus")
         with tab.expect_download() as waiting:
-            tab.click("#bench-download")
+            tab.click("#editor-download")
         assert waiting.value.suggested_filename == "bus.toml"
         path = tmp_path / "bus.toml"
         waiting.value.save_as(path)
@@ -171,11 +172,11 @@ def test_at_the_host_the_bench_changes_what_the_host_plays(match, chromium):
     with served(match) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)
         slide(tab, "tactor", "tactor.gain_db", 0.25)
-        gain = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
+        gain = tab.evaluate("overview.editor.preset.values['tactor.gain_db']")
         wait_for(lambda: server.player.engine.preset.values["tactor.gain_db"] == gain)
-        tab.select_option("#bench-preset", "crowd")
+        tab.select_option("#editor-preset", "crowd")
         wait_for(lambda: server.player.engine.preset.name == "crowd")
-        tab.click("#bench-a")
+        tab.click("#editor-a")
         wait_for(lambda: server.player.engine.preset.name == "football")
         assert wrong == []
 
@@ -209,18 +210,18 @@ def test_axe_finds_nothing_on_the_bench_and_at_the_host(match, chromium, axe, sc
         assert violations(tab, axe) == []
 
 
-def stroke(tab, *places):
-    """A pointer that draws through places (0 to 1, from the left and from below)."""
+def stroke(tab, *positions):
+    """A pointer that draws through positions (0 to 1, from the left and from below)."""
     pad = tab.locator("details[open] .drawing")
     pad.scroll_into_view_if_needed()
     box = pad.bounding_box()
     (first, *rest) = [
-        (box["x"] + x * box["width"], box["y"] + (1.0 - y) * box["height"]) for x, y in places
+        (box["x"] + x * box["width"], box["y"] + (1.0 - y) * box["height"]) for x, y in positions
     ]
     tab.mouse.move(*first)
     tab.mouse.down()
-    for place in rest:
-        tab.mouse.move(*place, steps=8)
+    for position in rest:
+        tab.mouse.move(*position, steps=8)
     tab.mouse.up()
 
 
@@ -241,8 +242,8 @@ def test_a_drawn_map_of_the_curve_is_felt_at_once_undone_and_kept(chromium, own_
 
         straight = ratio()
         stroke(tab, (0.004, 0.9), (0.996, 0.1))
-        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 33")
-        falling = tab.evaluate("overview.bench.preset.points")
+        until(tab, "!p.editor.busy && p.editor.playing.points.length === 33")
+        falling = tab.evaluate("overview.editor.preset.points")
         assert falling == sorted(falling, reverse=True)
         assert falling[0] > 0.85
         assert falling[-1] < 0.15
@@ -252,18 +253,18 @@ def test_a_drawn_map_of_the_curve_is_felt_at_once_undone_and_kept(chromium, own_
         tab.mouse.click(*at(tab, 0.01))  # and it sounds
         until(tab, "p.meters?.clock > 0")
         tab.click("details[open] .drawn button:text-is('Undo')")
-        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 0")
+        until(tab, "!p.editor.busy && p.editor.playing.points.length === 0")
         stroke(tab, (0.5, 0.004), (0.996, 0.004))  # what is louder than half is felt no more
-        upper = tab.evaluate("overview.bench.preset.points")
+        upper = tab.evaluate("overview.editor.preset.points")
         assert upper[:16] == pytest.approx([k / 32 for k in range(16)], abs=1e-3)
         assert max(upper[16:]) < 0.02
-        until(tab, "!p.bench.busy")
-        tab.fill("#bench-name", "mapped")
-        tab.click("#bench-save")
-        says(tab, "bench-told", "kept as mapped")
+        until(tab, "!p.editor.busy")
+        tab.fill("#editor-name", "mapped")
+        tab.click("#editor-save")
+        says(tab, "editor-message", "saved as mapped")
         assert list(ov.load_preset("mapped").points) == upper
-        tab.click("details[open] .drawn button:text-is('Back to a straight line')")
-        until(tab, "!p.bench.busy && p.bench.sounding.points.length === 0")
+        tab.click("details[open] .drawn button:text-is('Use a straight line')")
+        until(tab, "!p.editor.busy && p.editor.playing.points.length === 0")
         assert wrong == []
 
 
@@ -272,20 +273,20 @@ def test_a_drawn_course_is_felt_at_once_undone_and_kept(match, chromium, own_fol
         opened(tab)
         tab.click("summary:text-is('event: goal')")
         stroke(tab, (0.004, 0.1), (0.996, 0.9))
-        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.points.length === 33")
-        rising = tab.evaluate("overview.bench.preset.kinds.goal.points")
+        until(tab, "!p.editor.busy && p.editor.playing.kinds.goal.points.length === 33")
+        rising = tab.evaluate("overview.editor.preset.kinds.goal.points")
         assert rising == sorted(rising)
         assert 0.0 < rising[0] < 0.2 < 0.8 < rising[-1] <= 1.0
         stroke(tab, (0.5, 0.02), (0.6, 0.02))
-        assert min(tab.evaluate("overview.bench.preset.kinds.goal.points")[16:20]) < 0.05
+        assert min(tab.evaluate("overview.editor.preset.kinds.goal.points")[16:20]) < 0.05
         tab.click("details[open] .drawn button:text-is('Undo')")
-        assert tab.evaluate("overview.bench.preset.kinds.goal.points") == rising
-        until(tab, "!p.bench.busy")
-        tab.fill("#bench-name", "drawn")
-        tab.click("#bench-save")
-        says(tab, "bench-told", "kept as drawn")
+        assert tab.evaluate("overview.editor.preset.kinds.goal.points") == rising
+        until(tab, "!p.editor.busy")
+        tab.fill("#editor-name", "drawn")
+        tab.click("#editor-save")
+        says(tab, "editor-message", "saved as drawn")
         kept = ov.load_preset(own_folder / "drawn.toml").kinds["goal"].points
         assert list(kept) == rising
-        tab.click("details[open] .drawn button:text-is('Back to its shape')")
-        until(tab, "!p.bench.busy && p.bench.sounding.kinds.goal.points.length === 0")
+        tab.click("details[open] .drawn button:text-is('Use the shape')")
+        until(tab, "!p.editor.busy && p.editor.playing.kinds.goal.points.length === 0")
         assert wrong == []

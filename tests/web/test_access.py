@@ -17,7 +17,12 @@ from overview_dsp.web import connections
 from overview_dsp.web.assets import served_paths
 from overview_dsp.web.media import open_media
 from overview_dsp.web.security import middleware
-from overview_dsp.web.security.auth_token import MAX_WRONG, WRONG_WITHIN_S, Access, Verdict
+from overview_dsp.web.security.auth_token import (
+    MAX_WRONG_TOKENS,
+    WRONG_TOKEN_WINDOW_S,
+    Access,
+    Verdict,
+)
 from overview_dsp.web.security.middleware import host_is_ours, origin_is_ours
 from tests.web.serving import served
 
@@ -196,8 +201,8 @@ def test_no_path_leads_to_another_file(server, path):
 
 def test_wrong_tokens_are_limited_for_their_address_only(fresh):
     with fresh.client("wrong") as stranger:
-        found = [stranger.get(DATA).status_code for _ in range(MAX_WRONG + 2)]
-    assert found == [401] * MAX_WRONG + [429] * 2
+        found = [stranger.get(DATA).status_code for _ in range(MAX_WRONG_TOKENS + 2)]
+    assert found == [401] * MAX_WRONG_TOKENS + [429] * 2
     with fresh.client() as owner:  # of the same address
         assert owner.get(DATA).status_code == 200
     transport = httpx.HTTPTransport(local_address="127.0.0.2")
@@ -209,13 +214,13 @@ def test_wrong_tokens_are_limited_for_their_address_only(fresh):
 def test_the_limit_is_over_after_a_while_and_never_shuts_out_a_session():
     now = [0.0]
     access = Access(lambda: now[0])
-    for _ in range(MAX_WRONG):
+    for _ in range(MAX_WRONG_TOKENS):
         assert access.check("wrong", None, "fe80::1") is Verdict.WRONG
     assert access.check("wrong", None, "fe80::2") is Verdict.LIMITED  # the same household
     assert access.check(access.token, None, "fe80::2") is Verdict.ALLOWED
     assert access.check(access.token, None, "fe81::2") is Verdict.ALLOWED
     assert access.check(None, access.session, "fe80::1") is Verdict.ALLOWED
-    now[0] = WRONG_WITHIN_S + 1.0
+    now[0] = WRONG_TOKEN_WINDOW_S + 1.0
     assert access.check("wrong", None, "fe80::1") is Verdict.WRONG
 
 
@@ -223,7 +228,7 @@ def test_addresses_with_wrong_tokens_dont_fill_the_memory():
     access = Access()
     for number in range(3000):
         access.check("wrong", None, f"10.1.{number // 256}.{number % 256}")
-    assert len(access._wrong) <= 1024
+    assert len(access._failures) <= 1024
 
 
 @pytest.mark.parametrize(
@@ -265,9 +270,9 @@ def test_what_is_no_request_is_refused(server, request_bytes):
 
 
 def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
-    monkeypatch.setattr(connections, "REQUEST_WITHIN_S", 0.3)
-    monkeypatch.setattr(connections, "LINGER_S", 0.3)
-    monkeypatch.setattr(middleware, "BODY_WITHIN_S", 0.3)
+    monkeypatch.setattr(connections, "REQUEST_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(connections, "BODY_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(middleware, "BODY_TIMEOUT_S", 0.3)
     with served(match, plays=False) as server:
         head = (
             f"GET {DATA} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
@@ -292,7 +297,7 @@ def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
 
 
 def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
-    monkeypatch.setattr(connections, "LINGER_S", 0.3)
+    monkeypatch.setattr(connections, "BODY_TIMEOUT_S", 0.3)
     with served(match, plays=False) as server:
         head = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 99\r\n\r\n"
         with socket.create_connection(("127.0.0.1", server.port), timeout=3) as line:
@@ -306,7 +311,7 @@ def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
 
 
 def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
-    monkeypatch.setattr(connections, "READ_WITHIN_S", 0.3)
+    monkeypatch.setattr(connections, "READ_TIMEOUT_S", 0.3)
     closed = threading.Event()
     lost = connections.HttpConnection.connection_lost
 
@@ -349,7 +354,7 @@ def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
     lines = [socket.create_connection(("127.0.0.1", fresh.port)) for _ in range(200)]
     try:
         end = time.monotonic() + 30.0
-        while sum(map(is_open, lines)) > connections.MAX_OF_AN_ADDRESS:
+        while sum(map(is_open, lines)) > connections.MAX_PER_ADDRESS:
             assert time.monotonic() < end
             time.sleep(0.05)
         transport = httpx.HTTPTransport(local_address="127.0.0.2")
@@ -363,7 +368,7 @@ def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
 def test_who_waits_longest_for_a_request_gives_way_to_a_new_connection(fresh):
     with contextlib.ExitStack() as stack:
         lines = []
-        for _ in range(connections.MAX_OF_AN_ADDRESS):
+        for _ in range(connections.MAX_PER_ADDRESS):
             lines.append(stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port))))
             time.sleep(0.01)
         with fresh.client() as client:
@@ -380,7 +385,7 @@ def test_requests_on_their_way_give_way_to_nobody(fresh):
     head = f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{fresh.port}\r\nContent-Length: 99\r\n"
     head += f"Authorization: Bearer {fresh.access.token}\r\nOrigin: {fresh.origin}\r\n\r\n"
     with contextlib.ExitStack() as stack:
-        for _ in range(connections.MAX_OF_AN_ADDRESS):
+        for _ in range(connections.MAX_PER_ADDRESS):
             line = stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port)))
             line.sendall(head.encode())
         time.sleep(0.3)

@@ -9,11 +9,11 @@ import pytest
 
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.security.auth_token import Access, Verdict, kept_token
+from overview_dsp.web.security.auth_token import Access, Verdict, load_token
 from tests.cli.test_serve import MATCH, running
 from tests.web.driving import at, until
 from tests.web.serving import served
-from tests.web.test_bench import opened, slide
+from tests.web.test_preset_editor import opened, slide
 from tests.web.test_served_page import connected, page_of, says
 
 
@@ -24,14 +24,14 @@ def own(tmp_path):
     return path
 
 
-def test_a_preset_saved_on_the_desk_is_felt_on_every_page(match, chromium, own):
+def test_a_saved_preset_is_used_by_every_page(match, chromium, own):
     with (
         served(match, plays=False, preset=str(own)) as server,
         page_of(server, chromium) as (one, wrong),
         page_of(server, chromium) as (other, _),
     ):
         for tab in (one, other):
-            until(tab, "p.served?.presets.sounding && p.sound.node")
+            until(tab, "p.served?.presets.preset && p.sound.node")
             tab.evaluate("""() => {
                 window.changed = 0;
                 const change = overview.sound.node.change.bind(overview.sound.node);
@@ -48,28 +48,29 @@ def test_a_preset_saved_on_the_desk_is_felt_on_every_page(match, chromium, own):
         assert wrong == []
 
 
-def test_an_open_bench_shows_what_the_desk_saved_and_keeps_what_was_tuned(match, chromium, own):
+def test_an_open_editor_shows_the_saved_preset_and_keeps_the_users_changes(match, chromium, own):
     with (
         served(match, plays=False, preset=str(own)) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
-        until(tab, "p.served?.presets.sounding && p.sound.node")
+        until(tab, "p.served?.presets.preset && p.sound.node")
         opened(tab)
         slide(tab, "tactor", "tactor.gain_db", 1)
-        tuned = tab.evaluate("overview.bench.preset.values['tactor.gain_db']")
+        tuned = tab.evaluate("overview.editor.preset.values['tactor.gain_db']")
         own.write_text(own.read_text().replace("-3", "-11"))
-        says(tab, "bench-told", "mine was saved on the desk: it is A, what you tuned is B")
-        until(tab, "p.data.preset.values['tactor.gain_db'] === -11 && !p.bench.busy")
-        slider = "#bench-rows input[name='tactor.gain_db']"
-        assert tab.get_attribute("#bench-a", "aria-pressed") == "true"
+        says(tab, "editor-message", "mine was changed on the server and is now A; ")
+        says(tab, "editor-message", "your changes are B")
+        until(tab, "p.data.preset.values['tactor.gain_db'] === -11 && !p.editor.busy")
+        slider = "#editor-rows input[name='tactor.gain_db']"
+        assert tab.get_attribute("#editor-a", "aria-pressed") == "true"
         assert tab.get_attribute(slider, "aria-valuetext") == "-11 dB"
-        tab.click("#bench-b")
-        until(tab, f"p.data.preset.values['tactor.gain_db'] === {tuned} && !p.bench.busy")
+        tab.click("#editor-b")
+        until(tab, f"p.data.preset.values['tactor.gain_db'] === {tuned} && !p.editor.busy")
         assert tab.get_attribute(slider, "aria-valuetext") == f"{tuned:g} dB"
         assert wrong == []
 
 
-def test_hands_at_a_host_see_each_other_by_name(match, chromium):
+def test_inputs_of_a_host_see_each_other_by_name(match, chromium):
     with (
         served(match) as server,
         page_of(server, chromium) as (one, wrong),
@@ -80,13 +81,13 @@ def test_hands_at_a_host_see_each_other_by_name(match, chromium):
         one.evaluate("overview.settings.name = 'Anna'; overview.apply()")
         one.mouse.move(*at(one, 0.4))
         one.mouse.down()
-        says(other, "link", "Anna holds the disk")
-        shown = other.locator("#others .holding")
+        says(other, "link", "Anna controls the disk")
+        shown = other.locator("#others .active")
         assert shown.text_content() == "Anna"
         left = other.evaluate("overview.picture.geometry.x(0.4)")
         assert f"translateX({left:.1f}px)" in shown.get_attribute("style")
         one.mouse.up()
-        says(other, "link", "at the host")
+        says(other, "link", "connected to the host")
         assert wrong == []
 
 
@@ -108,24 +109,24 @@ def test_a_kept_token_lets_the_same_pages_in_after_a_restart(tmp_path):
 
 
 def test_a_kept_token_is_one_or_a_line_says_why_not(tmp_path):
-    token = kept_token(str(tmp_path / "t"))
-    assert kept_token(str(tmp_path / "t")) == token
+    token = load_token(str(tmp_path / "t"))
+    assert load_token(str(tmp_path / "t")) == token
     access = Access(token=token)
     assert access.check(None, Access(token=token).session, "::1") is Verdict.ALLOWED
     assert access.check(None, Access(token="x" * 22).session, "::1") is Verdict.MISSING
     (tmp_path / "diary").write_text("dear diary")
     with pytest.raises(InputError, match="not a token"):
-        kept_token(str(tmp_path / "diary"))
+        load_token(str(tmp_path / "diary"))
     with pytest.raises(InputError, match="No such file"):
-        kept_token(str(tmp_path / "none" / "t"))
+        load_token(str(tmp_path / "none" / "t"))
 
 
-def test_a_server_that_is_gone_is_told_in_a_persons_words(match, chromium):
+def test_a_server_that_cant_be_reached_is_reported(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
-        until(tab, "p.served?.presets.sounding && p.sound.node")
+        until(tab, "p.served?.presets.preset && p.sound.node")
         server.web.close()
         tab.click("#in")
-        says(tab, "fault", "nothing answers there")
+        says(tab, "fault", "the server doesn't answer")
 
 
 def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium, own):
@@ -134,10 +135,10 @@ def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium,
         running(*given, 0, folder=tmp_path) as server,
         page_of(server, chromium, server.token) as (tab, _),
     ):
-        until(tab, "p.served?.presets.sounding && p.sound.node")
+        until(tab, "p.served?.presets.preset && p.sound.node")
         port = server.origin.rpartition(":")[2]
         server.end()
-        says(tab, "fault", "the server is gone: what is here goes on")
+        says(tab, "fault", "the server can't be reached: this page keeps working")
         tab.mouse.move(*at(tab, 0.2))
         tab.mouse.down()
         until(tab, "p.meters?.clock > 0 && Math.abs(p.cursor - 0.2) < 0.01")
@@ -155,7 +156,7 @@ def test_twist_without_a_sensor_says_so(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         until(tab, "p.sound?.node")
         tab.click("#twist")
-        says(tab, "fault", "tells no motion")
+        says(tab, "fault", "reports no motion")
         assert tab.get_attribute("#twist", "aria-pressed") == "false"
 
 
@@ -166,7 +167,7 @@ def test_the_drawn_disk_is_turned_by_a_circular_drag(match, chromium):
         x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, box["width"] / 3
         tab.mouse.move(x - radius, y - 1)
         tab.mouse.down()
-        until(tab, "p.hand.holder === 'touch' && p.place < 0.02")
+        until(tab, "p.input.active === 'touch' && p.position < 0.02")
         for half in (0, 1):
             for step in range(1, 21):
                 angle = HALF_TURN * (1 + half / 2 + step / 40)
@@ -175,6 +176,6 @@ def test_the_drawn_disk_is_turned_by_a_circular_drag(match, chromium):
         tab.mouse.move(x + radius, y + 30)  # beyond the end
         tab.mouse.move(x - radius, y + 30)
         tab.wait_for_timeout(100)
-        assert tab.evaluate("overview.place") == 1
+        assert tab.evaluate("overview.position") == 1
         tab.mouse.up()
         assert wrong == []

@@ -1,13 +1,13 @@
-// A place of a window in words: when it is, and what happened there.
+// Texts for times, events and positions.
 
 import { secondsAt } from "./angle_map.js";
 import { pointAt, rangeOf, valueText } from "./values.js";
 
-const AT = 0.004; // of the surface: as near is at the event
+const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 
-// made once: one takes longer than all else a frame does
+// created once: each takes longer than the rest of a frame
 const DAYS = new Intl.DateTimeFormat("en-GB", {
   timeZone: "UTC", day: "numeric", month: "short", year: "numeric",
 });
@@ -24,10 +24,10 @@ const HOURS = new Intl.DateTimeFormat("en-GB", {
 });
 
 const DAY_S = 86400;
-const LONG_S = 3 * DAY_S; // a date says more than a weekday
+const LONG_S = 3 * DAY_S; // from here on a date is more useful than a weekday
 
 /**
- * Minutes and seconds of a timeline, or its date where it has a calendar.
+ * Return minutes and seconds, or the date of a timeline with a calendar.
  * @param {number} seconds
  * @param {Info} info
  */
@@ -38,7 +38,7 @@ export function momentText(seconds, info, days = DAYS) {
     const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
     if (info.duration_s <= LONG_S) return TIMES.format(moment);
     const day = days.format(moment);
-    return info.series?.hours ? `${day}, ${HOURS.format(moment)}` : day;
+    return info.series?.has_times ? `${day}, ${HOURS.format(moment)}` : day;
   }
   const short = info.duration_s < 120;
   const whole = short ? Math.floor(seconds) : Math.round(seconds);
@@ -51,7 +51,7 @@ export function momentText(seconds, info, days = DAYS) {
 }
 
 /**
- * A moment on an axis with a label every `step` s.
+ * Return the time text for an axis with one label per `step` s.
  * @param {number} seconds
  * @param {Info} info
  * @param {number} step
@@ -62,28 +62,28 @@ export function tickText(seconds, info, step) {
 }
 
 /**
- * A moment as it is said aloud: months in full.
+ * Return a time for speech, with the full name of the month.
  * @type {(seconds: number, info: Info) => string}
  */
 export const spokenMoment = (seconds, info) => momentText(seconds, info, SPOKEN_DAYS);
 
-const SAYS_ITSELF = new Set(["period", "crossing_up", "crossing_down"]);
+const LABEL_ALONE = new Set(["period", "crossing_up", "crossing_down"]);
 
 /**
- * Kind and label of an event, without saying the kind twice.
+ * Return kind and label of an event; the kind is left out if the label contains it.
  * @param {Pick<TimelineEvent, "kind" | "label">} event
  * @param {Info} info
  */
 export function eventText(event, info) {
-  const words = info.kinds[event.kind]?.words ?? event.kind;
+  const words = info.kinds[event.kind]?.name ?? event.kind;
   if (!event.label) return words;
-  if (SAYS_ITSELF.has(event.kind)) return plainLabel(event.label);
+  if (LABEL_ALONE.has(event.kind)) return plainLabel(event.label);
   if (event.label.toLowerCase().includes(words.toLowerCase())) return event.label;
   return `${words}, ${event.label}`;
 }
 
 /**
- * A label without what stands beside it anyway: "(20.0917), 2007-10-01".
+ * Return a label without value and date in brackets: "(20.0917), 2007-10-01".
  * @param {string} label
  */
 function plainLabel(label) {
@@ -91,35 +91,35 @@ function plainLabel(label) {
 }
 
 /**
- * What an event of a series is, its value and date being told besides.
+ * Return a short text for an event of a series, without its value and date.
  * @param {TimelineEvent} event
  * @param {Info} info
  */
 function shortEvent(event, info) {
   const label = plainLabel(event.label);
-  const words = info.kinds[event.kind]?.words ?? event.kind;
-  if (SAYS_ITSELF.has(event.kind)) return label || words;
+  const words = info.kinds[event.kind]?.name ?? event.kind;
+  if (LABEL_ALONE.has(event.kind)) return label || words;
   const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
   return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
 }
 
 /**
- * The event at a place of a window, or null.
+ * Return the event at a position of a window, or null.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  * @returns {TimelineEvent | null}
  */
-export function eventAt(view, place) {
+export function eventAt(view, position) {
   let nearest = null;
   for (const event of view.events) {
-    const away = Math.abs(event.place - place);
-    if (away <= AT && (!nearest || away < Math.abs(nearest.place - place))) nearest = event;
+    const away = Math.abs(event.position - position);
+    if (away <= TOLERANCE && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
   }
   return nearest;
 }
 
 /**
- * The last event that a disk passed on its way between two places of a window, or null.
+ * Return the last event between two positions of the disk, or null.
  * @param {View} view
  * @param {number} from
  * @param {number} to
@@ -127,88 +127,88 @@ export function eventAt(view, place) {
  */
 export function eventPassed(view, from, to) {
   const [low, high] = from < to ? [from, to] : [to, from];
-  const passed = view.events.filter(({ place }) => place > low && place <= high);
+  const passed = view.events.filter(({ position }) => position > low && position <= high);
   return (from < to ? passed.at(-1) : passed[0]) ?? null;
 }
 
 /**
- * What a person who doesn't see is told of a place: "702.10 dollars, 19 September 2012, peak".
+ * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak".
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  * @param {Info} info
  */
-export function placeText(view, place, info) {
-  const at = secondsAt(view, place);
-  const here = eventAt(view, place);
-  const empty = view.gaps.some(([from, to]) => place > from && place < to);
-  const point = empty && !here ? -1 : pointAt(view, here?.time_s ?? at);
+export function positionText(view, position, info) {
+  const at = secondsAt(view, position);
+  const here = eventAt(view, position);
+  const isGap = view.gaps.some(([from, to]) => position > from && position < to);
+  const point = isGap && !here ? -1 : pointAt(view, here?.time_s ?? at);
   if (point >= 0) {
-    const told = [
+    const parts = [
       valueText(view.points.value[point], info), spokenMoment(view.points.time_s[point], info),
     ];
-    if (here) told.push(shortEvent(here, info));
-    return told.join(", ");
+    if (here) parts.push(shortEvent(here, info));
+    return parts.join(", ");
   }
   const moment = spokenMoment(at, info);
   if (here) return `${moment}, ${eventText(here, info)}`;
-  if (empty) return `${moment}, no data`;
-  const before = view.events.filter((event) => event.place < place).at(-1);
+  if (isGap) return `${moment}, no data`;
+  const before = view.events.filter((event) => event.position < position).at(-1);
   return before ? `${moment}, after ${eventText(before, info)}` : moment;
 }
 
 /**
- * The value at a place as it is shown; "" where there is none.
+ * Return the value at a position as text; "" in a gap.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  * @param {Info} info
  */
-export function valueAt(view, place, info) {
-  if (view.gaps.some(([from, to]) => place > from && place < to)) return "";
-  const here = eventAt(view, place);
-  const point = pointAt(view, here?.time_s ?? secondsAt(view, place));
+export function valueAt(view, position, info) {
+  if (view.gaps.some(([from, to]) => position > from && position < to)) return "";
+  const here = eventAt(view, position);
+  const point = pointAt(view, here?.time_s ?? secondsAt(view, position));
   return point < 0 ? "" : valueText(view.points.value[point], info);
 }
 
 const SCORE = /^\d+-\d+(?= )/;
 
 /**
- * The scores of a match's window in their order, each with the place from which it is so.
+ * Return the scores of a match's window in order, each with its first position.
  * @param {View} view
  */
 export function scoresOf(view) {
   const goals = view.events.filter(({ label }) => SCORE.test(label));
   /** @param {TimelineEvent} event */
   const text = ({ label }) => label.match(SCORE)[0].replace("-", "\u2013");
-  const scores = goals.map((goal) => ({ place: goal.place, text: text(goal) }));
-  return scores.length > 0 ? [{ place: 0, text: "0\u20130" }, ...scores] : [];
+  const scores = goals.map((goal) => ({ position: goal.position, text: text(goal) }));
+  return scores.length > 0 ? [{ position: 0, text: "0\u20130" }, ...scores] : [];
 }
 
 /**
- * The score at a place of a match's window; "" before its first goal, and where there is none.
+ * Return the score at a position; "" before the first goal.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  */
-export function scoreAt(view, place) {
-  return scoresOf(view).slice(1).filter((one) => one.place <= place + AT).at(-1)?.text ?? "";
+export function scoreAt(view, position) {
+  return scoresOf(view).slice(1).filter((one) => one.position <= position + TOLERANCE).at(-1)?.text ?? "";
 }
 
 /**
- * What lies in a window, to somebody who comes to it: span, range, what to look for.
+ * Return a summary of a window: time range, value range and number of events.
  * @param {View} view
  * @param {Info} info
  */
 export function summaryText(view, info) {
-  const told = [
+  const parts = [
     `${info.title}: ${spokenMoment(view.start_s, info)} to ${spokenMoment(view.end_s, info)}`,
   ];
   if (view.points) {
     const [lowest, highest] = rangeOf(view);
-    told.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
+    parts.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
   }
   const counts = new Map();
   for (const { kind } of view.events) {
     if (info.kinds[kind].shape !== "bar") counts.set(kind, (counts.get(kind) ?? 0) + 1);
   }
-  const kinds = [...counts].map(([kind, count]) => `${info.kinds[kind].words}: ${count}`);
-  return [...told, ...kinds].join("; ");
+  const kinds = [...counts].map(([kind, count]) => `${info.kinds[kind].name}: ${count}`);
+  return [...parts, ...kinds].join("; ");
 }

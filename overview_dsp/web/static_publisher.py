@@ -1,13 +1,13 @@
-"""A timeline that grows, in a folder that any web host or CDN serves: versioned files, replaced.
+"""A live timeline in a static folder, which any web host or CDN can serve.
 
-The folder is that of `static_site`, and in `live/` of it::
+The folder is that of `static_site` with a subfolder `live/`::
 
-    now.json              the notice of the present version (`live_data`); pages ask for it
-    VERSION-RATE.update   the update to that version for a page that has none
+    now.json              the notice of the current version (`live_data`); pages poll it
+    VERSION-RATE.update   the complete update to that version
     VERSION-points.json   the values of a series
 
-A version's files never change, so they may be cached for ever; `now.json` is replaced once they
-are there. The versions before stay for pages that are just fetching them.
+A version's files never change, so they can be cached. `now.json` is replaced after they are
+written. Earlier versions stay for pages that are loading them.
 
 Thread: its own.
 """
@@ -30,64 +30,64 @@ from overview_dsp.web.site_content import RATES
 from overview_dsp.web.static_site import write_site
 from overview_dsp.web.values import has_values, points_json
 
-EVERY_S = 2.0
-"""A version is published at most so often, and pages ask as often."""
+INTERVAL_S = 2.0
+"""Time between two versions, and between two requests of a page."""
 
-OLD = 3
-"""So many versions before the present one stay."""
+KEPT_VERSIONS = 3
+"""Number of earlier versions that stay in the folder."""
 
 
-class Published:
-    """Keeps a folder up with a timeline until it is closed."""
+class StaticPublisher:
+    """Updates a static folder with a live timeline until it is closed."""
 
     def __init__(
         self,
         live: LiveTimeline,
         preset: Preset,
         path: str | os.PathLike[str],
-        note: Callable[[str], None],
-        every_s: float = EVERY_S,
+        report: Callable[[str], None],
+        interval_s: float = INTERVAL_S,
     ) -> None:
-        """Write the folder and begin; `note` receives what can't be written later.
+        """Write the folder and start the thread; `report` receives later errors.
 
         Raises
         ------
         InputError
-            The folder can't be written, or holds other files.
+            The folder can't be written, or contains other files.
         """
         self._data = LiveData(live, lambda: preset)
         self._live = live
-        self._note = note
-        self._every_s = every_s
-        self._kept: deque[list[Path]] = deque()
-        described = {"levels": 0, "version": self._data.version, "poll_s": every_s}
-        write_site(self._data.timeline, preset, path, levels=0, live=described)
+        self._report = report
+        self._interval_s = interval_s
+        self._versions: deque[list[Path]] = deque()
+        description = {"levels": 0, "version": self._data.version, "poll_s": interval_s}
+        write_site(self._data.timeline, preset, path, levels=0, live=description)
         self._folder = Path(path) / "live"
         self._folder.mkdir(exist_ok=True)
         self._publish()
-        self._over = threading.Event()
+        self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="publishing", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """Publish what is there, and end."""
-        self._over.set()
+        """Publish the newest version and stop."""
+        self._closing.set()
         self._thread.join()
 
     def _run(self) -> None:
-        failed = ""
-        over = False
-        while not over:
-            over = self._over.wait(self._every_s)
+        last_error = ""
+        closing = False
+        while not closing:
+            closing = self._closing.wait(self._interval_s)
             if self._live.revision == self._data.version:
                 continue
-            self._data.take()
+            self._data.refresh()
             try:
                 self._publish()
             except OverviewError as error:
-                if str(error) != failed:
-                    self._note(str(error))
-                failed = str(error)
+                if str(error) != last_error:
+                    self._report(str(error))
+                last_error = str(error)
 
     def _publish(self) -> None:
         version = self._data.version
@@ -104,7 +104,7 @@ class Published:
                 temporary.write_text(json.dumps(points), encoding="utf-8")
         with atomic_file(self._folder / "now.json") as temporary:
             temporary.write_text(json.dumps(self._data.notice(0)), encoding="utf-8")
-        self._kept.append(files)
-        while len(self._kept) > OLD + 1:
-            for old in self._kept.popleft():
+        self._versions.append(files)
+        while len(self._versions) > KEPT_VERSIONS + 1:
+            for old in self._versions.popleft():
                 old.unlink(missing_ok=True)

@@ -126,8 +126,8 @@ def drag(server) -> None:
             page = connect(address, additional_headers=server.headers, proxy=None, max_queue=None)
             with page as line:
                 while time.monotonic() < end:
-                    place = 0.5 - 0.4 * math.cos(3.0 * (end - time.monotonic()))
-                    event = [time.monotonic() * 1e3, place * math.pi, 1]
+                    position = 0.5 - 0.4 * math.cos(3.0 * (end - time.monotonic()))
+                    event = [time.monotonic() * 1e3, position * math.pi, 1]
                     line.send(json.dumps({"events": [event]}))
                     time.sleep(0.01)
 

@@ -1,12 +1,12 @@
-// The rows of the bench, all from the parameter table: a slider, a choice or a switch each.
+// Rows of the preset editor: one slider, choice or switch per parameter.
 
 const STEPS = 400;
 
 /** @import { Parameter } from "../types" */
 
 /**
- * The value at `part` (0 to 1) of a parameter's range, and the part of a value.
- * @param {Parameter} known
+ * Return the value at `part` (0 to 1) of a parameter's range.
+ * @param {Parameter} parameter
  * @param {number} part
  */
 export function valueAt({ low, high, scale }, part) {
@@ -14,7 +14,7 @@ export function valueAt({ low, high, scale }, part) {
 }
 
 /**
- * @param {Parameter} known
+ * @param {Parameter} parameter
  * @param {number} value
  */
 export function partOfValue({ low, high, scale }, value) {
@@ -23,7 +23,7 @@ export function partOfValue({ low, high, scale }, value) {
 }
 
 /**
- * A number as a person reads it.
+ * Return a number with its unit, to three digits.
  * @param {number} value
  * @param {string} unit
  */
@@ -37,77 +37,77 @@ export function valueText(value, unit) {
 const UNIT = /_(ms|hz|db|deg|percent|mnm)$/;
 
 /** @param {string} key */
-const words = (key) => key.split(".").at(-1).replace(UNIT, "").replaceAll("_", " ");
+const labelOf = (key) => key.split(".").at(-1).replace(UNIT, "").replaceAll("_", " ");
 
 /**
- * A row for the value of `place[key]` that the table describes; `onchange()` follows each change.
- * Numbers are rounded to three digits, as they are shown and written.
- * @param {Parameter} known
- * @param {Record<string, any>} place
+ * Return a row for `owner[key]`; `onchange()` is called after each change. Numbers are rounded to
+ * three digits, as in the text and in the preset file.
+ * @param {Parameter} parameter
+ * @param {Record<string, any>} owner
  * @param {string} key
  * @param {() => void} onchange
  */
-export function rowOf(known, place, key, onchange) {
+export function rowOf(parameter, owner, key, onchange) {
   const row = document.createElement("label");
   row.className = "parameter";
   const name = document.createElement("span");
-  name.textContent = words(key);
+  name.textContent = labelOf(key);
   const doc = document.createElement("small");
-  doc.textContent = known.doc;
-  const control = known.choices.length > 0 ? choice(known, place, key, onchange)
-    : slider(known, place, key, onchange);
+  doc.textContent = parameter.doc;
+  const control = parameter.choices.length > 0 ? choice(parameter, owner, key, onchange)
+    : slider(parameter, owner, key, onchange);
   row.append(name, ...control, doc);
   return row;
 }
 
 /**
- * @param {Parameter} known
- * @param {Record<string, any>} place
+ * @param {Parameter} parameter
+ * @param {Record<string, any>} owner
  * @param {string} key
  * @param {() => void} onchange
  */
-function choice({ choices, id }, place, key, onchange) {
+function choice({ choices, id }, owner, key, onchange) {
   if (typeof choices[0] === "boolean") {
     const box = Object.assign(document.createElement("input"), { type: "checkbox", name: id });
-    box.checked = place[key];
+    box.checked = owner[key];
     box.addEventListener("input", () => {
-      place[key] = box.checked;
+      owner[key] = box.checked;
       onchange();
     });
     return [box];
   }
   const select = Object.assign(document.createElement("select"), { name: id });
   select.append(...choices.map((one) => new Option(one.replaceAll("_", " "), one)));
-  select.value = place[key];
+  select.value = owner[key];
   select.addEventListener("input", () => {
-    place[key] = select.value;
+    owner[key] = select.value;
     onchange();
   });
   return [select];
 }
 
 /**
- * @param {Parameter} known
- * @param {Record<string, any>} place
+ * @param {Parameter} parameter
+ * @param {Record<string, any>} owner
  * @param {string} key
  * @param {() => void} onchange
  */
-function slider(known, place, key, onchange) {
-  const told = document.createElement("output");
+function slider(parameter, owner, key, onchange) {
+  const output = document.createElement("output");
   const range = Object.assign(document.createElement("input"), {
-    type: "range", name: known.id, min: "0", max: String(STEPS), step: "1",
+    type: "range", name: parameter.id, min: "0", max: String(STEPS), step: "1",
   });
   const show = () => {
-    told.textContent = valueText(place[key], known.unit);
-    range.setAttribute("aria-valuetext", told.textContent);
+    output.textContent = valueText(owner[key], parameter.unit);
+    range.setAttribute("aria-valuetext", output.textContent);
   };
-  range.value = String(Math.round(STEPS * partOfValue(known, place[key])));
+  range.value = String(Math.round(STEPS * partOfValue(parameter, owner[key])));
   show();
   range.addEventListener("input", () => {
-    const value = Number(valueAt(known, Number(range.value) / STEPS).toPrecision(3));
-    place[key] = Math.min(Math.max(value, known.low), known.high);
+    const value = Number(valueAt(parameter, Number(range.value) / STEPS).toPrecision(3));
+    owner[key] = Math.min(Math.max(value, parameter.low), parameter.high);
     show();
     onchange();
   });
-  return [told, range];
+  return [output, range];
 }

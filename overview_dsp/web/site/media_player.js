@@ -1,14 +1,14 @@
-// The film of a timeline: from a few seconds before a moment.
+// The film or recording of a timeline.
 
-import { ask } from "./session.js";
+import { request } from "./session.js";
 
 /** @import { Media } from "../types" */
 
 const LEAD_S = 5;
 
-export class Film {
+export class MediaPlayer {
   /**
-   * `media`: url, type, and `offset_s`, where in it the timeline begins.
+   * `media` has url, type and `offset_s`, the film's time at the timeline's start.
    * @param {HTMLDialogElement} dialog
    * @param {Media} media
    */
@@ -21,18 +21,18 @@ export class Film {
   }
 
   /**
-   * Play what led to a moment (s of the timeline); an Error in a person's words if it can't.
+   * Play the film from a few seconds before a time (s of the timeline); throw an Error if it fails.
    * @param {number} moment
    * @param {string} title
    */
   async play(moment, title) {
     const { video } = this;
     this.title.textContent = title;
-    // fetched only when it is asked for; a fragment would be forgotten by some players
+    // loaded on demand; some players ignore a time in the URL
     const url = new URL(this.media.url, location.href).href;
     if (!video.src) video.src = url;
     const from = Math.max(0, moment + this.media.offset_s - LEAD_S);
-    // a file that grows is longer by now, which a browser only believes of another address
+    // the browser reads a growing file's new length only from another URL
     if (video.readyState > 0 && from > video.duration) video.src = `${url}?${Math.round(from)}`;
     if (video.readyState > 0) video.currentTime = from;
     else video.addEventListener("loadedmetadata", () => (video.currentTime = from), { once: true });
@@ -40,10 +40,10 @@ export class Film {
     try {
       await video.play();
     } catch (error) {
-      if (error.name === "AbortError") return; // closed, or gone elsewhere in it
+      if (error.name === "AbortError") return; // closed, or moved within the film
       this.dialog.close();
-      video.removeAttribute("src"); // it is looked for again
-      await ask(url, { headers: { Range: "bytes=0-0" } });
+      video.removeAttribute("src"); // the next attempt loads the file again
+      await request(url, { headers: { Range: "bytes=0-0" } });
       throw new Error(`this browser can't play the film (${this.media.type}): ${error.message}`);
     }
   }
