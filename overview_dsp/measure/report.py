@@ -299,7 +299,7 @@ class FeelReport(Report):
         for name, where in masked.items():
             yield (
                 f"{name} is hardly felt in {_listed(where)}: raise kinds.{name}.height, or "
-                "lower surface.ambience"
+                "lower surface.intensity_gain"
             )
         for (first, second), where in alike.items():
             yield (

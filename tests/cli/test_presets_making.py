@@ -53,9 +53,9 @@ def test_diff_says_what_differs_as_a_table_and_as_json(folder):
     assert "surface.friction" in done("presets", "diff", "football", "crowd")
     found = json.loads(done("presets", "diff", "football", "crowd", "--json"))
     first, second = (
-        ov.load_preset(name).number("surface.ambience") for name in ("football", "crowd")
+        ov.load_preset(name).number("surface.intensity_gain") for name in ("football", "crowd")
     )
-    assert {"id": "surface.ambience", "first": first, "second": second, "unit": "x"} in found
+    assert {"id": "surface.intensity_gain", "first": first, "second": second, "unit": "x"} in found
 
 
 def test_morphs_and_chance_are_written_and_valid(folder):

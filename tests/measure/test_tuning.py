@@ -78,7 +78,7 @@ def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
 
 
 CHILD = """# my match, kept as it is
-schema = 3
+schema = 4
 extends = "football"
 title = "Mine"
 
@@ -121,13 +121,13 @@ def test_a_retuned_child_keeps_its_text(tmp_path, monkeypatch):
 
 def test_a_file_of_an_older_schema_is_retuned_where_its_keys_are_the_present_ones(tmp_path):
     source, out = tmp_path / "child.toml", tmp_path / "made.toml"
-    for version in (1, 2):
-        source.write_text(CHILD.replace("schema = 3", f"schema = {version}"))
+    for version in (1, 2, 3):
+        source.write_text(CHILD.replace("schema = 4", f"schema = {version}"))
         _, made = save_retuned(source, {"goal": {"height": 30.0}}, out)
         assert made.kinds["goal"].height == pytest.approx(30.0)
         assert out.read_text() == CHILD.replace('0.5"', '0.5) * 1.5"').replace('"$', '"($')
     out.unlink()
-    source.write_text(CHILD.replace("schema = 3", "schema = 2") + "\n[disk]\ncatch_up = 1.1\n")
+    source.write_text(CHILD.replace("schema = 4", "schema = 2") + "\n[disk]\ncatch_up = 1.1\n")
     with pytest.raises(ov.InputError, match=r"child\.toml: has keys of an older schema") as error:
         save_retuned(source, {"goal": {"height": 30.0}}, out)
     assert "\n" not in str(error.value)
@@ -137,7 +137,7 @@ def test_a_file_of_an_older_schema_is_retuned_where_its_keys_are_the_present_one
 def test_a_child_of_a_file_extends_it_from_another_folder_too(tmp_path):
     (tmp_path / "base.toml").write_text(CHILD)
     child = tmp_path / "child.toml"
-    child.write_text('schema = 3\nextends = "base.toml"\n')
+    child.write_text('schema = 4\nextends = "base.toml"\n')
     folder = tmp_path / "deep" / "er"
     folder.mkdir(parents=True)
     _, made = save_retuned(child, {"goal": {"height": 7.0}}, folder / "made.toml")

@@ -70,7 +70,7 @@ def _between(first: Preset, second: Preset, names: tuple[str, ...], part: float,
             first.kinds[first.kind_for(name) or DEFAULT_KIND],
             second.kinds[second.kind_for(name) or DEFAULT_KIND],
             part,
-            near.kinds[name].also if name in near.kinds else (),
+            near.kinds[name].aliases if name in near.kinds else (),
         )
         for name in names
     }
@@ -95,7 +95,7 @@ def _mix(known: Parameter, first: Value | None, second: Value | None, part: floa
 
 
 def _mixed_kind(
-    first: EventKind, second: EventKind, part: float, also: tuple[str, ...]
+    first: EventKind, second: EventKind, part: float, aliases: tuple[str, ...]
 ) -> EventKind:
     near = first if part < 0.5 else second
     values: dict[str, Any] = {}
@@ -105,7 +105,7 @@ def _mixed_kind(
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
     # what was drawn by hand can't be mixed: the nearer preset's stays
-    return EventKind(modes=modes, points=near.points, also=also, **values)
+    return EventKind(modes=modes, points=near.points, aliases=aliases, **values)
 
 
 def _mixed_modes(

@@ -72,9 +72,9 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
             pair = getattr(one, key), getattr(other, key)
             if pair[0] != pair[1]:
                 found.append(Difference(f"kinds.{name}.{key}", *pair, known.unit))
-        if one.also != other.also:
-            names = [", ".join(kind.also) or "none" for kind in (one, other)]
-            found.append(Difference(f"kinds.{name}.also", names[0], names[1], ""))
+        if one.aliases != other.aliases:
+            names = [", ".join(kind.aliases) or "none" for kind in (one, other)]
+            found.append(Difference(f"kinds.{name}.aliases", names[0], names[1], ""))
         if one.points != other.points:
             found.append(_drawn(f"kinds.{name}.points", one, other))
         if one.modes != other.modes:

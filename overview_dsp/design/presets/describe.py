@@ -32,13 +32,15 @@ def character(preset: Preset) -> dict[str, float]:
 def _kind_line(name: str, kind: EventKind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
-    also = f"; also {', '.join(kind.also)}" if kind.also else ""
+    aliases = f"; also {', '.join(kind.aliases)}" if kind.aliases else ""
     if not modes and kind.material != "none":
         modes = f"{kind.material} {kind.pitch_hz:g} Hz"
     shape = f"{len(kind.points)} points" if kind.points else kind.shape
     if kind.model != "viscous":
         shape = f"{shape}, {kind.model}"
-    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
+    return (
+        f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{aliases}"
+    )
 
 
 def bristle_hold(preset: Preset) -> dict[str, float]:
@@ -48,7 +50,7 @@ def bristle_hold(preset: Preset) -> dict[str, float]:
     torque and swings as far below the sliding one.
     """
     number = preset.number
-    sliding = number("surface.grip") * number("surface.friction")
+    sliding = number("surface.torque_ratio") * number("surface.friction")
     static = sliding * number("surface.static_ratio")
     percent = 100.0 / (number("disk.k2") * math.pi)
     return {

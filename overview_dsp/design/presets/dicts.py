@@ -6,7 +6,7 @@ from typing import Any
 
 from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
-from overview_dsp.design.presets.validation import migrated_values
+from overview_dsp.design.presets.validation import migrate_kind, migrate_values
 from overview_dsp.errors import InputError
 from overview_dsp.validation import located
 
@@ -22,7 +22,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
             name: {
                 **vars(kind),
                 "points": list(kind.points),
-                "also": list(kind.also),
+                "aliases": list(kind.aliases),
                 "modes": [vars(mode) for mode in kind.modes],
             }
             for name, kind in preset.kinds.items()
@@ -53,7 +53,7 @@ def _preset_of(data: Any) -> Preset:
         name,
         title,
         description,
-        migrated_values(data["values"]),
+        migrate_values(data["values"]),
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
         # states of before had none of these
         Tags(**data.get("tags", {})),
@@ -63,8 +63,9 @@ def _preset_of(data: Any) -> Preset:
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
-    # keys of other versions are left alone
-    known = (*KIND_PARAMETERS, "points", "also")
+    data = migrate_kind(data)
+    # keys of other versions are ignored
+    known = (*KIND_PARAMETERS, "points", "aliases")
     with located(f"kinds.{name}: "):
         modes: Any = [
             {key: known.check(mode[key]) for key, known in MODE_PARAMETERS.items()}

@@ -12,7 +12,7 @@ from overview_dsp.design.presets.page import preset_page
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.design.presets.parameters import (
     KIND_PARAMETERS,
-    MAX_ALSO,
+    MAX_ALIASES,
     MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
@@ -63,7 +63,7 @@ class EventKind:
     """What a kind of event does to the surface, and how it clicks.
 
     Exactly one of the two widths is given. Where there are no `modes`, `material`, `pitch_hz` and
-    `ring` make the click.
+    `decay_scale` make the click.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class EventKind:
         Level of the click, dB.
     modes : tuple of ClickMode
         The click's resonators.
-    also : tuple of str
+    aliases : tuple of str
         Other event kinds that feel like this one.
     model : {"viscous", "bristle", "detent", "end_stop"}
         What friction it is.
@@ -93,7 +93,7 @@ class EventKind:
         What the click sounds like, without `modes`.
     pitch_hz : float
         Lowest mode of the material, Hz.
-    ring : float
+    decay_scale : float
         How long the material rings, as a ratio.
 
     Raises
@@ -115,7 +115,7 @@ class EventKind:
     spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[ClickMode, ...] = ()
-    also: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
     model: str = "viscous"
     stiffness: float = _default("stiffness")
     damping: float = _default("damping")
@@ -124,7 +124,7 @@ class EventKind:
     break_away: float = _default("break_away")
     material: str = "none"
     pitch_hz: float = _default("pitch_hz")
-    ring: float = _default("ring")
+    decay_scale: float = _default("decay_scale")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):
@@ -139,11 +139,13 @@ class EventKind:
             for key, known in MODE_PARAMETERS.items():
                 replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
         object.__setattr__(self, "modes", tuple(self.modes))
-        object.__setattr__(self, "also", tuple(self.also))
-        if not all(isinstance(name, str) and name for name in self.also):
-            raise InputError("also is a list of event kinds")
-        if len(self.also) > MAX_ALSO:
-            raise InputError(f"{len(self.also)} names in also; a kind stands for up to {MAX_ALSO}")
+        object.__setattr__(self, "aliases", tuple(self.aliases))
+        if not all(isinstance(name, str) and name for name in self.aliases):
+            raise InputError("aliases is a list of event kinds")
+        if len(self.aliases) > MAX_ALIASES:
+            raise InputError(
+                f"{len(self.aliases)} names in aliases; a kind stands for up to {MAX_ALIASES}"
+            )
         object.__setattr__(self, "points", _drawn(self.points))
         if self.points and not any(self.points):
             raise InputError("points are 0 to 1, and not all of them 0")
@@ -269,13 +271,13 @@ class Preset:
         object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
         object.__setattr__(self, "authors", tuple(self.authors))
         object.__setattr__(self, "points", _drawn(self.points))
-        served = {name: kind for kind, members in self.kinds.items() for name in members.also}
+        served = {name: kind for kind, members in self.kinds.items() for name in members.aliases}
         for kind, members in self.kinds.items():
-            for name in members.also:
+            for name in members.aliases:
                 if served[name] != kind:
                     raise InputError(
-                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.also and in "
-                        f"kinds.{served[name]}.also; leave it in one"
+                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.aliases and in "
+                        f"kinds.{served[name]}.aliases; leave it in one"
                     )
         # a kind of that name comes before those that stand for it
         object.__setattr__(self, "_served", served | {name: name for name in self.kinds})

@@ -17,7 +17,7 @@ from overview_dsp.errors import InputError, did_you_mean
 MAX_POINTS = 256
 """Points of a kind's own course."""
 
-MAX_ALSO = 64
+MAX_ALIASES = 64
 """Other kinds that are felt as one."""
 
 _KNOWN = read_parameters(Path(__file__).with_name("parameters.toml"))

@@ -45,7 +45,7 @@ def reference() -> str:
     )
     parts.append(
         "`points` (a list of 2 to 256 numbers, 0 to 1) is a course over two widths in place of the "
-        "shape's. `also` (a list of names) are other kinds of event that feel like this one,\n"
+        "shape's. `aliases` (a list of names) are other kinds of event that feel like this one,\n"
         "unless the preset names them.\n"
     )
     parts.append(

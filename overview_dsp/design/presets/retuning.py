@@ -10,7 +10,7 @@ from typing import Any
 from overview_dsp.design.presets.expressions import is_expression
 from overview_dsp.design.presets.library import load_preset, parse_own, preset_path
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.design.presets.validation import SCHEMA, migrated
+from overview_dsp.design.presets.validation import SCHEMA, migrate
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.toml import SUFFIX, read_text
@@ -48,7 +48,7 @@ def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
 
     document = tomlkit.parse(read_text(source))
     written_in = document.unwrap()
-    if migrated(written_in) != {**written_in, "schema": SCHEMA}:
+    if migrate(written_in) != {**written_in, "schema": SCHEMA}:
         raise InputError(
             f"{source}: has keys of an older schema; save it anew first: overview presets new NAME "
             f"--from {source}"

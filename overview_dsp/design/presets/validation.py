@@ -15,6 +15,7 @@ Preset files of older schema versions, brought up to the present one.
 | 1 | the first |
 | 2 | `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
 | 3 | `[clutch]`: `max_speed_ratio` was `disk.catch_up`, `tap_duration_s` was `disk.unfold_s` |
+| 4 | other names (`_RENAMED`, `_RENAMED_OF_KIND`): `intensity_gain` was `ambience`, for example |
 
 In version 2 a tap took `unfold_s / catch_up`.
 """
@@ -41,7 +42,7 @@ from overview_dsp.design.presets.model import (
 from overview_dsp.design.presets.parameter import Parameter
 from overview_dsp.design.presets.parameters import (
     KIND_PARAMETERS,
-    MAX_ALSO,
+    MAX_ALIASES,
     MAX_POINTS,
     MODE_PARAMETERS,
     SECTIONS,
@@ -51,29 +52,27 @@ from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, nam
 from overview_dsp.files.toml import line_of, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 
-SCHEMA = 3
+SCHEMA = 4
+
+_RENAMED = {
+    "surface.ambience": "surface.intensity_gain",
+    "surface.grip": "surface.torque_ratio",
+    "surface.ring": "surface.decay_scale",
+    "tactor.full_torque_mnm": "tactor.reference_torque_mnm",
+    "click.full_torque_mnm": "click.reference_torque_mnm",
+    "twist.turn_deg": "twist.engage_deg",
+    "twist.join_ms": "twist.blend_ms",
+    "follow.map": "follow.layout",
+}
+"""Parameter ids of schema 3 that have another name in schema 4."""
+
+_RENAMED_OF_KIND = {"also": "aliases", "ring": "decay_scale"}
+"""The same for the keys of an event kind."""
 
 
-def _one_to_two(data: dict[str, Any]) -> dict[str, Any]:
-    # nothing was renamed: what is new has defaults
-    return {**data, "schema": 2}
-
-
-def _two_to_three(data: dict[str, Any]) -> dict[str, Any]:
-    disk = data.get("disk")
-    if not isinstance(disk, dict):
-        return {**data, "schema": 3}
-    values = migrated_values({f"disk.{key}": value for key, value in disk.items()})
-    found = {**data, "schema": 3, "disk": {}}
-    for id, value in values.items():
-        section, _, key = id.partition(".")
-        found[section] = {**found.get(section, {}), key: value}
-    return found
-
-
-def migrated_values(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by parameter id, with the ids and meanings of the present schema."""
-    found = dict(values)
+def migrate_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by parameter id, with the ids and meanings of the present schema."""
+    found = {_RENAMED.get(id, id): value for id, value in values.items()}
     ratio = found.pop("disk.catch_up", None)
     tap_s = found.pop("disk.unfold_s", None)
     if ratio is not None:
@@ -84,16 +83,32 @@ def migrated_values(values: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-_STEPS: dict[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _one_to_two, 2: _two_to_three}
+def migrate_kind(kind: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an event kind's data, with the keys of the present schema."""
+    return {_RENAMED_OF_KIND.get(key, key): value for key, value in kind.items()}
 
 
-def migrated(data: dict[str, Any]) -> dict[str, Any]:
-    """A file's data in the present schema; what has no known version is left for the check."""
+def migrate(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a file's data in the present schema; an unknown version is left for the check."""
     version = data.get("schema")
-    while type(version) is int and version in _STEPS:
-        data = _STEPS[version](data)
-        version = data["schema"]
-    return data
+    if type(version) is not int or not 1 <= version < SCHEMA:
+        return data
+    tables = {name: data[name] for name in SECTIONS if isinstance(data.get(name), dict)}
+    found = {**data, "schema": SCHEMA, **{name: {} for name in tables}}
+    values = {
+        f"{name}.{key}": value for name, keys in tables.items() for key, value in keys.items()
+    }
+    for id, value in migrate_values(values).items():
+        section, _, key = id.partition(".")
+        table = found.setdefault(section, {})
+        if isinstance(table, dict):
+            table[key] = value
+    if isinstance(kinds := data.get("kinds"), dict):
+        found["kinds"] = {
+            name: migrate_kind(kind) if isinstance(kind, dict) else kind
+            for name, kind in kinds.items()
+        }
+    return found
 
 
 MAX_LAYERS = 8
@@ -137,7 +152,7 @@ def read_layers(source: str, text: str, find: Find) -> list[Layer]:
 
 
 def _layer(source: str, text: str) -> Layer:
-    return Layer(source, text, migrated(parse_toml(text, source)))
+    return Layer(source, text, migrate(parse_toml(text, source)))
 
 
 def merged(layers: list[Layer]) -> dict[str, Any]:
@@ -187,7 +202,7 @@ MAP_DOC = (
     "felt there, 0 to 1; none is a straight line."
 )
 _POINTS_DOC = "The friction's course over two widths, 0 to 1, in place of the shape's."
-_ALSO_DOC = "Other kinds of event that feel like this one, unless they are named."
+_ALIASES_DOC = "Other kinds of event that feel like this one, unless they are named."
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
@@ -228,7 +243,7 @@ def preset_model() -> type[pydantic.BaseModel]:
         KIND_PARAMETERS.values(),
         modes=_many(_model("Mode", MODE_PARAMETERS.values()), MAX_MODES),
         points=_many(float, MAX_POINTS, _POINTS_DOC),
-        also=_many(str, MAX_ALSO, _ALSO_DOC),
+        aliases=_many(str, MAX_ALIASES, _ALIASES_DOC),
     )
     found: type[pydantic.BaseModel] = _model(
         "Preset",

@@ -49,8 +49,8 @@ def _kind(kind: EventKind) -> dict[str, Any]:
         value = getattr(kind, key)
         if value is not None and (key == "height" or value != known.default):
             found[key] = value
-    if kind.also:
-        found["also"] = list(kind.also)
+    if kind.aliases:
+        found["aliases"] = list(kind.aliases)
     if kind.points:
         found["points"] = list(kind.points)
     found["modes"] = [{key: getattr(mode, key) for key in MODE_PARAMETERS} for mode in kind.modes]

@@ -5,7 +5,7 @@
 - After a tap-tap, another tap-tap engages again where it is; so does a turn once it was at rest.
 
 Where the modalities change over, the disk is led and never thrown: theta2 begins where the disk (or
-the hand that holds it) is, and goes over to the device's own angle within `twist.join_ms`. While
+the hand that holds it) is, and goes over to the device's own angle within `twist.blend_ms`. While
 another hand holds the disk, the device follows it, so that it can take over where that hand was.
 It does when that hand lets go; and if that hand feels no touch either, and so may never let go, as
 soon as the device is turned on, away from rest, as far as it takes to engage.
@@ -40,9 +40,9 @@ class TouchRules:
             release in ("rest", "either"),
             release in ("tap", "either"),
             math.radians(preset.number("twist.rest_deg")),
-            math.radians(preset.number("twist.turn_deg")),
+            math.radians(preset.number("twist.engage_deg")),
             preset.number("twist.rest_ms") * 1e-3,
-            preset.number("twist.join_ms") * 1e-3,
+            preset.number("twist.blend_ms") * 1e-3,
         )
 
 

@@ -33,7 +33,7 @@ AHEAD = 0.05
 FRESH_S = 180.0
 """An event longer ago than this, on the feed's clock, is no news: it is felt, but not told."""
 
-MAP = "follow.map"
+MAP = "follow.layout"
 
 DISCREET = "in company"
 """A preset for this use tells nothing by itself."""

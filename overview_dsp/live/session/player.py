@@ -260,7 +260,7 @@ class Player:
             finger=self.finger.position,
             touching=meters.touching and output.playing,
             torque=meters.torque,
-            full_torque=engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            full_torque=engine.preset.number("tactor.reference_torque_mnm") * 1e-3,
             envelope=meters.envelope,
             strikes=meters.strikes,
             peak_click=click,

@@ -51,7 +51,7 @@ CHANGES = {
 
 def level_preset():
     """1e-3 where the data is 0, 4e-3 where it is 1; events as wide as a fifth, and of no height."""
-    return preset_with(height=0.0, width=20.0, shape="plateau", surface__ambience=3.0)
+    return preset_with(height=0.0, width=20.0, shape="plateau", surface__intensity_gain=3.0)
 
 
 @pytest.mark.parametrize("name", CHANGES)

@@ -153,7 +153,7 @@ def test_values_inside_a_gap_are_not_felt():
     at = np.array([0.0, 30.0, 40.0, 50.0, 100.0])
     quiet = ov.Intensity(at, np.array([0.5, 0.5, 0.0, 0.5, 0.5]))
     loud = ov.Intensity(at, np.array([0.5, 0.5, 1.0, 0.5, 0.5]))
-    preset = plain_preset(surface__ambience=4.0)
+    preset = plain_preset(surface__intensity_gain=4.0)
     one, other = (
         ov.build_surface(ov.Timeline("t", 100.0, (), curve, gaps=((30.0, 50.0),)), preset)
         for curve in (quiet, loud)
