@@ -40,7 +40,7 @@ from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.moments import window_of, zoom_window
 from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
-from overview_dsp.design.presets.library import fitting_preset, load_preset
+from overview_dsp.design.presets.library import best_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import InputError, did_you_mean, shown
@@ -242,7 +242,7 @@ def _presets(
     file: JobsTable, timelines: Mapping[str, Timeline]
 ) -> Iterable[tuple[str, Callable[[], Preset]]]:
     if "presets" not in file.data:
-        name = fitting_preset(next(iter(timelines.values())))
+        name = best_preset_for(next(iter(timelines.values())))
         return [(name, lambda: load_preset(name))]
     allowed = "names or .toml files"
     return [

@@ -20,8 +20,8 @@ from overview_dsp import __version__
 from overview_dsp.batch.extra import library
 from overview_dsp.batch.grid import Study
 from overview_dsp.batch.storage import Place
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 
 SOUNDS = "sounds"

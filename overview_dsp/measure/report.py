@@ -30,15 +30,15 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.event_table import NEAR_MS, FeltEvents, felt_events
-from overview_dsp.measure.felt import (
+from overview_dsp.measure.perceived_level import (
     GESTURES,
-    KNOCK_HOP_S,
+    JND_DURATION,
+    JND_SHARPNESS,
     MERGED_S,
+    PULSE_HOP_S,
     STEP_DB,
-    STEP_DURATION,
-    STEP_SHARPNESS,
-    knocks,
-    ratio_steps,
+    pulse_indices,
+    ratio_jnds,
 )
 from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.offline.rendering.schedule import Tail
@@ -100,7 +100,7 @@ class KindFeel:
     lost: int
 
     @property
-    def met(self) -> int:
+    def passed(self) -> int:
         """How many events the disk met."""
         return self.events - self.missed
 
@@ -289,7 +289,7 @@ class FeelReport(Report):
         gaps: dict[tuple[str, str], list[str]] = {}
         for stroke in self.strokes:
             for kind in stroke.kinds:
-                if 2 * kind.masked > kind.met:
+                if 2 * kind.masked > kind.passed:
                     masked.setdefault(kind.kind, []).append(stroke.name)
             for first, second, _ in stroke.alike:
                 alike.setdefault((first, second), []).append(stroke.name)
@@ -446,7 +446,7 @@ def _stroke(
         tuple(
             (first.kind, second.kind, apart)
             for first, second in itertools.combinations(kinds, 2)
-            if first.met and second.met and (apart := steps_apart(first, second)) < 1.0
+            if first.passed and second.passed and (apart := jnd_distance(first, second)) < 1.0
         ),
         tuple(
             (first.kind, second.kind, (first.level_db - second.level_db) / STEP_DB)
@@ -464,13 +464,13 @@ def _median(values: Any) -> float:
 
 def _character(one: FeltEvents) -> tuple[float, float, float]:
     """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
-    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(KNOCK_HOP_S * 1e3)]
+    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(PULSE_HOP_S * 1e3)]
     if not len(level):
         return math.nan, one.slope, 0.0
-    return float(np.median(level)), one.slope, len(knocks(level)) / one.arrived_s
+    return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
 
 
-def steps_apart(first: KindFeel, second: KindFeel) -> float:
+def jnd_distance(first: KindFeel, second: KindFeel) -> float:
     """Count the just noticeable steps between two kinds, in what they differ most in.
 
     Parameters
@@ -487,20 +487,20 @@ def steps_apart(first: KindFeel, second: KindFeel) -> float:
     --------
     >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
     >>> kind = report.strokes[0].kinds[0]
-    >>> ov.measure.steps_apart(kind, kind)
+    >>> ov.measure.jnd_distance(kind, kind)
     0.0
     """
     for kind in (first, second):
         validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
         abs(first.level_db - second.level_db) / STEP_DB,
-        ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),
-        ratio_steps(first.duration_ms, second.duration_ms, STEP_DURATION),
+        ratio_jnds(first.sharpness, second.sharpness, JND_SHARPNESS),
+        ratio_jnds(first.duration_ms, second.duration_ms, JND_DURATION),
     ]
     return max((step for step in steps if math.isfinite(step)), default=0.0)
 
 
-def character_steps(first: FeelReport, second: FeelReport) -> float:
+def character_distance(first: FeelReport, second: FeelReport) -> float:
     """Count the just noticeable steps between two presets on one timeline.
 
     In what they differ most in: the medians of the steps in level, in sharpness and in density
@@ -519,26 +519,26 @@ def character_steps(first: FeelReport, second: FeelReport) -> float:
     Examples
     --------
     >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
-    >>> ov.measure.character_steps(report, report)
+    >>> ov.measure.character_distance(report, report)
     0.0
     """
     for report in (first, second):
         validation.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
     validation.equally_long("the reports' strokes", first.strokes, second.strokes)
-    return steps_over_strokes(
+    return jnds_over_strokes(
         {
             one.name: (
                 abs(one.level_db - other.level_db) / STEP_DB,
-                ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
+                ratio_jnds(one.sharpness, other.sharpness, JND_SHARPNESS),
                 # a pulse a second is the least that is called a rhythm
-                ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
+                ratio_jnds(one.density_hz + 1.0, other.density_hz + 1.0, JND_DURATION),
             )
             for one, other in zip(first.strokes, second.strokes, strict=True)
         }
     )
 
 
-def steps_over_strokes(differences: Mapping[str, Any]) -> float:
+def jnds_over_strokes(differences: Mapping[str, Any]) -> float:
     """Return the largest median of steps over strokes; the recoils count as one stroke."""
     table = {name: np.array(steps) for name, steps in differences.items()}
     each = [steps for name, steps in table.items() if not name.endswith("recoil")]

@@ -24,14 +24,14 @@ from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.felt import STEP_DB
-from overview_dsp.measure.report import KindFeel, feel_report, steps_apart
+from overview_dsp.measure.perceived_level import STEP_DB
+from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
 
 RATE = 16_000.0
 """Hz. The disk and its vibration are the same at any rate; a low one is quick."""
 
-ORDERED_STEPS, APART_STEPS = 2.0, 1.0
+ORDERED_JNDS, SEPARATE_JNDS = 2.0, 1.0
 """Wanted between a kind and the next one of a target; between any two kinds that are set apart."""
 
 REST_STEPS = 1.0
@@ -96,7 +96,7 @@ class TuningResult:
     ----------
     preset : Preset
         Called `NAME-tuned`.
-    least_steps : float
+    least_jnds : float
         Just noticeable steps between the two kinds that are nearest to each other.
     reached : bool
         Whether that is what was wanted.
@@ -106,12 +106,12 @@ class TuningResult:
     Examples
     --------
     >>> football = ov.load_preset("football")
-    >>> ov.measure.TuningResult(football, least_steps=2.1, reached=True).reached
+    >>> ov.measure.TuningResult(football, least_jnds=2.1, reached=True).reached
     True
     """
 
     preset: Preset
-    least_steps: float
+    least_jnds: float
     reached: bool
     unreached: tuple[str, ...] = ()
 
@@ -205,7 +205,7 @@ def tune(
     least = min((gap.steps - gap.wanted for gap in gaps), default=math.inf)
     return TuningResult(
         best,
-        least + (APART_STEPS if apart else ORDERED_STEPS),
+        least + (SEPARATE_JNDS if apart else ORDERED_JNDS),
         search.reached(feels),
         tuple(str(gap) for gap in gaps if not gap.steps >= gap.wanted),
     )
@@ -295,12 +295,12 @@ class _Search:
             there = [kinds[name] for name in self._target if name in kinds]
             for one, other in itertools.pairwise(there):
                 above = (one.level_db - other.level_db) / STEP_DB
-                wanted = APART_STEPS if self._apart else ORDERED_STEPS
+                wanted = SEPARATE_JNDS if self._apart else ORDERED_JNDS
                 found.append(gap(one.kind, "above", other.kind, above, wanted))
             if self._apart:
                 for one, other in itertools.combinations(kinds.values(), 2):
-                    steps = steps_apart(one, other)
-                    found.append(gap(one.kind, "from", other.kind, steps, APART_STEPS))
+                    steps = jnd_distance(one, other)
+                    found.append(gap(one.kind, "from", other.kind, steps, SEPARATE_JNDS))
             elif there:
                 contrast = there[-1].contrast_db / STEP_DB
                 found.append(gap(there[-1].kind, "above", REST, contrast, REST_STEPS))
@@ -316,7 +316,9 @@ class _Search:
         if self._apart:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
                 clear = (
-                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB) if kind.met else FAULT_STEPS
+                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
+                    if kind.passed
+                    else FAULT_STEPS
                 )
                 costs[kind.kind] += clear**2 + FAULT_STEPS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))

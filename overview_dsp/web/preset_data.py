@@ -17,16 +17,16 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.design.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.design.presets.library import (
     LIBRARY,
     bundled_presets,
     load_preset,
-    own_names,
-    parse_own,
+    parse_user_preset,
+    user_presets,
 )
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
+from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, whole_file
@@ -43,12 +43,12 @@ def preset_data(preset: Preset) -> dict[str, Any]:
 
 def preset_names() -> dict[str, list[str]]:
     """The names that `preset_named` takes."""
-    return {"bundled": list(bundled_presets()), "own": list(own_names())}
+    return {"bundled": list(bundled_presets()), "own": list(user_presets())}
 
 
 def preset_named(name: str) -> Preset:
     """A bundled or own preset; InputError for anything that isn't such a name."""
-    if name not in (*bundled_presets(), *own_names()):
+    if name not in (*bundled_presets(), *user_presets()):
         raise InputError(f"no preset is called {name[:70]!r}; /data/presets lists them")
     return load_preset(name)
 
@@ -76,7 +76,7 @@ def save_own(name: str, text: str, replace: bool) -> Path:
     if path.exists() and not replace:
         raise InputError(f"a preset {name!r} is there already; replace=1 replaces it")
     _require_named_base(text, name)
-    parse_own(text, path)
+    parse_user_preset(text, path)
     make_folder(path.parent)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
@@ -93,7 +93,9 @@ def _require_named_base(text: str, name: str) -> None:
         base = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
         return  # its reader reports the error with more detail
-    if isinstance(base, str) and (base == name or base not in (*bundled_presets(), *own_names())):
+    if isinstance(base, str) and (
+        base == name or base not in (*bundled_presets(), *user_presets())
+    ):
         raise InputError(f"extends = {base[:70]!r}: name one of your presets or of the bundled")
 
 

@@ -132,7 +132,7 @@ export interface Update {
 
 export type EventKind = Record<string, any> & { points: number[]; modes: Record<string, number>[] };
 
-/** A preset as it travels (dicts.py). */
+/** A preset as it travels (serialization.py). */
 export interface Preset {
   name: string;
   values: Record<string, any>;

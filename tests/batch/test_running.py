@@ -22,7 +22,7 @@ from overview_dsp.batch.cache_keys import Keys
 from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Place
 from overview_dsp.design.presets.parameters import PARAMETERS
-from overview_dsp.measure.felt import event_levels
+from overview_dsp.measure.perceived_level import event_levels
 from tests.batch.studies import CASES, JOBS, hashes, jobs_file, study_in
 from tests.cli.running import end_of_group, environment, overview, refused
 

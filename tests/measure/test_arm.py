@@ -19,7 +19,7 @@ from overview_dsp.measure.arm import (
     spread_db,
 )
 from overview_dsp.measure.event_table import FeltEvents, stroke_events
-from overview_dsp.measure.felt import Stroke, strokes
+from overview_dsp.measure.perceived_level import Stroke, strokes
 from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 16_000.0

@@ -7,7 +7,7 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import GESTURES
+from overview_dsp.measure.perceived_level import GESTURES
 from overview_dsp.measure.report import feel_report
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
 from tests.cli.running import MATCH, overview

@@ -43,7 +43,7 @@ def new(
     """Write a preset that extends another, with every parameter in it to be changed."""
     from overview_dsp.design.presets.library import LIBRARY
     from overview_dsp.design.presets.reference import json_schema
-    from overview_dsp.design.presets.writing import started_from
+    from overview_dsp.design.presets.writing import preset_template
     from overview_dsp.files.toml import SUFFIX
 
     if not _NAME.fullmatch(name):
@@ -55,7 +55,7 @@ def new(
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
-    write_text(path, f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}")
+    write_text(path, f"{SCHEMA_LINE}\n{preset_template(str(named), preset, name)}")
     ov.load_preset(path)
     # beside it, as the line says: what this version of the program knows
     write_text(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
@@ -116,7 +116,7 @@ def randomize(
 
     if seed < 0:
         raise InputError(f"seed {seed} is out of range; it is 0 or more")
-    found = ov.presets.randomized(ov.load_preset(preset), seed, amount)
+    found = ov.presets.randomize(ov.load_preset(preset), seed, amount)
     path = save_preset(found, output if output is not None else found.name + SUFFIX)
     show(as_json, {"files": [str(path)]}, path)
 

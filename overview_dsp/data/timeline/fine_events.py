@@ -31,7 +31,7 @@ slow look, of ten degrees a second, 30 ms."""
 
 MOST_DETAILS = 200
 """A window is filled up with details to so many events, about one a degree: in a sweep of twelve
-degrees a second nine of ten are felt one by one (`measure.events_felt_apart`)."""
+degrees a second nine of ten are felt one by one (`measure.count_resolved_events`)."""
 
 MOST_BY_RULE = 90
 """A window is filled up to so many events with those found by rule, one in two degrees: peaks and

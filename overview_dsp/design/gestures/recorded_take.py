@@ -1,6 +1,6 @@
 """Recorded takes: what a kernel applied, sample by sample, and what else changed meanwhile.
 
-Written while they are played: `growing_take.py`.
+Written while they are played: `take_writer.py`.
 
 The CSV has the columns of any take and `sample`, `sample_rate` and `source`; a JSON of the same
 name beside it holds the stamped parameter and surface changes::
@@ -43,7 +43,7 @@ VERSION = 2
 
 
 @dataclass(frozen=True)
-class Beside:
+class TakeDocument:
     """What the JSON beside a take says: its changes, and for one cut short how far it came, s."""
 
     changes: tuple[Change, ...]
@@ -77,7 +77,7 @@ def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
     )
 
 
-def load_beside(path: Path) -> Beside:
+def load_document(path: Path) -> TakeDocument:
     """What lies beside a recorded take's CSV.
 
     Raises
@@ -133,7 +133,7 @@ def load_beside(path: Path) -> Beside:
             changes.append(Change(before, what))
         else:
             played_s = before
-    return Beside(tuple(changes), played_s)
+    return TakeDocument(tuple(changes), played_s)
 
 
 def _sample_s(entry: Mapping[str, Any], before: float, rate: float, place: str) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Gesture
-from overview_dsp.design.gestures.recorded_take import Beside, load_beside
+from overview_dsp.design.gestures.recorded_take import TakeDocument, load_document
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
 
@@ -108,7 +108,7 @@ def _read(file: TextIO, path: Path) -> Gesture:
             sources.append(source)
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
-    beside = load_beside(path) if recorded else Beside((), None)
+    beside = load_document(path) if recorded else TakeDocument((), None)
     if beside.played_s is not None and beside.played_s > (times[-1] if times else 0.0):
         times.append(beside.played_s)
         angles.append(angles[-1] if angles else 0.0)

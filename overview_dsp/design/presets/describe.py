@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.model import EventKind, Preset
-from overview_dsp.design.presets.parameter import is_close_default, value_text
+from overview_dsp.design.presets.parameter import is_default, value_text
 from overview_dsp.design.presets.parameters import PARAMETERS, SECTIONS
+from overview_dsp.design.presets.serialization import preset_to_dict
 
 
 def character(preset: Preset) -> dict[str, float]:
@@ -82,7 +82,7 @@ def describe(preset: Preset) -> str:
         lines.append(f"[{section}]")
         for key, known in members.items():
             value = preset.values[known.id]
-            star = " " if is_close_default(known, value) else "*"
+            star = " " if is_default(known, value) else "*"
             shown = f"{value_text(value)} {known.unit}".strip()
             lines.append(f" {star}{key:<18} {shown:<20} ({known.allowed}) {known.doc}")
     facts = character(preset)

@@ -70,27 +70,31 @@ def _none() -> float:
     raise ValueError
 
 
-def work_out(data: Any, variables: Mapping[str, float], path: tuple[str | int, ...] = ()) -> Any:
+def evaluate_expressions(
+    data: Any, variables: Mapping[str, float], path: tuple[str | int, ...] = ()
+) -> Any:
     """A copy of a file's data with every expression worked out.
 
     Raises
     ------
-    FaultyValueError
+    ExpressionError
         An expression that has no value, with its path.
     """
     if isinstance(data, dict):
-        return {key: work_out(value, variables, (*path, key)) for key, value in data.items()}
+        return {
+            key: evaluate_expressions(value, variables, (*path, key)) for key, value in data.items()
+        }
     if isinstance(data, list):
-        return [work_out(value, variables, (*path, i)) for i, value in enumerate(data)]
+        return [evaluate_expressions(value, variables, (*path, i)) for i, value in enumerate(data)]
     if is_expression(data) and path[-1:] not in (("title",), ("description",)):
         try:
             return evaluate(data, variables)
         except InputError as error:
-            raise FaultyValueError(path, str(error)) from None
+            raise ExpressionError(path, str(error)) from None
     return data
 
 
-class FaultyValueError(InputError):
+class ExpressionError(InputError):
     """A value of a preset file that is wrong, and where it is."""
 
     def __init__(self, path: tuple[str | int, ...], message: str) -> None:

@@ -41,7 +41,7 @@ def bundled_presets() -> tuple[str, ...]:
     return LIBRARY.bundled
 
 
-def own_names() -> tuple[str, ...]:
+def user_presets() -> tuple[str, ...]:
     """List a person's own presets, which lie in a folder of the user's configuration.
 
     Returns
@@ -54,7 +54,7 @@ def own_names() -> tuple[str, ...]:
     >>> import os
     >>> os.environ["OVERVIEW_PRESETS"] = "."  # the folder, where it is another one
     >>> path = ov.presets.save(ov.load_preset("football"), "mine.toml")
-    >>> ov.presets.own()
+    >>> ov.presets.user_presets()
     ('mine',)
     >>> del os.environ["OVERVIEW_PRESETS"]
     """
@@ -102,7 +102,7 @@ def load_preset(name: str | Path) -> Preset:
     return parse_preset(read_text(path), path.stem, str(path), _base)
 
 
-def parse_own(text: str, path: Path) -> Preset:
+def parse_user_preset(text: str, path: Path) -> Preset:
     """The preset of a text that is to be the file `path`; InputError if it isn't valid."""
     if len(text.encode()) > MAX_BYTES:
         raise InputError(f"{path.name}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
@@ -113,7 +113,7 @@ LOUDNESS_UNIT = "LUFS"
 """In which the curve of a recording is."""
 
 
-def fitting(kinds: Mapping[str, int], unit: str = "") -> str:
+def best_preset(kinds: Mapping[str, int], unit: str = "") -> str:
     """The bundled preset made for data with these kinds of events: the one that names most of them.
 
     `plain` where none names at least half of them, ticks aside.
@@ -137,10 +137,10 @@ def fitting(kinds: Mapping[str, int], unit: str = "") -> str:
     return best if 2 * most >= sum(told.values()) else "plain"
 
 
-def fitting_preset(timeline: Timeline) -> str:
-    """The bundled preset made for data like a timeline's (`fitting`)."""
+def best_preset_for(timeline: Timeline) -> str:
+    """The bundled preset made for data like a timeline's (`best_preset`)."""
     curve = timeline.intensity
-    return fitting(timeline.kinds(), "" if curve is None else curve.unit)
+    return best_preset(timeline.kinds(), "" if curve is None else curve.unit)
 
 
 def _base(name: str, source: str) -> tuple[str, str]:
@@ -156,7 +156,7 @@ _SCALE = re.compile(r"(?P<name>\w+)\s*(?P<sign>[=<>])\s*(?P<value>[1-5])")
 WAYS = f"a use (football), or {', '.join(TAG_SCALES)} with =, < or > and 1 to 5 (energy=4, tempo<3)"
 
 
-def require_tag(tag: str) -> None:
+def check_tag(tag: str) -> None:
     """InputError for a scale that there isn't, or a value that no scale has."""
     if any(sign in tag for sign in _COMPARED):
         found = _SCALE.fullmatch(tag.strip())
@@ -164,16 +164,16 @@ def require_tag(tag: str) -> None:
             raise InputError(f"--tag {tag!r} is none; it is {WAYS}")
 
 
-def tagged(preset: Preset, tag: str) -> bool:
-    """Whether a preset has a tag, as `require_tag` allows it."""
+def has_tag(preset: Preset, tag: str) -> bool:
+    """Whether a preset has a tag, as `check_tag` allows it."""
     found = _SCALE.fullmatch(tag.strip())
     if found is None:
-        return serves(preset, tag)
+        return is_for_use(preset, tag)
     value = getattr(preset.tags, found["name"])
     return value is not None and bool(_COMPARED[found["sign"]](value, int(found["value"])))
 
 
-def serves(preset: Preset, use: str) -> bool:
+def is_for_use(preset: Preset, use: str) -> bool:
     """Whether a preset is for a use: its name, or a word or all of one of its uses, says so."""
     wanted = use.strip().casefold()
     names = [preset.name, *preset.tags.usage]

@@ -149,7 +149,7 @@ def value_text(value: Value) -> str:
     return f"{value:g}" if isinstance(value, float) else value
 
 
-def is_close_default(parameter: Parameter, value: Value) -> bool:
+def is_default(parameter: Parameter, value: Value) -> bool:
     """Whether a value is the parameter's default, to rounding."""
     if isinstance(parameter.default, float) and isinstance(value, float):
         return math.isclose(parameter.default, value, rel_tol=1e-12, abs_tol=0.0)

@@ -30,7 +30,7 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import Field
 
-from overview_dsp.design.presets.expressions import FaultyValueError, work_out
+from overview_dsp.design.presets.expressions import ExpressionError, evaluate_expressions
 from overview_dsp.design.presets.model import (
     DEFAULT_KIND,
     TAG_SCALES,
@@ -298,8 +298,8 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
     found: Any
     try:
-        found = checked(preset_model(), work_out(data, numbers))
-    except FaultyValueError as error:
+        found = checked(preset_model(), evaluate_expressions(data, numbers))
+    except ExpressionError as error:
         found = [Fault(error.path, f"{named(error.path)}: {error}")]
     if isinstance(found, list):
         path, words = found[0]

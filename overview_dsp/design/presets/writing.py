@@ -93,7 +93,7 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def started_from(extended: str, base: Preset, title: str) -> str:
+def preset_template(extended: str, base: Preset, title: str) -> str:
     """The text of a new preset that extends another one, with every value of that in a comment."""
     lines = [
         f"# {title}",

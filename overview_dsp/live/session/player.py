@@ -19,7 +19,7 @@ from typing import Any
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import load_gesture
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream

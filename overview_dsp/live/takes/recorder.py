@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.design.gestures.growing_take import Event, GrowingTake
+from overview_dsp.design.gestures.take_writer import Event, TakeWriter
 from overview_dsp.errors import InputError, OutputError, OverviewError
 from overview_dsp.live.takes.recovery import GrowingNote, other_places
 from overview_dsp.signal.engine.engine import Engine
@@ -70,7 +70,7 @@ class Recorder:
         self._busy = threading.Lock()  # whoever ends the process may close it from elsewhere
         share = engine.preset.number("surface.angle_map")
         about = {"seed": engine.seed, "angle_map": share, **about}
-        self._take: GrowingTake | None = GrowingTake(path, engine.sample_rate, about)
+        self._take: TakeWriter | None = TakeWriter(path, engine.sample_rate, about)
         self.path: Path = self._take.path  # where it is now
         self._note = GrowingNote(self.path)
 
@@ -108,7 +108,7 @@ class Recorder:
             if self._take is None:
                 return
             self._collect()
-            error = self._write() or self._do(GrowingTake.finish)
+            error = self._write() or self._do(TakeWriter.finish)
             take, self._take = self._take, None
             self._note.close()
         if error is not None:
@@ -156,7 +156,7 @@ class Recorder:
             )
         return error
 
-    def _do(self, action: Callable[[GrowingTake], None]) -> OSError | None:
+    def _do(self, action: Callable[[TakeWriter], None]) -> OSError | None:
         """Do something with the take, here or in another place; return the error if both fail."""
         assert self._take is not None
         while True:
@@ -168,13 +168,13 @@ class Recorder:
             else:
                 return None
 
-    def _move(self, take: GrowingTake, error: OSError) -> bool:
+    def _move(self, take: TakeWriter, error: OSError) -> bool:
         """Continue the take in another place, whole up to now; return whether there is one."""
         for place in other_places(take.path):
             if place.parent == take.path.parent:
                 return False
             try:
-                self._take = take.continued(place)
+                self._take = take.continue_at(place)
             except (InputError, OutputError):
                 continue
             self.path = place

@@ -7,7 +7,7 @@ from typing import Any
 
 from overview_dsp.data.feeds.difference import applied, pattern_of
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.dicts import preset_from_dict
+from overview_dsp.design.presets.serialization import preset_from_dict
 from overview_dsp.design.presets.validation import migrate_values
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import Engine

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.blending import morph
+from overview_dsp.design.presets.morphing import morph
 from overview_dsp.design.presets.validation import parse_preset
 from tests.examples import plain_preset
 

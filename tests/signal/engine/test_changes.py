@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import FADE_S, GLIDE_S
 from overview_dsp.signal.engine import coefficients

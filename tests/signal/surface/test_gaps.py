@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.library import bundled_presets
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.felt import STEP_DB, stroke_feel, strokes, window_db
+from overview_dsp.measure.perceived_level import STEP_DB, stroke_feel, strokes, window_db
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.signal.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.design.presets.expressions import is_expression
-from overview_dsp.design.presets.library import load_preset, parse_own, preset_path
+from overview_dsp.design.presets.library import load_preset, parse_user_preset, preset_path
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.validation import SCHEMA, migrate
 from overview_dsp.errors import InputError
@@ -22,7 +22,7 @@ Changes = Mapping[str, Mapping[str, float]]
 """Of each kind, its keys (`height`, `width_percent`, `width_ms`) and their values."""
 
 
-def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
+def updated_text(source: Path, changes: Changes, before: Preset) -> str:
     """The text of a preset's file with some kinds' values changed.
 
     A value that is worked out from variables is multiplied, so that it still follows them; one that
@@ -76,7 +76,7 @@ def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
     return tomlkit.dumps(document)
 
 
-def save_retuned(
+def save_updated(
     name: str | Path, changes: Changes, path: str | os.PathLike[str]
 ) -> tuple[Path, Preset]:
     """Write a preset's own text with some kinds' values changed, checked before.
@@ -92,8 +92,8 @@ def save_retuned(
         A place that can't be written, or a text that would not be valid.
     """
     before, place = load_preset(name), Path(path)
-    text = retuned_text(preset_path(name), changes, before)
-    made = parse_own(text, place)
+    text = updated_text(preset_path(name), changes, before)
+    made = parse_user_preset(text, place)
     with whole_file(place) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return place, made

@@ -23,7 +23,7 @@ Event = tuple[int, int, float, bool]
 """Sample, source (index of `SOURCES`), theta2 (rad), touching."""
 
 
-class GrowingTake:
+class TakeWriter:
     """A take's two files, open for what comes.
 
     Thread: one, whichever.
@@ -44,7 +44,7 @@ class GrowingTake:
         self._changes: list[tuple[int, Mapping[str, Any]]] = []
         self._last: Event = (-1, 0, 0.0, False)
         try:
-            set_aside(self.path)
+            rename_existing(self.path)
             # the JSON first: no reader finds the CSV without it
             self._beside = _Lines(self.path.with_suffix(".json"))
             self._lines = _Lines(self.path)
@@ -111,9 +111,9 @@ class GrowingTake:
         self._beside.close()
         self._lines.close()
 
-    def continued(self, path: Path) -> GrowingTake:
+    def continue_at(self, path: Path) -> TakeWriter:
         """All of this take in another place, to go on there; InputError, OutputError."""
-        other = GrowingTake(path, self._rate, self._about)
+        other = TakeWriter(path, self._rate, self._about)
         try:
             other._beside.replace(self._beside)
             other._lines.replace(self._lines)
@@ -189,7 +189,7 @@ class _Lines:
             self._file = None
 
 
-def set_aside(path: Path) -> None:
+def rename_existing(path: Path) -> None:
     """Give what lies at a take's place, and the JSON beside it, a name that is free; OSError."""
     both = [one for one in (path, path.with_suffix(".json")) if os.path.lexists(one)]
     if not both:

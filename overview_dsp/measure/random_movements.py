@@ -1,4 +1,4 @@
-"""Hands by chance: they speed up, hesitate, go back a little and on again."""
+"""Movement by chance: they speed up, hesitate, go back a little and on again."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SMOOTHED_S = 0.2
 """A hand has no corners: the pace is a Hann window's mean over so long."""
 
 
-def random_hand(seed: int) -> Gesture:
+def random_movement(seed: int) -> Gesture:
     """Make up a hand's way over the whole timeline, of mixed pace.
 
     It touches down at the start, speeds up and slows down by chance, hesitates, goes back by up to
@@ -45,7 +45,7 @@ def random_hand(seed: int) -> Gesture:
 
     Examples
     --------
-    >>> hand = ov.measure.random_hand(2)
+    >>> hand = ov.measure.random_movement(2)
     >>> hand.theta2[0], bool(hand.theta2[-1] == np.pi)
     (np.float64(0.0), True)
     """

@@ -128,7 +128,7 @@ def _mixed_modes(
     return tuple(found)
 
 
-def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
+def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
     """Make a preset near another one, by chance.
 
     Parameters
@@ -153,7 +153,7 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
 
     Examples
     --------
-    >>> ov.presets.randomized(ov.load_preset("football"), seed=7).name
+    >>> ov.presets.randomize(ov.load_preset("football"), seed=7).name
     'football-7'
     """
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
