@@ -1,7 +1,6 @@
-"""What a finger or an ear gets: feel reports, levels, onsets, an observer; presets tuned by them.
+"""Perceptual measurements: feel reports, levels, onsets, an observer, and tuning of presets.
 
-`ov.measure` is for who designs presets or studies what is felt. Each name is imported when it is
-first used.
+`ov.measure` is for designers of presets and for research. Each name is imported on first use.
 
 Examples
 --------
@@ -114,7 +113,7 @@ _NAMES = {
     "random_movements": "random_movement",
     "tuning": "TuningResult tune",
 }
-"""Of each module."""
+"""Public names of each module."""
 
 if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(

@@ -99,7 +99,7 @@ def test_a_take_says_where_each_event_was_and_the_json_beside_what_changed(
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (None, "take.json with its parameter changes isn't beside"),
+        (None, "take.json with the parameter changes of this recorded take is missing"),
         ("{", "take.json: broken JSON"),
         ("[]", "take.json: not a take's changes"),
         ('{"overview_take": 2, "sample_rate": 0}', "sample_rate is 0"),

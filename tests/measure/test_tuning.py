@@ -37,16 +37,16 @@ def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
 
 def test_no_two_kinds_feel_alike_once_they_are_set_apart():
     preset = preset_of(a=20.0, b=20.0, d=8.0)
-    found = tune(preset, ("a", "d"), apart=True, seed=1)
+    found = tune(preset, ("a", "d"), separate=True, seed=1)
     assert found.reached
     report = feel_report(
         found.preset, pages(found.preset), {"slow": sweep(5.0), "fast": sweep(1.0)}
     )
     for name in ("slow", "fast"):
-        assert report.stroke(name).alike == ()
+        assert report.stroke(name).indistinct == ()
         levels = {kind.kind: kind.level_db for kind in report.stroke(name).kinds}
         assert levels["a"] > levels["d"] + 2.3
-    assert tune(found.preset, ("a", "d"), apart=True, seed=2).preset.kinds == found.preset.kinds
+    assert tune(found.preset, ("a", "d"), separate=True, seed=2).preset.kinds == found.preset.kinds
 
 
 @pytest.mark.parametrize("apart", [False, True])

@@ -1,4 +1,4 @@
-"""A preset in a notebook: what it is like, and how high and wide its kinds are, as HTML."""
+"""HTML of a preset for notebooks: description, heights and widths of its kinds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _BAR = 120
 
 
 def preset_page(preset: Preset) -> str:
-    """HTML with title, description and a row a kind; every text of the preset is escaped."""
+    """Return HTML with title, description and one row per kind; all texts are escaped."""
     tallest = max(kind.height for kind in preset.kinds.values())
     rows = "".join(_row(name, kind, tallest) for name, kind in preset.kinds.items())
     return (

@@ -1,4 +1,4 @@
-"""A preset as plain dicts, lists, texts and numbers: for JSON, and back."""
+"""Conversion of presets to and from plain data for JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from overview_dsp.validation import located
 
 
 def preset_to_dict(preset: Preset) -> dict[str, Any]:
-    """A preset as plain dicts, lists, texts and numbers."""
+    """Return a preset as plain dicts, lists, texts and numbers."""
     return {
         "name": preset.name,
         "title": preset.title,
@@ -34,7 +34,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
 
 
 def preset_from_dict(data: Any) -> Preset:
-    """The preset of `preset_to_dict`; InputError if it isn't one."""
+    """Return the preset of `preset_to_dict` data; InputError if they are not valid."""
     try:
         return _preset_of(data)
     except InputError:
@@ -48,14 +48,14 @@ def preset_from_dict(data: Any) -> Preset:
 def _preset_of(data: Any) -> Preset:
     name, title, description = (data[key] for key in ("name", "title", "description"))
     if not all(isinstance(text, str) for text in (name, title, description)):
-        raise InputError("not a saved state: name, title and description are texts")
+        raise InputError("not a saved state: name, title and description must be texts")
     return Preset(
         name,
         title,
         description,
         migrate_values(data["values"]),
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-        # states of before had none of these
+        # earlier states have none of these
         Tags(**data.get("tags", {})),
         tuple(data.get("authors", ())),
         tuple(data.get("points", ())),

@@ -1,23 +1,19 @@
-"""A preset file's text to Preset: a pydantic model made from the parameter table checks it.
+"""Reader of preset files: migration, extension, expressions and a check by a pydantic model.
 
-Errors name file and line, also where the value stands in a file that the preset extends.
+The model is made from the parameter table. Errors name file and line, also in an extended file.
 
-A preset file and those it extends, as one.
+`extends = "football"` takes all values of that preset (a name, or a path from the file's folder).
+The file changes single keys, kinds and variables. A list of modes is replaced as a whole.
+Expressions of the base follow changed variables.
 
-`extends = "football"` takes everything from that preset (a bundled or own name, or a path from the
-file's folder) and changes what is written here: single keys, kinds, variables. A list of modes is
-taken whole. Variables of the base may be set anew, and what is worked out from them follows.
-
-Preset files of older schema versions, brought up to the present one.
-
-| version | what is new |
+| schema | change |
 |---|---|
-| 1 | the first |
-| 2 | `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
+| 1 | first version |
+| 2 | added `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
 | 3 | `[clutch]`: `max_speed_ratio` was `disk.catch_up`, `tap_duration_s` was `disk.unfold_s` |
-| 4 | other names (`_RENAMED`, `_RENAMED_OF_KIND`): `intensity_gain` was `ambience`, for example |
+| 4 | new names (`_RENAMED`, `_RENAMED_OF_KIND`), such as `intensity_gain` for `ambience` |
 
-In version 2 a tap took `unfold_s / catch_up`.
+In schema 2 a tap took `unfold_s / catch_up`.
 """
 
 from __future__ import annotations
@@ -114,12 +110,12 @@ def migrate(data: dict[str, Any]) -> dict[str, Any]:
 MAX_LAYERS = 8
 
 Find = Callable[[str, str], tuple[str, str]]
-"""From (what `extends` says, the file that says it) to (the base's file, its text)."""
+"""Function from (value of `extends`, its file) to (file of the base, its text)."""
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One file: where it is, its text, and its data in the present schema."""
+    """One file: path, text, and data in the present schema."""
 
     source: str
     text: str
@@ -127,18 +123,18 @@ class Layer:
 
 
 def read_layers(source: str, text: str, find: Find) -> list[Layer]:
-    """The file and its bases, the file first.
+    """Return the file and its bases, the file first.
 
     Raises
     ------
     InputError
-        Not TOML; a base that isn't there, is no name, or extends what extends it.
+        A file is not TOML, or a base is missing, not a name, or part of a circle.
     """
     layers = [_layer(source, text)]
     while (base := layers[-1].data.get("extends")) is not None:
         here = layers[-1]
         if not isinstance(base, str):
-            raise InputError(f"{here.source}: extends = {shown(base)}; it is a preset's name")
+            raise InputError(f"{here.source}: extends = {shown(base)}; must be a preset's name")
         if len(layers) == MAX_LAYERS:
             raise InputError(f"{source}: more than {MAX_LAYERS} presets extend each other")
         try:
@@ -156,7 +152,7 @@ def _layer(source: str, text: str) -> Layer:
 
 
 def merged(layers: list[Layer]) -> dict[str, Any]:
-    """The data of all layers as one, the first layer's last word."""
+    """Return the merged data of all layers; the first layer has priority."""
     found: dict[str, Any] = {}
     for layer in reversed(layers):
         own = {key: value for key, value in layer.data.items() if key != "extends"}
@@ -172,19 +168,19 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
             found[key] = value
             continue
         found[key] = _over(below, value)
-        # an event's width is given in one of two ways: the file's own is meant
+        # an event has one of two widths; the one of the file has priority
         _one_width(found[key], value)
     return found
 
 
 def _one_width(found: dict[str, Any], own: dict[str, Any]) -> None:
-    for given, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
-        if given in own and other not in own:
+    for key, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
+        if key in own and other not in own:
             found.pop(other, None)
 
 
 def layer_of(layers: list[Layer], path: Path) -> Layer:
-    """The layer that says a value: the first one that has it, else the file itself."""
+    """Return the first layer with a value, or else the file itself."""
     for layer in layers:
         value: Any = layer.data
         for part in path:
@@ -198,11 +194,11 @@ def layer_of(layers: list[Layer], path: Path) -> Layer:
 
 
 MAP_DOC = (
-    "The intensity map: of even steps of the timeline's curve, the part of the ambience that is "
-    "felt there, 0 to 1; none is a straight line."
+    "Intensity map: felt share (0 to 1) at even steps of the intensity curve; default: a straight "
+    "line."
 )
-_POINTS_DOC = "The friction's course over two widths, 0 to 1, in place of the shape's."
-_ALIASES_DOC = "Other kinds of event that feel like this one, unless they are named."
+_POINTS_DOC = "Friction profile over two widths, 0 to 1, which replaces the shape."
+_ALIASES_DOC = "Other event kinds that use this one, unless the preset names them."
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
@@ -218,7 +214,7 @@ def _field(known: Parameter) -> tuple[Any, Any]:
 
 
 def _model(name: str, parameters: Iterable[Parameter], **more: Any) -> Any:
-    """The model of a table of parameters, and of `more`."""
+    """Return the model of a table of parameters, and of `more`."""
     fields: dict[str, Any] = {known.key: _field(known) for known in parameters}
     return pydantic.create_model(name, __base__=Strict, **fields, **more)
 
@@ -229,7 +225,7 @@ def _many(kind: Any, most: int | None = None, doc: str | None = None) -> tuple[A
 
 @cache
 def preset_model() -> type[pydantic.BaseModel]:
-    """The pydantic model of a preset file, made from the parameter table."""
+    """Return the pydantic model of a preset file, made from the parameter table."""
     part = Annotated[float, Field(ge=0.0, le=1.0)]
     more = {"surface": {"points": _many(part, MAX_POINTS, MAP_DOC)}}
     sections: dict[str, Any] = {
@@ -250,8 +246,8 @@ def preset_model() -> type[pydantic.BaseModel]:
         (),
         # an alias: pydantic has a method of the file's name for it
         schema_version=(int, Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
-        title=(str, Field(..., description="What the preset is called.")),
-        description=(str, Field(..., description="What it feels like, in a line.")),
+        title=(str, Field(..., description="Title of the preset.")),
+        description=(str, Field(..., description="Feel of the preset, in one sentence.")),
         authors=_many(str),
         variables=(dict[str, float], Field(default_factory=dict)),
         kinds=(dict[str, kind], Field(max_length=MAX_KINDS)),  # type: ignore[valid-type]
@@ -261,40 +257,40 @@ def preset_model() -> type[pydantic.BaseModel]:
 
 
 def _is_number(value: object) -> bool:
-    # an int of thousands of digits isn't one here: the check will say so
+    # a very large int is not a number here; the check reports it
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
 
 
 def _no_base(base: str, source: str) -> tuple[str, str]:
-    raise InputError(f"{base!r} can't be looked up here")
+    raise InputError(f"{base!r} cannot be looked up here")
 
 
 def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Preset:
-    """A preset from a file's text.
+    """Return the preset of a file's text.
 
     Parameters
     ----------
     text
         TOML.
     name
-        Of the preset.
+        Name of the preset.
     source
-        The file, for errors.
+        File in error messages.
     find
-        Looks up what `extends` names.
+        Function that finds an extended preset.
 
     Raises
     ------
     InputError
-        Not TOML, an unknown key, a wrong type or a value out of range: names file, line, key and
-        range, and how many further faults there are.
+        The text is not TOML, or has an unknown key, a wrong type or a value out of range. The error
+        names file, line, key and range, and the number of further errors.
     """
     layers = read_layers(source, text, find)
     data = merged(layers)
     variables = data.get("variables", {})
     if not isinstance(variables, dict):
-        place = _place(layers, ("variables",))
-        raise InputError(f"{place}: variables = {shown(variables)}; it is a table of numbers")
+        location = _location(layers, ("variables",))
+        raise InputError(f"{location}: variables = {shown(variables)}; must be a table of numbers")
     numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
     found: Any
     try:
@@ -304,10 +300,10 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     if isinstance(found, list):
         path, words = found[0]
         if path == ("schema",) and "schema" in data:
-            given = shown(data["schema"])
-            words = f"schema = {given} is not known; this version reads schema = 1 to {SCHEMA}"
+            version = shown(data["schema"])
+            words = f"schema = {version} is not known; this version reads schema = 1 to {SCHEMA}"
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        raise InputError(f"{_place(layers, path)}: {words}{more}")
+        raise InputError(f"{_location(layers, path)}: {words}{more}")
     dumped = found.model_dump()
     kinds: dict[str, EventKind] = {}
     for kind_name, members in dumped["kinds"].items():
@@ -315,12 +311,11 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         try:
             kinds[kind_name] = EventKind(modes=modes, **members)
         except InputError as error:
-            place = _place(layers, ("kinds", kind_name))
-            raise InputError(f"{place}: kinds.{kind_name}: {error}") from None
+            location = _location(layers, ("kinds", kind_name))
+            raise InputError(f"{location}: kinds.{kind_name}: {error}") from None
     if DEFAULT_KIND not in kinds:
         raise InputError(
-            f"{source}: kinds.{DEFAULT_KIND} is missing; "
-            "add it, for events of a kind the preset doesn't name"
+            f"{source}: kinds.{DEFAULT_KIND} is missing; add it for events of other kinds"
         )
     points = dumped["surface"].pop("points")
     values = {f"{name}.{key}": value for name in SECTIONS for key, value in dumped[name].items()}
@@ -333,7 +328,7 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         raise InputError(f"{source}: {error}") from None
 
 
-def _place(layers: list[Layer], path: Path) -> str:
+def _location(layers: list[Layer], path: Path) -> str:
     layer = layer_of(layers, path)
     line = line_of(layer.text, path)
     return f"{layer.source}:{line}" if line else layer.source

@@ -67,7 +67,7 @@ def test_no_two_kinds_feel_alike_and_none_is_masked_or_merged_from_1_to_6_second
     report = feel_report(preset, pages(preset), SWEEPS, RATE)
     for seconds in SWEEPS:
         stroke = report.stroke(seconds)
-        assert stroke.alike == (), seconds
+        assert stroke.indistinct == (), seconds
         assert sum(kind.masked + kind.merged for kind in stroke.kinds) == 0, seconds
         assert {kind.kind for kind in stroke.kinds if kind.passed} == set(preset.kinds), seconds
 

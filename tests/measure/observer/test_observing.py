@@ -68,7 +68,7 @@ def test_it_says_what_is_taken_for_what(alike):
     lines = alike.warnings()
     (line,) = (one for one in lines if "is taken for a high" in one and "(by touch" in one)
     assert re.fullmatch(
-        r"1 low in [234] is taken for a high by a hand of mixed pace "
+        r"1 low in [234] is taken for a high in mixed movement "
         r"\(by touch, random timelines\)",
         line,
     )
@@ -154,9 +154,9 @@ def test_progress_rises_to_the_end():
         ({"modalities": ["smell"]}, "touch, sound, both"),
         ({"modalities": []}, "touch, sound, both"),
         ({"movement": "cold"}, "all, steady, arm, mixed"),
-        ({"learned": 0}, "1 timeline or more"),
-        ({"held_out": -1}, "held_out = -1"),
-        ({"held_out": 0}, "nothing to ask about"),
+        ({"learned": 0}, "must be at least 1"),
+        ({"held_out": -1}, "held_out is -1"),
+        ({"held_out": 0}, "no timelines to evaluate on"),
     ],
 )
 def test_a_mistake_is_one_line_that_says_what_is_allowed(how, words):
