@@ -171,7 +171,7 @@ def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
     assert not found.reached
     assert all("a is " in line or "b is " in line for line in found.unreached)
     assert any(
-        "steps above b in " in line and " on crowd, 2 wanted" in line for line in found.unreached
+        "JNDs above b in " in line and " on crowd, 2 required" in line for line in found.unreached
     )
 
 
