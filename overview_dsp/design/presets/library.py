@@ -55,7 +55,7 @@ def user_presets() -> tuple[str, ...]:
     ('mine',)
     >>> del os.environ["OVERVIEW_PRESETS"]
     """
-    return LIBRARY.own
+    return LIBRARY.user
 
 
 def preset_path(name: str | Path) -> Path:

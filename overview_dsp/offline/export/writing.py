@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
 from overview_dsp.offline.export.clip import Clip, FeltError, clip_of, felt_error
@@ -189,7 +189,7 @@ def export(
     written: list[Path] = []
     for suffix, data in files.items():
         place = stem.with_name(stem.name + suffix) if written else target
-        with whole_file(place) as temporary:
+        with atomic_file(place) as temporary:
             temporary.write_bytes(data)
         written.append(place)
     players = {name: felt_error(level, clip.level) for name, level in played.items()}

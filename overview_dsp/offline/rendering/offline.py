@@ -23,13 +23,13 @@ from overview_dsp.design.gestures.take import load_gesture
 from overview_dsp.design.presets.library import best_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.files.sound import Sounding
+from overview_dsp.files.sound import SavableSound
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.offline.rendering.event_log import transcript
 from overview_dsp.offline.rendering.notebook import Row, result_page
 from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.offline.rendering.trace import Trace, Traced, TraceWriter
-from overview_dsp.public import counted, drawn, short
+from overview_dsp.public import counted, plot_with, short
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
 from overview_dsp.signal.engine.engine import Engine
@@ -64,7 +64,7 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Sounding, Generic[Traced]):
+class Result(SavableSound, Generic[Traced]):
     """A rendered gesture. In a notebook it is a player and its curves.
 
     Attributes
@@ -127,7 +127,7 @@ class Result(Sounding, Generic[Traced]):
         if self.trace is None:
             raise InputError("there is no trace to draw; render with trace=True")
         title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
-        return drawn(
+        return plot_with(
             "offline.plots.strokes", "plot_strokes", [("", self)], self.engine.timeline, title
         )
 

@@ -15,7 +15,7 @@ import platformdirs
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.signal.actuators.library import load_actuator, reference
 from overview_dsp.signal.actuators.model import MAX_CALIBRATION_DB, Actuator
 
@@ -157,7 +157,7 @@ def calibrated_actuator(name: str | Path) -> Actuator:
 def _write(kept: dict[str, Any]) -> None:
     path = calibration_file()
     make_folder(path.parent)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
