@@ -87,7 +87,7 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
         (["--set", "click.gain=99"], "gain 99 is out of range"),
         (["--set", "click.channel=2"], "can't share channel 2"),
         (["--set", "tactor.channel=3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
-        (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
+        (["--input", "wobble:3"], "gesture 'wobble:3' is not valid"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
     ],

@@ -119,7 +119,7 @@ def test_presets_are_listed_by_use_and_by_scale():
 def test_a_tag_that_is_none_is_one_line(tag):
     done = overview("presets", "list", "--tag", tag)
     assert done.code == 2
-    assert done.errors[0].startswith(f"error: --tag {tag!r} is none; it is a use")
+    assert done.errors[0].startswith(f"error: --tag {tag!r} is not valid; allowed: a use")
 
 
 def test_a_use_is_found_by_its_words(football):

@@ -128,7 +128,7 @@ def test_tags_and_authors_are_kept(write):
         ),
         (
             'schema = 2\nextends = "base.toml"\n[disk]\nk1 = "open($hard)"\n',
-            ("own.toml:4", "can't be worked out"),
+            ("own.toml:4", "is not an expression"),
         ),
         ('schema = 2\nextends = "base.toml"\n[tags]\nenergy = 9\n', ("own.toml:4", "tags.energy")),
         ('schema = 2\nextends = "base.toml"\n[tags]\nenrgy = 2\n', ("did you mean 'energy'",)),

@@ -163,7 +163,7 @@ def test_an_unknown_key_is_named_with_its_line_and_the_nearest_known_one(before,
 @pytest.mark.parametrize(
     ("points", "words"),
     [
-        ("[0.5]", ["1 points", "2 to 256"]),
+        ("[0.5]", ["points has 1 numbers", "2 to 256"]),
         ("[0.0, 1.5]", [":6:", "surface.points.1", "less than or equal to 1"]),
         ("[0.0, nan]", [":6:", "surface.points.1", "finite"]),
         ('"line"', [":6:", "surface.points", "list"]),
