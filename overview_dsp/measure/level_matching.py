@@ -82,6 +82,10 @@ class PerceptualFeatures:
     brightness_hz: float
     decay_ms: float
 
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:.4g}" for name, value in vars(self).items())
+        return f"PerceptualFeatures({values})"
+
 
 _JNDS = {"sharpness": JND_SHARPNESS}
 _LEAST = {"density_hz": LEAST_DENSITY_HZ, "rhythm": LEAST_RHYTHM}

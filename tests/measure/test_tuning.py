@@ -183,7 +183,7 @@ def test_timelines_of_one_title_are_measured_each_by_itself():
 
 
 def test_a_kind_that_no_timeline_has_is_one_line(match, football):
-    with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the timelines given"):
+    with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the given timelines"):
         tune(football, ["goal", "shot"], [match])
 
 

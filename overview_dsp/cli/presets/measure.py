@@ -56,7 +56,11 @@ class Observer:
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `measure.observe`, without unset ones."""
-        options = {"modalities": self.modality or None, "movement": self.movement, "seed": self.seed}
+        options = {
+            "modalities": self.modality or None,
+            "movement": self.movement,
+            "seed": self.seed,
+        }
         return {name: value for name, value in options.items() if value is not None}
 
 
