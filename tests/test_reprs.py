@@ -37,8 +37,12 @@ def objects(match, football, tmp_path_factory):
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
     felt = ov.measure.felt_events(football, [match], {"fast": ov.sweep(1.0)}, sample_rate=8000)
     arm = ov.measure.arm_report(football, [match], {"arm 1 s": ov.arm(1.0)})
-    shown = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
-    asked = ov.measure.observe(football, modalities=["touch"], hands="mixed", learned=2, held_out=1)
+    shown = ov.measure.perceptual_features(
+        football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000
+    )
+    asked = ov.measure.observe(
+        football, modalities=["touch"], movement="mixed", learned=2, held_out=1
+    )
     (scores,) = asked.sets
     c2 = ov.load_actuator("c2")
     exported = ov.export.export(result, "ahap", folder / ("long-name" * 9 + ".ahap"))

@@ -26,8 +26,8 @@ FRAMES = RATE
 GESTURE = ov.sweep(0.4) + ov.tap(0.7, 0.1)
 CHANGES = {
     "viscous": {},
-    "bristles": {"surface.model": "bristle", "surface.grip": 1.0},
-    "detents": {"surface.model": "detent", "surface.pattern": "waves", "surface.grip": 1.0},
+    "bristles": {"surface.model": "bristle", "surface.torque_ratio": 1.0},
+    "detents": {"surface.model": "detent", "surface.pattern": "waves", "surface.torque_ratio": 1.0},
 }
 
 Marks = Callable[[str, Callable[[], None]], None]
@@ -58,7 +58,7 @@ def one_call(count: Marks) -> None:
     engine = fed()
     count("viscous, with trace", lambda: engine.process(out, trace))
     again = fed()
-    again.set("surface.ambience", 2.0, sample_time=1_000)
+    again.set("surface.intensity_gain", 2.0, sample_time=1_000)
     again.set("tactor.gain_db", -6.0, sample_time=1_000)
     count("viscous, a glide and a crossfade", lambda: again.process(out))
 

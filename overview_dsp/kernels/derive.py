@@ -59,7 +59,7 @@ def derive_into(f64, to):
     f64[to + layout.C_THETA] = to_theta1
     f64[to + layout.C_OMEGA] = to_theta1 * sample_rate
     f64[to + layout.C_SMOOTH] = one_pole(f64[layout.PARAM_INPUT_SMOOTHING_MS] * 1e-3, sample_rate)
-    f64[to + layout.C_TORQUE] = 1e3 / f64[layout.PARAM_TACTOR_FULL_TORQUE_MNM]
+    f64[to + layout.C_TORQUE] = 1e3 / f64[layout.PARAM_TACTOR_REFERENCE_TORQUE_MNM]
     f64[to + layout.C_GATE] = db_to_gain(f64[layout.PARAM_TACTOR_THRESHOLD_DB])
     f64[to + layout.C_EXPONENT] = f64[layout.PARAM_TACTOR_COMPRESSION]
     f64[to + layout.C_DECAY] = one_pole(f64[layout.PARAM_TACTOR_DECAY_MS] * 1e-3, sample_rate)
@@ -69,7 +69,7 @@ def derive_into(f64, to):
     f64[to + layout.C_TACTOR_GAIN] = 0.0 if f64[layout.PARAM_TACTOR_MUTE] > 0.0 else tactor
     click = db_to_gain(f64[layout.PARAM_CLICK_GAIN_DB])
     f64[to + layout.C_CLICK_GAIN] = 0.0 if f64[layout.PARAM_CLICK_MUTE] > 0.0 else click
-    f64[to + layout.C_STRIKE_TORQUE] = 1e3 / f64[layout.PARAM_CLICK_FULL_TORQUE_MNM]
+    f64[to + layout.C_STRIKE_TORQUE] = 1e3 / f64[layout.PARAM_CLICK_REFERENCE_TORQUE_MNM]
     f64[to + layout.C_STRIKE_EXPONENT] = f64[layout.PARAM_CLICK_COMPRESSION]
     # white noise has its power in half the sample rate, the grain's low-pass keeps a fixed band
     grain = math.sqrt(WHITE * sample_rate / USUAL_RATE) / math.sqrt(MILLIWATT)

@@ -41,9 +41,9 @@ from starlette.routing import BaseRoute, Route
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.live.session.presets import PresetWatch

@@ -48,7 +48,8 @@ class HostSession(Input):
             "touching": meters.touching,
             "torque_nm": meters.torque,
             "envelope": round(meters.envelope, 4),
-            "reference_torque_nm": player.engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            "reference_torque_nm": 1e-3
+            * player.engine.preset.number("tactor.reference_torque_mnm"),
             "window": list(player.window),
             "preset": player.engine.preset.name,
             "output_ms": round(player.output.meters.latency_s * 1e3, 2),

@@ -219,7 +219,7 @@ def study_json(
         "forms": forms_of(design),
         "exclude": file.exclude.model_dump(),
         "kinds": kinds,
-        "full_torque": first.number("tactor.full_torque_mnm") * 1e-3,
+        "full_torque": first.number("tactor.reference_torque_mnm") * 1e-3,
         "bare_friction": first.number("surface.friction"),
         "stimuli": stimuli,
     }  # fmt: skip

@@ -255,10 +255,10 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     applied, _ = running.take_applied(before)
     held = applied[applied["touching"]]
     assert len(held) > 20
-    # it begins where the fader is, and goes over within twist.join_ms: half as fast again in the
+    # it begins where the fader is, and goes over within twist.blend_ms: half as fast again in the
     # middle, beside what the wheel itself turns by; a busy machine's messages lie further apart
     assert held["theta2"][0] == pytest.approx(2.0)
-    blend_s = running.preset.number("twist.join_ms") * 1e-3
+    blend_s = running.preset.number("twist.blend_ms") * 1e-3
     apart_s = np.diff(held["sample"]) / running.sample_rate
     fastest = 1.5 * 2.0 / blend_s * (apart_s + 0.01) + 0.08
     assert (np.abs(np.diff(held["theta2"])) < np.minimum(fastest, 1.9)).all()

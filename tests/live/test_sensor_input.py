@@ -173,7 +173,7 @@ def test_a_finger_and_the_knob_change_over_without_a_jump(bench):
 
 def test_a_saved_preset_changes_the_rules(bench, football):
     bench.turn(0.0, 2)
-    bench.engine.set_preset(football.with_changes({"twist.turn_deg": 60.0}))
+    bench.engine.set_preset(football.with_changes({"twist.engage_deg": 60.0}))
     bench.input.poll(bench.engine)
     bench.turn(0.2, 10)
     assert bench.engine.holder is None

@@ -5,7 +5,7 @@
 - After a tap-tap, another tap-tap touches at the present angle. A turn does so only after a rest.
 
 Where one input takes the disk over from another, the disk never jumps. Theta2 starts where the disk
-(or the input that holds it) is, and moves to the device's own angle within `twist.join_ms`. While
+(or the input that holds it) is, and moves to the device's own angle within `twist.blend_ms`. While
 another input holds the disk, the device follows that input, so that it can take over at its
 position. It takes over when that input releases. An input without a touch sensor may never release:
 from such an input it also takes over when the device is turned further away from rest, by as much
@@ -41,9 +41,9 @@ class TouchRules:
             release in ("rest", "either"),
             release in ("tap", "either"),
             math.radians(preset.number("twist.rest_deg")),
-            math.radians(preset.number("twist.turn_deg")),
+            math.radians(preset.number("twist.engage_deg")),
             preset.number("twist.rest_ms") * 1e-3,
-            preset.number("twist.join_ms") * 1e-3,
+            preset.number("twist.blend_ms") * 1e-3,
         )
 
 

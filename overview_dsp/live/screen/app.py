@@ -32,14 +32,14 @@ from overview_dsp.signal.surface.model import Surface
 
 def choices(player: Player) -> Iterator[tuple[str, ...]]:
     """Yield commands with words that can be listed, such as presets and devices."""
-    from overview_dsp.design.presets.library import bundled_presets, own_names
+    from overview_dsp.design.presets.library import bundled_presets, user_presets
     from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.devices import devices
     from overview_dsp.signal.actuators.library import actuator_names
 
     yield ("record",)
     yield ("replay",)
-    for name in ("1", "2", *bundled_presets(), *own_names()):
+    for name in ("1", "2", *bundled_presets(), *user_presets()):
         yield "preset", name
     for signal in ("click", "tactor"):
         yield "mute", signal

@@ -38,7 +38,7 @@ MARGIN = 0.05
 MAX_AGE_S = 180.0
 """Greatest age of an event, on the feed's clock, at which it is announced."""
 
-LAYOUT_KEY = "follow.map"
+LAYOUT_KEY = "follow.layout"
 
 DISCREET = "in company"
 """Use of presets that announce nothing unless the user asks for it."""

@@ -19,7 +19,7 @@ from typing import Any
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import load_gesture
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
@@ -258,7 +258,7 @@ class Player:
             pointer=self.pointer.position,
             touching=meters.touching and output.playing,
             torque=meters.torque,
-            full_torque=engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            full_torque=engine.preset.number("tactor.reference_torque_mnm") * 1e-3,
             envelope=meters.envelope,
             strikes=meters.strikes,
             peak_click=click,

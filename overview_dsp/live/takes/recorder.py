@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.design.gestures.growing_take import Event, GrowingTake
+from overview_dsp.design.gestures.take_writer import Event, TakeWriter
 from overview_dsp.errors import InputError, OutputError, OverviewError
 from overview_dsp.live.takes.recovery import RecordingMarker, fallback_paths
 from overview_dsp.signal.engine.engine import Engine
@@ -70,7 +70,7 @@ class Recorder:
         self._busy = threading.Lock()  # a signal may close the take from another thread
         share = engine.preset.number("surface.angle_map")
         header = {"seed": engine.seed, "angle_map": share, **header}
-        self._take: GrowingTake | None = GrowingTake(path, engine.sample_rate, header)
+        self._take: TakeWriter | None = TakeWriter(path, engine.sample_rate, header)
         self.path: Path = self._take.path
         self._marker = RecordingMarker(self.path)
 
@@ -108,7 +108,7 @@ class Recorder:
             if self._take is None:
                 return
             self._collect()
-            error = self._write() or self._do(GrowingTake.finish)
+            error = self._write() or self._do(TakeWriter.finish)
             take, self._take = self._take, None
             self._marker.close()
         if error is not None:
@@ -156,7 +156,7 @@ class Recorder:
             )
         return error
 
-    def _do(self, action: Callable[[GrowingTake], None]) -> OSError | None:
+    def _do(self, action: Callable[[TakeWriter], None]) -> OSError | None:
         """Apply an action to the take, in another folder if necessary; return the last error."""
         assert self._take is not None
         while True:
@@ -168,13 +168,13 @@ class Recorder:
             else:
                 return None
 
-    def _move(self, take: GrowingTake, error: OSError) -> bool:
+    def _move(self, take: TakeWriter, error: OSError) -> bool:
         """Continue the whole take in a fallback folder; return whether one is writable."""
         for path in fallback_paths(take.path):
             if path.parent == take.path.parent:
                 return False
             try:
-                self._take = take.continued(path)
+                self._take = take.continue_at(path)
             except (InputError, OutputError):
                 continue
             self.path = path

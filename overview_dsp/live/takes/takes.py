@@ -10,7 +10,7 @@ from typing import Any
 
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.gestures.growing_take import free_name
+from overview_dsp.design.gestures.take_writer import free_name
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.session.session import Session
 from overview_dsp.live.takes.recorder import Recorder

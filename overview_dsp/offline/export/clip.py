@@ -11,8 +11,8 @@ felt as a swell, or not at all beside a higher one, is none; it is in the contin
 that isn't an event.
 
 The error of a clip is measured as a finger perceives it. Felt level: RMS over 10 ms in dB, as in
-`measure.felt`; both sides count as silent below 46 dB under full scale. An error of up to one just
-noticeable step is no error to a finger.
+`measure.perceived_level`; both sides count as silent below 46 dB under full scale. An error of up
+to one just noticeable step is no error to a finger.
 """
 
 from __future__ import annotations

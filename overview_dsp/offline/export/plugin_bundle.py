@@ -147,6 +147,18 @@ def parameter_ids() -> list[str]:
     return [ids[name.removeprefix("PARAM_")] for name in columns]
 
 
+_HOST_IDS = {
+    "tactor.reference_torque_mnm": "tactor.full_torque_mnm",
+    "click.reference_torque_mnm": "click.full_torque_mnm",
+}
+"""The ids of renamed parameters in hosts, whose projects keep the first one."""
+
+
+def host_id(id: str) -> str:
+    """Return the id under which hosts store a parameter; it never changes."""
+    return _HOST_IDS.get(id, id)
+
+
 def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
     """A parameter's name, its section, and the texts of its choices."""
     section, _, key = id.partition(".")
@@ -197,7 +209,8 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
             yield f"static const char *const choices_{number}[] = "
             yield f"{{{', '.join(map(text, choices))}}};\n"
         listed = f"choices_{number}" if choices else "NULL"
-        labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
+        texts = ", ".join(map(text, (host_id(id), name, section)))
+        labels.append(f"    {{{texts}, {listed}}},\n")
     yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
     yield "".join(labels) + "};\n"
     yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
@@ -302,7 +315,7 @@ def _controls(values: Sequence[float]) -> Iterator[str]:
         name, _, choices = label_of(id)
         low, high = (0.0, len(choices) - 1.0) if choices else (known.low, known.high)
         port = (
-            f'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "{id.replace(".", "_")}" ; '
+            f'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "{host_id(id).replace(".", "_")}" ; '
             f"lv2:name {_text(name)} ; "
             f"lv2:default {value!r} ; lv2:minimum {low!r} ; lv2:maximum {high!r}"
         )

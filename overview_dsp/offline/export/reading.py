@@ -312,7 +312,7 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
 
 def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
     """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
-    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
+    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], aliases=())
     if layer in ("tactor", "both"):
         base = replace(base, points=course(clip))
     # of both, a clip without strikes leaves the click as it is

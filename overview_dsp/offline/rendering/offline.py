@@ -20,7 +20,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.spec import DEFAULT, parse_gesture
 from overview_dsp.design.gestures.take import load_gesture
-from overview_dsp.design.presets.library import fitting_preset, load_preset
+from overview_dsp.design.presets.library import best_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SavableSound
@@ -305,7 +305,7 @@ def _prepared(
     """Return a prepared engine, the gesture and the actuator's stage of what `render` was given."""
     timeline = load_timeline(timeline)
     if not isinstance(preset, Preset):
-        name = fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
+        name = best_preset_for(timeline) if preset is None else validation.path(preset, "preset")
         preset = load_preset(name)
     engine = Engine(preset, timeline, seed=seed)
     if gesture is None or isinstance(gesture, str):
@@ -476,7 +476,7 @@ def render_to_file(
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
     strikes: list[Strikes] = [engine.take_strikes()]
-    full_torque = 1e-3 * engine.preset.number("tactor.full_torque_mnm")
+    full_torque = 1e-3 * engine.preset.number("tactor.reference_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
         TraceWriter(

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.design.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.derive import derive

@@ -7,8 +7,8 @@ from typing import Any
 
 from overview_dsp.data.feeds.timeline_diff import announcement_of, apply_diff
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.dicts import preset_from_dict
-from overview_dsp.design.presets.validation import migrated_values
+from overview_dsp.design.presets.serialization import preset_from_dict
+from overview_dsp.design.presets.validation import migrate_values
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.ahead import joined
@@ -33,7 +33,7 @@ def apply_change(
     """
     try:
         if "set" in what:
-            for id, value in migrated_values(what["set"]).items():
+            for id, value in migrate_values(what["set"]).items():
                 engine.set(id, value, sample_time)
         elif "preset" in what:
             engine.set_preset(preset_from_dict(what["preset"]), sample_time)

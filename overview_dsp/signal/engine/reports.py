@@ -372,7 +372,7 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
     number = preset.number
     inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
     springs = [k1 + k2, k1] if preset.values["disk.release"] == "recoil" else [k1 + k2]
-    gate = gain_of_db(number("tactor.threshold_db")) * number("tactor.full_torque_mnm") * 1e-3
+    gate = gain_of_db(number("tactor.threshold_db")) * number("tactor.reference_torque_mnm") * 1e-3
     grain = gain_of_db(number("texture.gain_db")) / math.sqrt(1e-3)
     theta1_full = math.pi * k2 / (k1 + k2)
     slow, recoil = number("tactor.slow_gain_exponent"), number("tactor.recoil_gain_exponent")

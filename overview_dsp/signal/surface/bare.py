@@ -1,6 +1,6 @@
 """The surface before any event: friction that follows the curve, its pattern, ribs in the gaps.
 
-    B = friction * ((1 + ambience)**intensity + pattern_height * pattern)
+    B = friction * ((1 + intensity_gain)**intensity + pattern_height * pattern)
 
 The intensity is the timeline's curve scaled to 0..1, mixed with its rank, so that a curve that is
 mostly low is felt to move,
@@ -85,7 +85,7 @@ def bare_surface(
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
     intensity, rise_of_mean = _intensity(timeline, preset, cells, angle_map)
-    steepness = math.log1p(number("surface.ambience"))
+    steepness = math.log1p(number("surface.intensity_gain"))
     loud = np.exp(steepness * intensity)
     ground = bare
     if rise_of_mean:  # the rank keeps the mean of log B, and ribs stand on its lowest level
@@ -111,25 +111,25 @@ def bare_surface(
         friction[missing] = ribbed * (ground + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
     if timeline.known_until_s is not None:
-        heavy = number("surface.friction") * heaviness(number("surface.ambience"))
+        heavy = number("surface.friction") * heaviness(number("surface.intensity_gain"))
         begun = rise(float(angle_map.position_of(timeline.known_until_s)), cells)
         friction += begun * (heavy - friction)
         friction[begun == 1.0] = heavy  # to the bit, whatever the past: a page is not sent it anew
         known[begun > 0.0] = 0.0
     material = str(preset.values["surface.material"])
-    free = modes_of(material, number("surface.pitch_hz"), number("surface.ring"))
+    free = modes_of(material, number("surface.pitch_hz"), number("surface.decay_scale"))
     modes = louder(free, number("surface.gain_db"))
     energy = np.zeros(cells + 1)
     strikes = NO_TEXTURE_STRIKES
     if model == "detent":
-        pull = number("surface.grip") * bare
-        warn_of_lockup(preset, "surface.grip", pull * loud.max(), "it")
+        pull = number("surface.torque_ratio") * bare
+        warn_of_lockup(preset, "surface.torque_ratio", pull * loud.max(), "it")
         width = period / 100.0 * cells
         energy = _detents(course, pull, width, loud * known)
         if modes and pull > 0.0:
             strikes = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
     elif modes:
-        grip = number("surface.grip") if model == "bristle" else 1.0
+        grip = number("surface.torque_ratio") if model == "bristle" else 1.0
         strikes = crests_of(course * known, grip * top)
     return BareSurface(friction, energy, modes, strikes)
 
@@ -167,9 +167,9 @@ def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
     return pull / steepest * course * np.interp(positions, centres, means)
 
 
-def heaviness(ambience: float) -> float:
-    """Friction of the future, in bare surfaces, above a curve of this ambience."""
-    return OVER_THE_CURVE * (1.0 + ambience)
+def heaviness(intensity_gain: float) -> float:
+    """Friction of the future, in bare surfaces, above a curve of this intensity_gain."""
+    return OVER_THE_CURVE * (1.0 + intensity_gain)
 
 
 def rise(now: float, cells: int) -> NDArray[np.float64]:

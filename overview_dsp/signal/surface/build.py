@@ -369,4 +369,6 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
 
 
 def _modes(kind: EventKind) -> tuple[ClickMode, ...]:
-    return louder(kind.modes or modes_of(kind.material, kind.pitch_hz, kind.ring), kind.gain_db)
+    return louder(
+        kind.modes or modes_of(kind.material, kind.pitch_hz, kind.decay_scale), kind.gain_db
+    )

@@ -2,7 +2,7 @@
 
 Bristles, of the bare surface and of events:
 
-    grip = surface.grip * viscous friction of the bare surface * 1 rad/s     (surface.model)
+    grip = surface.torque_ratio * viscous friction of the bare surface * 1 rad/s     (surface.model)
 
 raised by events whose kind has bristles to height * weight * profile * surface.friction * 1 rad/s.
 Where profiles overlap the higher one is felt, with bristles of its own kind.
@@ -107,9 +107,9 @@ class BristleLayer:
         self._preset = preset
         self._grip = np.zeros(len(ambient))
         if preset.values["surface.model"] == "bristle":
-            self._grip = preset.number("surface.grip") * ambient
+            self._grip = preset.number("surface.torque_ratio") * ambient
             static = self._grip.max() * preset.number("surface.static_ratio")
-            warn_of_lockup(preset, "surface.grip", static, "it or surface.static_ratio")
+            warn_of_lockup(preset, "surface.torque_ratio", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BARE)
 
     def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:

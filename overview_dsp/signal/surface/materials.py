@@ -42,10 +42,10 @@ _MATERIALS = {
 }
 
 
-def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMode, ...]:
+def modes_of(material: str, pitch_hz: float, decay_scale: float = 1.0) -> tuple[ClickMode, ...]:
     """The modes of a thing of some material whose lowest mode is `pitch_hz`; none for "none".
 
-    `ring` shortens the decays: a thing that is held loses more than the material alone.
+    `decay_scale` shortens the decays: a thing that is held loses more than the material alone.
     """
     made_of = _MATERIALS.get(material)
     if made_of is None:
@@ -55,7 +55,7 @@ def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMo
     for index, ratio in enumerate(made_of.ratios):
         hz = pitch_hz * ratio
         if hz <= frequency.high:
-            ms = ring * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
+            ms = decay_scale * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
             ms = min(max(ms, decay.low), decay.high)
             found.append(ClickMode(hz, ms, made_of.fall_db * index))
     return tuple(found)

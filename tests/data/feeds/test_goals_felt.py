@@ -7,7 +7,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
-from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.measure.perceived_level import stroke_feel, strokes
 from tests.data.feeds.feeds import MATCHES, lines_of
 
 RATE = 16_000

@@ -214,8 +214,8 @@ def test_a_knob_that_feels_no_taps_is_reported():
 
 def test_rules_of_touch_change_no_render_and_are_kept_by_a_saved_state(match, football):
     changed = football.with_changes(
-        {"twist.release": "tap", "twist.rest_deg": 9.0, "twist.turn_deg": 1.0,
-         "twist.rest_ms": 0.0, "twist.join_ms": 0.0}
+        {"twist.release": "tap", "twist.rest_deg": 9.0, "twist.engage_deg": 1.0,
+         "twist.rest_ms": 0.0, "twist.blend_ms": 0.0}
     )  # fmt: skip
     gesture = ov.sweep(0.3)
     plain = ov.render(match, football, gesture, sample_rate=8000, tail=0.1)

@@ -10,7 +10,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.offline.export.plugin_bundle import bundle_of
+from overview_dsp.offline.export.plugin_bundle import bundle_of, host_id, parameter_ids
 from tests.cli.running import MATCH, overview
 from tests.offline.export.plugin_playing import (
     EARLIER,
@@ -54,6 +54,12 @@ def test_a_note_comes_once_with_the_timelines_and_the_preset_it_is_of(match, foo
     with pytest.warns(ov.OverviewWarning, match="^first, once more in stocks: ") as one:
         bundle_of("both", again, [ov.load_preset("stocks")], 0)
     assert len(one) == 1
+
+
+def test_hosts_keep_the_first_id_of_a_parameter_that_was_renamed():
+    kept = [host_id(id) for id in parameter_ids()]
+    assert len(set(kept)) == len(kept)
+    assert {"tactor.full_torque_mnm", "click.full_torque_mnm", "tactor.gain_db"} <= set(kept)
 
 
 def test_a_name_of_any_letters_is_a_file_of_its_own(match, football):

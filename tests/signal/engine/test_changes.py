@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import FADE_S, GLIDE_S
 from overview_dsp.signal.engine import coefficients
@@ -51,7 +51,7 @@ CHANGES = {
 
 def level_preset():
     """1e-3 where the data is 0, 4e-3 where it is 1; events as wide as a fifth, and of no height."""
-    return preset_with(height=0.0, width=20.0, shape="plateau", surface__ambience=3.0)
+    return preset_with(height=0.0, width=20.0, shape="plateau", surface__intensity_gain=3.0)
 
 
 @pytest.mark.parametrize("name", CHANGES)

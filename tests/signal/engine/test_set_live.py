@@ -46,7 +46,7 @@ def played(engine, at=BEFORE):
     return samples[round(at * RATE) :], trace[round(at * RATE) :]
 
 
-@pytest.mark.filterwarnings("ignore:surface.grip holds the disk")
+@pytest.mark.filterwarnings("ignore:surface.torque_ratio holds the disk")
 @pytest.mark.parametrize("model", PARAMETERS["surface.model"].choices)
 def test_every_parameter_of_the_surface_set_live_is_that_surface(model, match):
     heard_of = set()
@@ -67,7 +67,7 @@ def test_every_parameter_of_the_surface_set_live_is_that_surface(model, match):
         unchanged, _ = played(prepared(preset, match, RATE))
         if not np.array_equal(wanted, unchanged):
             heard_of.add(id)
-    assert {"surface.friction", "surface.ambience"} <= heard_of
+    assert {"surface.friction", "surface.intensity_gain"} <= heard_of
 
 
 def test_how_the_disk_is_released_may_be_set_while_it_is_held(match, football):

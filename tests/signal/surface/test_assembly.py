@@ -127,7 +127,9 @@ def test_a_surface_has_only_the_fields_that_its_preset_has():
     plain = surface_of((30.0, "slim", 1.0))
     assert plain.bristles is plain.detents is None
     assert plain.own_model == "viscous"
-    sticky = plain_preset(surface__friction=2e-3, surface__model="bristle", surface__grip=1.0)
+    sticky = plain_preset(
+        surface__friction=2e-3, surface__model="bristle", surface__torque_ratio=1.0
+    )
     surface = surface_of((30.0, "slim", 1.0), preset=sticky)
     assert surface.own_model == "bristle"
     assert surface.detents is None
@@ -137,7 +139,9 @@ def test_a_surface_has_only_the_fields_that_its_preset_has():
 
 
 def test_a_kind_of_a_material_rings_as_its_parameters_say():
-    kind = replace(KINDS["slim"], modes=(), material="wood", pitch_hz=600.0, ring=0.3, gain_db=-2.0)
+    kind = replace(
+        KINDS["slim"], modes=(), material="wood", pitch_hz=600.0, decay_scale=0.3, gain_db=-2.0
+    )
     expected = louder(modes_of("wood", 600.0, 0.3), -2.0)
     assert surface_of((30.0, "slim", 1.0), slim=kind).kind_modes[2] == expected
 

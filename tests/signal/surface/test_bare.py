@@ -20,7 +20,7 @@ CELLS = 2000
 PERIOD = 5.0  # percent: 100 cells
 RAMP = ov.Timeline("ramp", 10.0, (), ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0])))
 GAPPED = replace(RAMP, gaps=((2.0, 4.0),))
-LOUD = 3.0 ** (np.arange(CELLS + 1) / CELLS)  # ambience 2
+LOUD = 3.0 ** (np.arange(CELLS + 1) / CELLS)  # intensity_gain 2
 INSIDE = (np.arange(CELLS + 1) >= 400) & (np.arange(CELLS + 1) <= 800)
 
 
@@ -31,7 +31,7 @@ def bare_surface(timeline, preset, cells):
 def made_of(made="waves", **values):
     given = {
         "surface__friction": 2e-3,
-        "surface__ambience": 2.0,
+        "surface__intensity_gain": 2.0,
         "surface__pattern": made,
         "surface__pattern_height": 3.0,
         "surface__pattern_period_percent": PERIOD,
@@ -73,8 +73,8 @@ def test_the_ribs_of_a_gap_stand_out_of_the_pattern_too(made, under):
 @pytest.mark.parametrize(("model", "grip"), [("viscous", 1.0), ("bristle", 2.5)])
 def test_crests_are_struck_as_hard_as_the_pattern_adds_and_sound_of_the_material(model, grip):
     values = {
-        "surface__model": model, "surface__grip": 2.5, "surface__material": "glass",
-        "surface__pitch_hz": 700.0, "surface__ring": 0.5, "surface__gain_db": -4.0,
+        "surface__model": model, "surface__torque_ratio": 2.5, "surface__material": "glass",
+        "surface__pitch_hz": 700.0, "surface__decay_scale": 0.5, "surface__gain_db": -4.0,
     }  # fmt: skip
     bare = bare_surface(GAPPED, made_of(**values), CELLS)
     at = np.arange(20) * 100.0 + 50.0
@@ -89,7 +89,7 @@ def test_crests_are_struck_as_hard_as_the_pattern_adds_and_sound_of_the_material
 
 
 def test_detents_pull_as_the_grip_says_and_are_as_deep_as_the_curve_is_high():
-    values = {"surface__model": "detent", "surface__grip": 1.5, "surface__material": "wood"}
+    values = {"surface__model": "detent", "surface__torque_ratio": 1.5, "surface__material": "wood"}
     bare = bare_surface(RAMP, made_of(**values), CELLS)
     # in place of friction
     assert bare.friction == pytest.approx(2e-3 * LOUD)
@@ -108,9 +108,9 @@ def test_detents_pull_as_the_grip_says_and_are_as_deep_as_the_curve_is_high():
     assert bare.texture_strikes.release == pytest.approx(np.full(19, expected))
 
 
-@pytest.mark.parametrize("values", [{"surface__grip": 0.0}, {"surface__pattern": "none"}])
+@pytest.mark.parametrize("values", [{"surface__torque_ratio": 0.0}, {"surface__pattern": "none"}])
 def test_what_pulls_nothing_is_no_detent_and_strikes_nothing(values):
-    given = {"surface__model": "detent", "surface__material": "wood", "surface__grip": 1.0}
+    given = {"surface__model": "detent", "surface__material": "wood", "surface__torque_ratio": 1.0}
     bare = bare_surface(timeline_of(), made_of(**{**given, **values}), CELLS)
     assert not bare.energy.any()
     assert np.isfinite(bare.energy).all()
@@ -119,7 +119,7 @@ def test_what_pulls_nothing_is_no_detent_and_strikes_nothing(values):
 
 def test_a_gap_has_no_detents_and_halves_those_of_a_period_it_covers_by_half():
     flat = replace(timeline_of(), gaps=((20.0, 42.5),))  # cells 400 to 850
-    values = {"surface__model": "detent", "surface__grip": 1.5}
+    values = {"surface__model": "detent", "surface__torque_ratio": 1.5}
     bare = bare_surface(flat, made_of(**values), CELLS)
     depth = [bare.energy[100 * n + 49 : 100 * n + 52].max() for n in range(20)]
     full = 3e-3 / (math.pi / 100.0)

@@ -29,7 +29,7 @@ def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(tim
     assert np.isfinite(surface.friction).all()
     bare = preset.number("surface.friction")
     if preset.number("surface.rank_share"):  # which lowers the base, to keep the mean
-        bare /= 1.0 + preset.number("surface.ambience")
+        bare /= 1.0 + preset.number("surface.intensity_gain")
     assert (surface.friction > 0.09 * bare).all()
     if not timeline.gaps:
         assert (surface.friction >= bare).all()
@@ -66,7 +66,7 @@ def test_a_bare_surface_is_the_presets_friction_all_over():
 def test_equal_steps_of_the_intensity_are_equal_ratios_of_friction():
     curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 10.0, (), curve)
-    preset = plain_preset(surface__friction=1e-3, surface__ambience=4.0)
+    preset = plain_preset(surface__friction=1e-3, surface__intensity_gain=4.0)
     surface = ov.build_surface(timeline, preset)
     assert np.allclose(surface.friction, 1e-3 * 5.0**PLACES, rtol=1e-12)
 

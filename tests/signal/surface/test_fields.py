@@ -46,7 +46,7 @@ def of_model(model, **changes):
 
 def test_bristles_are_those_of_the_higher_profile_and_of_the_surface_elsewhere():
     values = {f"surface__{key}": value for key, value in LIKE.items()}
-    preset = of_model("bristle", surface__model="bristle", surface__grip=2.0, **values)
+    preset = of_model("bristle", surface__model="bristle", surface__torque_ratio=2.0, **values)
     layer = BristleLayer(preset, np.full(10, 1e-3))
     layer.raise_to(0, 1, np.array([1e-3, 5e-3, 5e-3, 3e-3]))
     layer.raise_to(1, 3, np.array([5e-3, 4e-3, 2e-3, 3e-3]))
@@ -63,7 +63,7 @@ def test_the_bristles_of_a_kind_are_as_the_kind_says():
 
 
 def test_a_surface_without_bristles_of_its_own_grips_only_at_events():
-    layer = BristleLayer(of_model("bristle", surface__grip=2.0), np.full(4, 1e-3))
+    layer = BristleLayer(of_model("bristle", surface__torque_ratio=2.0), np.full(4, 1e-3))
     assert layer.field(np.zeros(0, np.int64)).grip.tolist() == [0.0] * 4
 
 
@@ -173,14 +173,14 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
             of_model("bristle", height=16.0),
             r"kinds\.default holds.*32 mN.*lower its height or static_ratio,",
         ),
-        (plain_preset(surface__model="bristle", surface__grip=15.0), None),
+        (plain_preset(surface__model="bristle", surface__torque_ratio=15.0), None),
         (
-            plain_preset(surface__model="bristle", surface__grip=16.0),
+            plain_preset(surface__model="bristle", surface__torque_ratio=16.0),
             r"^surface\.grip holds.*32 mN.*lower it or surface\.static_ratio,",
         ),
-        (plain_preset(surface__model="detent", surface__grip=31.0), None),
+        (plain_preset(surface__model="detent", surface__torque_ratio=31.0), None),
         (
-            plain_preset(surface__model="detent", surface__grip=32.0),
+            plain_preset(surface__model="detent", surface__torque_ratio=32.0),
             r"surface\.grip holds.*32 mN.*lower it,",
         ),
     ],
@@ -198,7 +198,9 @@ def test_what_holds_the_disk_for_good_is_warned_of(preset, told):
 def test_detents_hold_where_the_curve_is_highest():
     curve = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 100.0, (), curve)
-    preset = plain_preset(surface__model="detent", surface__grip=16.0, surface__ambience=1.0)
+    preset = plain_preset(
+        surface__model="detent", surface__torque_ratio=16.0, surface__intensity_gain=1.0
+    )
     with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip holds.*32 mN"):
         ov.build_surface(timeline, preset)
 

@@ -28,7 +28,7 @@ def creaking(**changes):
         "disk__k2": 0.5,
         "surface__friction": 1e-4,
         "surface__model": "bristle",
-        "surface__grip": 50.0,
+        "surface__torque_ratio": 50.0,
         "surface__stribeck_speed": 0.5,
         **changes,
     }
@@ -44,7 +44,7 @@ def sticky(height=4.0, width=2.0, **kind):
 
 def test_bristles_without_grip_change_no_bit(match, football):
     gesture = ov.sweep(0.5) + ov.pause(0.2) + ov.tap(0.7, 0.2)
-    bare = football.with_values(surface__model="bristle", surface__grip=0.0)
+    bare = football.with_values(surface__model="bristle", surface__torque_ratio=0.0)
     without = ov.render(match, football, gesture, tail=0.3)
     with_none = ov.render(match, bare, gesture, tail=0.3)
     assert np.array_equal(without.samples, with_none.samples)
@@ -86,7 +86,7 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
     with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
     with pytest.warns(ov.OverviewWarning, match=r"surface\.grip holds the disk"):
-        ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
+        ov.build_surface(timeline_of(), creaking(surface__torque_ratio=10_000.0))
 
 
 @settings(max_examples=share(0.5))
@@ -101,7 +101,10 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
 def test_let_go_the_energy_never_rises(stiffness, other, damping, static, grip, rate):
     """Of disk, spring and bristles, over two kinds and the bare surface."""
     preset = creaking(
-        surface__stiffness=stiffness, surface__damping=damping, surface__grip=grip, disk__k1=0.05
+        surface__stiffness=stiffness,
+        surface__damping=damping,
+        surface__torque_ratio=grip,
+        disk__k1=0.05,
     )
     kind = replace(
         preset.kinds["default"],
@@ -198,7 +201,7 @@ def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
     engine.control(0.015, True)  # 7.5 mN m, of the 10 that break it loose
     engine.process(out)
     assert math.pi * engine.meters.cursor < 0.001
-    engine.set("surface.grip", 2.0)
+    engine.set("surface.torque_ratio", 2.0)
     engine.process(out)
     assert abs(math.pi * engine.meters.cursor - 0.015) <= 2.0 * 2e-4 / 0.5 * 1.05
 
@@ -248,7 +251,7 @@ def test_stuck_for_good_the_tail_ends():
 
 @pytest.mark.parametrize("model", ["bristle", "detent", "end_stop"])
 def test_the_stated_tail_is_long_enough(model):
-    preset = creaking(surface__friction=1e-3, surface__grip=3.0, surface__material="glass")
+    preset = creaking(surface__friction=1e-3, surface__torque_ratio=3.0, surface__material="glass")
     kind = replace(preset.kinds["default"], model=model, height=5.0)
     preset = replace(preset, kinds={"default": kind})
     if model != "bristle":
@@ -269,7 +272,7 @@ def schedule(engine):
     engine.control(0.3, True, 0)
     for i in range(60):
         engine.control(0.3 + 0.04 * i, True, 200 * i)
-    stiffer = engine.preset.with_values(surface__grip=30.0, surface__stiffness=5000.0)
+    stiffer = engine.preset.with_values(surface__torque_ratio=30.0, surface__stiffness=5000.0)
     engine.set_preset(stiffer, sample_time=4000)
     engine.set("kinds.default.model", "bristle", sample_time=8000)
     engine.set("disk.k2", 0.3, sample_time=9000)

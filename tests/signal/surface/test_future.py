@@ -28,7 +28,7 @@ def test_the_future_is_smooth_and_heavier_than_all_the_curve_could_be(half, name
     now = int(half.known_until_s / half.duration_s * CELLS)
     later = surface.friction[now + int(0.04 * CELLS) :]
     assert np.ptp(later) == 0.0
-    bare = preset.number("surface.friction") * (1.0 + preset.number("surface.ambience"))
+    bare = preset.number("surface.friction") * (1.0 + preset.number("surface.intensity_gain"))
     assert later[0] > 1.9 * bare
     assert all(position <= (now + 2) / CELLS for position in surface.position)
     strikes = surface.texture_strikes.position

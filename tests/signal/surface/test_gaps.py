@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.library import bundled_presets
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.felt import STEP_DB, stroke_feel, strokes, window_db
+from overview_dsp.measure.perceived_level import STEP_DB, stroke_feel, strokes, window_db
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.signal.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs
@@ -153,7 +153,7 @@ def test_values_inside_a_gap_are_not_felt():
     at = np.array([0.0, 30.0, 40.0, 50.0, 100.0])
     quiet = ov.Intensity(at, np.array([0.5, 0.5, 0.0, 0.5, 0.5]))
     loud = ov.Intensity(at, np.array([0.5, 0.5, 1.0, 0.5, 0.5]))
-    preset = plain_preset(surface__ambience=4.0)
+    preset = plain_preset(surface__intensity_gain=4.0)
     one, other = (
         ov.build_surface(ov.Timeline("t", 100.0, (), curve, gaps=((30.0, 50.0),)), preset)
         for curve in (quiet, loud)

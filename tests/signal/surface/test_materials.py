@@ -110,8 +110,8 @@ def test_events_among_crests_keep_their_numbers():
     engine = ov.render(timeline, stuck, ov.sweep(2.0), tail="none").engine
     base = layout.SURFACES + layout.SLOT_OWNER
     cells = (engine.surface.position * layout.CELLS).astype(int)
-    owners = engine.memory.view(np.int64)[base + cells]
-    assert struck_events(engine.surface)[owners].tolist() == engine.surface.event.tolist()
+    rows_of_onsets = engine.memory.view(np.int64)[base + cells]
+    assert struck_events(engine.surface)[rows_of_onsets].tolist() == engine.surface.event.tolist()
 
 
 def test_gaps_have_no_crests():

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.onset_detector import onsets
+from overview_dsp.measure import onset_detector
+from overview_dsp.measure.onset_detector import HOP_S, onsets
 
 RATE = 48_000.0
 
@@ -44,3 +45,15 @@ def test_steady_noise_and_silence_have_no_onset_but_the_first():
 def test_a_click_under_noise_18_db_below_it_is_found():
     found = onsets(clicks([0.4], [0.5], noise=0.02), RATE)
     assert np.abs(found.time_s - 0.4).min() < 2e-3
+
+
+@pytest.mark.parametrize(("rises_db", "sharpest"), [((10, 20, 12), 1), ((20, 12, 15), 0)])
+def test_of_onsets_within_5_ms_the_sharpest_one_gives_the_time(monkeypatch, rises_db, sharpest):
+    level = np.full(200, -80.0)
+    starts = [100, 107, 114]  # a value each 0.25 ms
+    for start, rise_db in zip(starts, rises_db, strict=True):
+        level[start:] += rise_db
+    curve = np.arange(200) * HOP_S, level
+    monkeypatch.setattr(onset_detector, "level_curve", lambda signal, sample_rate: curve)
+    found = onsets(np.zeros(1, np.float32), RATE)
+    assert found.time_s == pytest.approx([starts[sharpest] * HOP_S])

@@ -1,4 +1,4 @@
-"""A preset as plain dicts, lists, texts and numbers: for JSON, and back."""
+"""Conversion of presets to and from plain data for JSON."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Any
 
 from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
-from overview_dsp.design.presets.validation import migrated_values
+from overview_dsp.design.presets.validation import migrate_kind, migrate_values
 from overview_dsp.errors import InputError
 from overview_dsp.validation import located
 
 
 def preset_to_dict(preset: Preset) -> dict[str, Any]:
-    """A preset as plain dicts, lists, texts and numbers."""
+    """Return a preset as plain dicts, lists, texts and numbers."""
     return {
         "name": preset.name,
         "title": preset.title,
@@ -22,7 +22,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
             name: {
                 **vars(kind),
                 "points": list(kind.points),
-                "also": list(kind.also),
+                "aliases": list(kind.aliases),
                 "modes": [vars(mode) for mode in kind.modes],
             }
             for name, kind in preset.kinds.items()
@@ -34,7 +34,7 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
 
 
 def preset_from_dict(data: Any) -> Preset:
-    """The preset of `preset_to_dict`; InputError if it isn't one."""
+    """Return the preset of `preset_to_dict` data; InputError if they are not valid."""
     try:
         return _preset_of(data)
     except InputError:
@@ -48,14 +48,14 @@ def preset_from_dict(data: Any) -> Preset:
 def _preset_of(data: Any) -> Preset:
     name, title, description = (data[key] for key in ("name", "title", "description"))
     if not all(isinstance(text, str) for text in (name, title, description)):
-        raise InputError("not a saved state: name, title and description are texts")
+        raise InputError("not a saved state: name, title and description must be texts")
     return Preset(
         name,
         title,
         description,
-        migrated_values(data["values"]),
+        migrate_values(data["values"]),
         {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-        # states of before had none of these
+        # earlier states have none of these
         Tags(**data.get("tags", {})),
         tuple(data.get("authors", ())),
         tuple(data.get("points", ())),
@@ -63,8 +63,9 @@ def _preset_of(data: Any) -> Preset:
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
-    # keys of other versions are left alone
-    known = (*KIND_PARAMETERS, "points", "also")
+    data = migrate_kind(data)
+    # keys of other versions are ignored
+    known = (*KIND_PARAMETERS, "points", "aliases")
     with located(f"kinds.{name}: "):
         modes: Any = [
             {key: known.check(mode[key]) for key, known in MODE_PARAMETERS.items()}

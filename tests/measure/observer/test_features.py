@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.observer.noticed import (
+from overview_dsp.measure.observer.features import (
     SOUND_FEATURES,
     TOUCH_FEATURES,
-    notice,
+    stroke_features,
     touch_pulses,
 )
-from overview_dsp.measure.observer.observing import blurred
+from overview_dsp.measure.observer.observing import add_sensory_noise
 
 RATE = 16_000
 SECONDS = 1.5
@@ -38,7 +38,7 @@ def named(found):
 
 
 def test_a_burst_is_noticed_where_it_is_with_its_level_rise_and_duration():
-    found = notice(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"])["touch"]
+    found = stroke_features(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"])["touch"]
     (one,) = named(found)
     assert 495 <= found.at_ms[0] <= 560
     assert one["level_db"] == pytest.approx(-20.0, abs=0.5)
@@ -50,13 +50,22 @@ def test_a_burst_is_noticed_where_it_is_with_its_level_rise_and_duration():
 
 
 def test_a_rise_of_less_than_a_step_is_not_noticed_and_one_of_more_is():
-    assert not len(notice(signal([(0.5, QUIET_DB + 1.5, 60.0)]), RATE, ["touch"])["touch"].at_ms)
-    assert len(notice(signal([(0.5, QUIET_DB + 4.0, 60.0)]), RATE, ["touch"])["touch"].at_ms) == 1
+    assert not len(
+        stroke_features(signal([(0.5, QUIET_DB + 1.5, 60.0)]), RATE, ["touch"])["touch"].at_ms
+    )
+    assert (
+        len(stroke_features(signal([(0.5, QUIET_DB + 4.0, 60.0)]), RATE, ["touch"])["touch"].at_ms)
+        == 1
+    )
 
 
 def test_pulses_nearer_than_30_ms_are_one():
-    near = notice(signal([(0.5, -22.0, 8.0), (0.52, -20.0, 8.0)]), RATE, ["touch"])["touch"]
-    apart = notice(signal([(0.5, -22.0, 8.0), (0.55, -20.0, 8.0)]), RATE, ["touch"])["touch"]
+    near = stroke_features(signal([(0.5, -22.0, 8.0), (0.52, -20.0, 8.0)]), RATE, ["touch"])[
+        "touch"
+    ]
+    apart = stroke_features(signal([(0.5, -22.0, 8.0), (0.55, -20.0, 8.0)]), RATE, ["touch"])[
+        "touch"
+    ]
     assert (len(near.at_ms), len(apart.at_ms)) == (1, 2)
 
 
@@ -71,20 +80,24 @@ def test_a_pulse_is_not_hidden_by_a_higher_level_that_is_no_pulse():
 
 
 def test_a_neighbour_within_120_ms_is_part_of_the_figure_and_a_later_one_is_not():
-    near = notice(signal([(0.5, -20.0, 8.0), (0.58, -26.0, 8.0)]), RATE, ["touch"])["touch"]
+    near = stroke_features(signal([(0.5, -20.0, 8.0), (0.58, -26.0, 8.0)]), RATE, ["touch"])[
+        "touch"
+    ]
     first, second = named(near)
     assert first["pulses_after"] == 1.0
     assert first["next_ms"] == pytest.approx(80.0, abs=4.0)
     assert second["last_ms"] == pytest.approx(80.0, abs=4.0)
     assert first["next_db"] == pytest.approx(-6.0, abs=1.0)
     assert second["last_db"] == pytest.approx(6.0, abs=1.0)
-    later = notice(signal([(0.5, -20.0, 8.0), (0.7, -26.0, 8.0)]), RATE, ["touch"])["touch"]
+    later = stroke_features(signal([(0.5, -20.0, 8.0), (0.7, -26.0, 8.0)]), RATE, ["touch"])[
+        "touch"
+    ]
     assert [one["pulses_after"] for one in named(later)] == [0.0, 0.0]
 
 
 def test_a_click_has_its_level_its_pitch_and_its_decay():
     samples = signal(clicks=[(0.5, -20.0), (1.0, -32.0)], rate=48_000)
-    found = notice(samples, 48_000, ["sound"])["sound"]
+    found = stroke_features(samples, 48_000, ["sound"])["sound"]
     loud, soft = named(found)
     assert found.names == SOUND_FEATURES
     assert loud["click_db"] - soft["click_db"] == pytest.approx(12.0, abs=0.5)
@@ -96,7 +109,7 @@ def test_a_click_has_its_level_its_pitch_and_its_decay():
 
 def test_both_is_what_is_felt_with_its_click_and_what_is_only_heard():
     samples = signal([(0.3, -20.0, 20.0)], [(0.31, -20.0), (0.9, -20.0)])
-    found = notice(samples, RATE, ["touch", "sound", "both"])
+    found = stroke_features(samples, RATE, ["touch", "sound", "both"])
     assert [len(one.at_ms) for one in found.values()] == [1, 2, 2]
     assert found["both"].names == TOUCH_FEATURES + SOUND_FEATURES
     with_click, alone = named(found["both"])
@@ -106,13 +119,13 @@ def test_both_is_what_is_felt_with_its_click_and_what_is_only_heard():
 
 
 def test_nothing_is_noticed_in_silence():
-    for found in notice(np.zeros((RATE, 2), np.float32), RATE).values():
+    for found in stroke_features(np.zeros((RATE, 2), np.float32), RATE).values():
         assert found.features.shape == (0, len(found.names))
 
 
 def test_the_pace_of_the_hand_is_a_feature_where_it_is_given():
     pace = np.linspace(-3.0, 0.0, int(SECONDS * 1000))
-    found = notice(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"], pace)["touch"]
+    found = stroke_features(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"], pace)["touch"]
     assert found.names == (*TOUCH_FEATURES, "pace")
     assert found.features[0, -1] == pace[found.at_ms[0]]
 
@@ -142,7 +155,7 @@ def test_each_feature_is_blurred_by_what_a_person_cannot_know_better(name, value
     features[:, names.index("next_ms")] = 60.0
     features[:, names.index(name)] = value
     before = features.copy()
-    found = blurred(features, names, np.random.default_rng(0))[:, names.index(name)]
+    found = add_sensory_noise(features, names, np.random.default_rng(0))[:, names.index(name)]
     assert found.std() == pytest.approx(deviation, rel=0.08)
     assert np.median(found) == pytest.approx(value, abs=0.1 * max(deviation, 0.01))
     assert np.array_equal(features, before)
@@ -152,6 +165,6 @@ def test_a_neighbour_that_is_not_there_stays_away():
     names = TOUCH_FEATURES
     features = np.zeros((100, len(names)))
     features[:, names.index("next_db")] = -30.0
-    found = blurred(features, names, np.random.default_rng(0))
+    found = add_sensory_noise(features, names, np.random.default_rng(0))
     assert (found[:, names.index("next_ms")] == 0.0).all()
     assert (found[:, names.index("next_db")] == -30.0).all()

@@ -1,8 +1,8 @@
-"""A recorded take on disk while it is played: lines are appended, so it is whole at any moment.
+"""Writer of recorded takes during a session; the file is complete after each append.
 
-The CSV is that of `recorded_take.py`. The JSON beside it is lines as long as it grows: what was
-played, then each change with its sample, and how far it was played (`{"sample": 48000}`). `finish`
-puts the usual document in their place; what was cut short before that is read as it is.
+The CSV file is that of `recorded_take.py`. Until `finish`, its JSON file has one object per line:
+the head, then each change with its sample, and the number of played samples (`{"sample": 48000}`).
+`finish` replaces the lines by the usual document. An interrupted take can be read too.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ Event = tuple[int, int, float, bool]
 """Sample, source (index of `SOURCES`), theta2 (rad), touching."""
 
 
-class GrowingTake:
-    """A take's two files, open for what comes.
+class TakeWriter:
+    """Open CSV and JSON files of a take.
 
-    Thread: one, whichever.
+    Thread: any single one.
     """
 
     def __init__(self, path: str | os.PathLike[str], sample_rate: float, about: Mapping[str, Any]):
-        """Begin a take; one that is there already is kept under another name (`take.1.csv`).
+        """Begin a take; an existing one is renamed (`take.1.csv`).
 
         Raises
         ------
         InputError, OutputError
-            It can't be written.
+            A file cannot be written.
         """
         self.path = Path(path)
         self.played = 0
@@ -44,8 +44,8 @@ class GrowingTake:
         self._changes: list[tuple[int, Mapping[str, Any]]] = []
         self._last: Event = (-1, 0, 0.0, False)
         try:
-            set_aside(self.path)
-            # the JSON first: no reader finds the CSV without it
+            rename_existing(self.path)
+            # the JSON first, so that the CSV is never without it
             self._beside = _Lines(self.path.with_suffix(".json"))
             self._lines = _Lines(self.path)
             head = {"overview_take": VERSION, "sample_rate": sample_rate, **about}
@@ -56,7 +56,7 @@ class GrowingTake:
 
     @property
     def played_s(self) -> float:
-        """How far it was played, s."""
+        """Played duration, s."""
         return self.played / self._rate
 
     def append(
@@ -65,12 +65,12 @@ class GrowingTake:
         changes: Sequence[tuple[int, Mapping[str, Any]]],
         played: int,
     ) -> None:
-        """Write events and changes, in order, and that so many samples have been played.
+        """Write events and changes in order, and the number of played samples.
 
         Raises
         ------
         OSError
-            They can't be written, or the file has been deleted; what was written before is whole.
+            A file cannot be written or has been deleted; earlier lines stay complete.
         """
         marks = self._beside.size, self._lines.size
         try:
@@ -90,30 +90,30 @@ class GrowingTake:
     def finish(self) -> None:
         """Write the last line, which repeats the last event, and the usual document; close.
 
-        Where the document can't be written, the lines in its place stay.
+        If the document cannot be written, the lines stay.
 
         Raises
         ------
         OSError
-            The last line can't be written.
+            The last line cannot be written.
         """
         last, source, theta2, touching = self._last
         if last < self.played:
             self.append([(self.played, source, theta2, touching)], (), self.played)
-        # else whatever is there now under this name is another file
+        # otherwise another file has this name now
         if self._beside.is_named and self._lines.is_named:
             with contextlib.suppress(InputError, OutputError):
                 save_document(self.path, self._rate, self._about, self._changes)
         self.close()
 
     def close(self) -> None:
-        """Give the files back as they are."""
+        """Close both files without further writing."""
         self._beside.close()
         self._lines.close()
 
-    def continued(self, path: Path) -> GrowingTake:
-        """All of this take in another place, to go on there; InputError, OutputError."""
-        other = GrowingTake(path, self._rate, self._about)
+    def continue_at(self, path: Path) -> TakeWriter:
+        """Copy this take to another path and continue there; InputError, OutputError."""
+        other = TakeWriter(path, self._rate, self._about)
         try:
             other._beside.replace(self._beside)
             other._lines.replace(self._lines)
@@ -133,7 +133,7 @@ class GrowingTake:
 
 
 class _Lines:
-    """A text file that grows by whole lines."""
+    """Text file to which complete lines are appended."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -143,7 +143,7 @@ class _Lines:
 
     @property
     def is_named(self) -> bool:
-        """Whether its name still leads to it."""
+        """True if the path still refers to this file."""
         try:
             return self._file is not None and os.path.samestat(
                 os.fstat(self._file), os.stat(self._path)
@@ -152,15 +152,15 @@ class _Lines:
             return False
 
     def append(self, text: str) -> None:
-        """Write lines; OSError, and what was there before may have a part of them after it."""
+        """Write lines; after an OSError, an incomplete line may follow the earlier ones."""
         assert self._file is not None
         if os.fstat(self._file).st_nlink == 0:
-            raise FileNotFoundError(errno.ENOENT, "it has been deleted", str(self._path))
+            raise FileNotFoundError(errno.ENOENT, "the file has been deleted", str(self._path))
         self._write(text.encode())
 
     def _write(self, data: bytes) -> None:
         assert self._file is not None
-        # the system has no more room than for a part, now and then, before it says so
+        # a full disk may accept a part of the data before it reports an error
         os.lseek(self._file, self.size, os.SEEK_SET)
         rest = memoryview(data)
         while rest:
@@ -168,14 +168,16 @@ class _Lines:
         self.size += len(data)
 
     def cut(self, size: int) -> None:
-        """Make it `size` bytes long again."""
+        """Truncate the file to `size` bytes."""
         assert self._file is not None
-        with contextlib.suppress(OSError):  # of a disk that is gone: the reader leaves a rest out
+        with contextlib.suppress(
+            OSError
+        ):  # the disk may be gone; a reader ignores an incomplete line
             os.ftruncate(self._file, size)
         self.size = size
 
     def replace(self, other: _Lines) -> None:
-        """Hold what another one holds."""
+        """Copy the contents of another file."""
         assert other._file is not None
         self.cut(0)
         os.lseek(other._file, 0, os.SEEK_SET)
@@ -183,14 +185,14 @@ class _Lines:
             self._write(part)
 
     def close(self) -> None:
-        """Give it back; may be called twice."""
+        """Close the file; may be called twice."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
 
 
-def set_aside(path: Path) -> None:
-    """Give what lies at a take's place, and the JSON beside it, a name that is free; OSError."""
+def rename_existing(path: Path) -> None:
+    """Rename an existing take and its JSON file to a free name; OSError."""
     both = [one for one in (path, path.with_suffix(".json")) if os.path.lexists(one)]
     if not both:
         return
@@ -202,7 +204,7 @@ def set_aside(path: Path) -> None:
 
 
 def free_name(path: Path) -> Path:
-    """A name like this one for a take that replaces none: take.csv, take-2.csv ..."""
+    """Return a free name for a take: take.csv, take-2.csv and so on."""
     number, found = 1, path
     while any(os.path.lexists(one) for one in (found, found.with_suffix(".json"))):
         number += 1

@@ -10,7 +10,7 @@ import overview_dsp as ov
 
 @pytest.fixture(scope="module")
 def hands():
-    return [ov.measure.random_hand(seed) for seed in range(60)]
+    return [ov.measure.random_movement(seed) for seed in range(60)]
 
 
 def test_each_goes_from_the_start_to_the_end_and_lets_go_there(hands):
@@ -44,11 +44,11 @@ def test_their_durations_spread(hands):
 
 
 def test_a_seed_makes_the_same_hand(hands):
-    again = ov.measure.random_hand(11)
+    again = ov.measure.random_movement(11)
     assert np.array_equal(hands[11].theta2, again.theta2)
     assert not np.array_equal(hands[11].theta2, hands[12].theta2)
 
 
 def test_the_disk_arrives_with_it(match, football):
-    result = ov.render(match, football, ov.measure.random_hand(3), sample_rate=8000)
+    result = ov.render(match, football, ov.measure.random_movement(3), sample_rate=8000)
     assert result.trace.cursor.max() > 0.99

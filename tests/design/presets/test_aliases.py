@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.blending import morph
+from overview_dsp.design.presets.morphing import morph
 from overview_dsp.design.presets.validation import parse_preset
 from tests.examples import plain_preset
 
-STRONG = ov.EventKind(height=20.0, width_percent=1.0, also=("goal", "highest"))
+STRONG = ov.EventKind(height=20.0, width_percent=1.0, aliases=("goal", "highest"))
 LIGHT = ov.EventKind(height=2.0, width_percent=1.0)
 
 
@@ -50,21 +50,21 @@ def test_what_nobody_stands_for_is_the_default_with_a_warning():
 
 
 def test_a_name_in_two_kinds_is_refused():
-    with pytest.raises(ov.InputError, match=r"'goal' is in kinds\.\w+\.also and in kinds"):
-        preset_of(strong=STRONG, other=replace(LIGHT, also=("goal",)))
+    with pytest.raises(ov.InputError, match=r"'goal' is in kinds\.\w+\.aliases and in kinds"):
+        preset_of(strong=STRONG, other=replace(LIGHT, aliases=("goal",)))
 
 
 def test_a_file_says_where_names_are_wrong():
     text = """
-schema = 2
+schema = 4
 title = "t"
 description = "d"
 [kinds.default]
 height = 1
 width_percent = 1
-also = ["goal", 3]
+aliases = ["goal", 3]
 """
-    with pytest.raises(ov.InputError, match=r"x\.toml:8: kinds\.default\.also"):
+    with pytest.raises(ov.InputError, match=r"x\.toml:8: kinds\.default\.aliases"):
         parse_preset(text, "x", "x.toml")
 
 

@@ -1,8 +1,9 @@
-"""What is noticed in a stroke, and how it feels and sounds: the only thing an observer gets.
+"""Features of the onsets in a stroke: the only input of an observer.
 
-Levels are RMS in dB of full scale, every millisecond: over 10 ms of the tactor for a finger, over 4
-ms of the click for an ear. A pulse is noticed where the level rises `STEP_DB` out of what surrounds
-it (`SOUND_STEP_DB` for the ear), `APART_MS` or more from a higher pulse, above the floor.
+Levels are RMS in dB of full scale, one per millisecond: over 10 ms of the tactor for a finger, over
+4 ms of the click for an ear. A pulse is detected where the level has a prominence of
+`PULSE_PROMINENCE_DB` (`SOUND_PROMINENCE_DB` for the ear) above the floor, at least
+`MIN_PULSE_GAP_MS` from a higher pulse.
 """
 
 from __future__ import annotations
@@ -15,26 +16,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CLICK, TACTOR
+from overview_dsp.measure.perceived_level import (
+    MIN_PULSE_GAP_MS,
+    TOUCH_FLOOR_DB,
+    find_pulses,
+    levels,
+    touch_pulses,
+)
+from overview_dsp.units import FELT_WINDOW_S
 
 Modality = Literal["touch", "sound", "both"]
 MODALITIES: tuple[Modality, ...] = ("touch", "sound", "both")
 
-TOUCH_WINDOW_S, SOUND_WINDOW_S = 0.010, 0.004
-TOUCH_FLOOR_DB, SOUND_FLOOR_DB = -50.0, -62.0
-"""Nothing is felt, or heard, below."""
+SOUND_WINDOW_S = 0.004
+SOUND_FLOOR_DB = -62.0
+"""Lowest audible level."""
 
-STEP_DB = 2.5
-"""A step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
-
-SOUND_STEP_DB = 6.0
-APART_MS = 30
-"""Pulses nearer than this are one."""
+SOUND_PROMINENCE_DB = 6.0
 
 RHYTHM_MS = 120
-"""Within which pulses make a figure."""
+"""Time in which several pulses are perceived as one pattern."""
 
 TOGETHER_MS = 40
-"""What is heard so near to what is felt belongs to it."""
+"""Distance from a felt pulse within which a click belongs to it."""
 
 TOUCH_FEATURES = (
     "level_db",
@@ -51,19 +55,19 @@ TOUCH_FEATURES = (
 )
 SOUND_FEATURES = ("click_db", "centroid_hz", "click_decay_ms", "click_delay_ms")
 PACE = "pace"
-"""How fast the hand moves there, log of timelines a second; of movements that change their pace."""
+"""Logarithm of the input's pace (timelines per second), for movements that change their pace."""
 
 
 @dataclass(frozen=True, eq=False)
-class Noticed:
-    """What is noticed in one stroke.
+class StrokeFeatures:
+    """Onsets of one stroke and their features.
 
     Attributes
     ----------
     at_ms : int64 (onsets,)
-        From the stroke's start.
+        Times from the start of the stroke.
     features : float64 (onsets, features)
-        Columns as `names`.
+        One column per name.
     names : tuple of str
     """
 
@@ -72,26 +76,13 @@ class Noticed:
     names: tuple[str, ...]
 
 
-def levels(
-    signal: NDArray[np.float32], sample_rate: float, window_s: float, floor_db: float
-) -> NDArray[np.float64]:
-    """RMS over a window around each millisecond, dB of full scale, not below a floor."""
-    energy = np.zeros(len(signal) + 1)
-    np.cumsum(np.square(signal, dtype=np.float64), out=energy[1:])
-    middle = np.arange(0.0, len(signal), sample_rate / 1000.0).astype(np.int64)
-    half = int(window_s * sample_rate / 2.0)
-    first, end = np.maximum(middle - half, 0), np.minimum(middle + half, len(signal))
-    mean = (energy[end] - energy[first]) / (end - first)
-    return np.asarray(np.maximum(10.0 * np.log10(mean + 1e-12), floor_db), dtype=np.float64)
-
-
-def notice(
+def stroke_features(
     samples: NDArray[np.float32],
     sample_rate: float,
     modalities: Sequence[Modality] = MODALITIES,
     pace: NDArray[np.float64] | None = None,
-) -> dict[Modality, Noticed]:
-    """Find what is noticed in a stroke, by each modality.
+) -> dict[Modality, StrokeFeatures]:
+    """Find the onsets of a stroke and their features, by each modality.
 
     Parameters
     ----------
@@ -100,57 +91,41 @@ def notice(
     sample_rate : float
         Hz.
     modalities
-        Which.
+        Modalities of the result.
     pace : float64 (milliseconds,), or None
-        Log of the hand's pace, for a feature more.
+        Logarithm of the pace, which adds a feature.
     """
-    level = levels(samples[:, TACTOR], sample_rate, TOUCH_WINDOW_S, TOUCH_FLOOR_DB)
+    level = levels(samples[:, TACTOR], sample_rate, FELT_WINDOW_S, TOUCH_FLOOR_DB)
     touched = touch_pulses(level)
-    found: dict[Modality, Noticed] = {}
-    click, heard = np.zeros(0), np.zeros(0, np.int64)
+    found: dict[Modality, StrokeFeatures] = {}
+    click, audible = np.zeros(0), np.zeros(0, np.int64)
     if any(modality != "touch" for modality in modalities):
         click = levels(samples[:, CLICK], sample_rate, SOUND_WINDOW_S, SOUND_FLOOR_DB)
-        heard = _pulses(click, SOUND_STEP_DB, SOUND_FLOOR_DB + 6.0)
+        audible = find_pulses(click, SOUND_PROMINENCE_DB, SOUND_FLOOR_DB + 6.0)
     for modality in modalities:
-        at = touched if modality == "touch" else heard
+        at = touched if modality == "touch" else audible
         if modality == "both":
-            alone = heard[_nearest(touched, heard) > TOGETHER_MS]
+            alone = audible[_nearest(touched, audible) > TOGETHER_MS]
             at = np.sort(np.concatenate([touched, alone]))
         columns: list[NDArray[np.float64]] = []
         names: list[str] = []
         if modality != "sound":
-            columns.append(_felt(level, at, touched))
+            columns.append(_touch_columns(level, at, touched))
             names += TOUCH_FEATURES
         if modality != "touch":
-            columns.append(_heard(samples[:, CLICK], sample_rate, click, at))
+            columns.append(_sound_columns(samples[:, CLICK], sample_rate, click, at))
             names += SOUND_FEATURES
         if pace is not None:
             columns.append(pace[np.minimum(at, len(pace) - 1)][:, None])
             names.append(PACE)
-        found[modality] = Noticed(at, np.hstack(columns), tuple(names))
+        found[modality] = StrokeFeatures(at, np.hstack(columns), tuple(names))
     return found
 
 
-def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the milliseconds of the pulses that a finger notices in a level."""
-    return _pulses(np.maximum(level, TOUCH_FLOOR_DB), STEP_DB, TOUCH_FLOOR_DB + 3.0)
-
-
-def _pulses(level: NDArray[np.float64], step_db: float, least_db: float) -> NDArray[np.int64]:
-    from scipy.signal import find_peaks
-
-    rises, _ = find_peaks(level, prominence=step_db, height=least_db)
-    # only what is a pulse itself hides one beside it
-    alone = np.full(len(level), -np.inf)
-    alone[rises] = level[rises]
-    found, _ = find_peaks(alone, distance=APART_MS)
-    return np.asarray(found, dtype=np.int64)
-
-
-def _nearest(places: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-    """How far each of `at` is from the nearest of ascending places."""
+def _nearest(times: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the distance of each of `at` from the nearest of ascending times."""
     far = np.iinfo(np.int64).max // 4
-    edges = np.concatenate([[-far], places, [far]])
+    edges = np.concatenate([[-far], times, [far]])
     after = np.searchsorted(edges, at)
     return np.asarray(np.minimum(at - edges[after - 1], edges[after] - at), dtype=np.int64)
 
@@ -158,15 +133,15 @@ def _nearest(places: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int
 def _around(
     level: NDArray[np.float64], at: NDArray[np.int64], before: int, after: int
 ) -> NDArray[np.float64]:
-    """The level from `before` ms before to `after` ms after each place; its ends go on."""
+    """Return the level from `before` to `after` ms around each time; its ends are extended."""
     index = at[:, None] + np.arange(-before, after + 1)
     return np.asarray(level[np.clip(index, 0, len(level) - 1)])
 
 
-def _felt(
+def _touch_columns(
     level: NDArray[np.float64], at: NDArray[np.int64], pulses: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """The columns of `TOUCH_FEATURES` at each onset."""
+    """Return the columns of `TOUCH_FEATURES` at each onset."""
     if not len(at):
         return np.zeros((0, len(TOUCH_FEATURES)))
     top = np.clip(at - 10 + _around(level, at, 10, 25).argmax(axis=1), 0, len(level) - 1)
@@ -181,8 +156,8 @@ def _felt(
     earlier[:, -1] = True
     duration = later.argmax(axis=1) + earlier.argmax(axis=1)
 
-    first = np.searchsorted(pulses, top + APART_MS)
-    last = np.searchsorted(pulses, top - APART_MS, side="right") - 1
+    first = np.searchsorted(pulses, top + MIN_PULSE_GAP_MS)
+    last = np.searchsorted(pulses, top - MIN_PULSE_GAP_MS, side="right") - 1
     count = np.searchsorted(pulses, top + RHYTHM_MS, side="right") - first
     far = 10 * RHYTHM_MS + len(level)
     marks = np.concatenate([[-far], pulses, [far]])
@@ -204,13 +179,13 @@ def _felt(
     return np.stack(columns, axis=1).astype(np.float64)
 
 
-def _heard(
+def _sound_columns(
     click: NDArray[np.float32],
     sample_rate: float,
     level: NDArray[np.float64],
     at: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """The columns of `SOUND_FEATURES` at each onset: of the loudest from 20 ms before it to 100."""
+    """Return the columns of `SOUND_FEATURES`: of the loudest sound near each onset."""
     found = np.zeros((len(at), len(SOUND_FEATURES)))
     found[:, 0] = SOUND_FLOOR_DB
     if not len(at):
@@ -219,7 +194,7 @@ def _heard(
     audible = level[top] > SOUND_FLOOR_DB + 3.0
     top = top[audible]
     before, length = int(sample_rate / 500), int(sample_rate / 500 + sample_rate / 33)
-    # rises at once, falls as a Hann window does
+    # the falling half of a Hann window
     window = np.hanning(2 * length)[length:]
     start = (top * sample_rate / 1000.0).astype(np.int64) - before
     index = start[:, None] + np.arange(length)

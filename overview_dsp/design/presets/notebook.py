@@ -1,4 +1,4 @@
-"""A preset in a notebook: what it is like, and how high and wide its kinds are, as HTML."""
+"""HTML of a preset for notebooks: description, heights and widths of its kinds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _BAR = 120
 
 
 def preset_page(preset: Preset) -> str:
-    """HTML with title, description and a row a kind; every text of the preset is escaped."""
+    """Return HTML with title, description and one row per kind; all texts are escaped."""
     tallest = max(kind.height for kind in preset.kinds.values())
     rows = "".join(_row(name, kind, tallest) for name, kind in preset.kinds.items())
     return (
@@ -29,9 +29,9 @@ def _row(name: str, kind: EventKind, tallest: float) -> str:
     part = math.log1p(max(kind.height, 0.0)) / math.log1p(tallest) if tallest > 0.0 else 0.0
     width = f"{kind.width_ms:g} ms" if kind.width_ms is not None else f"{kind.width_percent:g} %"
     click = ", ".join(f"{mode.frequency_hz:g} Hz" for mode in kind.modes[:3])
-    also = f" <small>({html.escape(', '.join(kind.also))})</small>" if kind.also else ""
+    aliases = f" <small>({html.escape(', '.join(kind.aliases))})</small>" if kind.aliases else ""
     return (
-        f"<tr><td>{html.escape(name)}{also}</td>"
+        f"<tr><td>{html.escape(name)}{aliases}</td>"
         f'<td><svg width="{_BAR}" height="10" role="img" aria-label="{kind.height:g}">'
         f'<rect width="{part * _BAR:.0f}" height="10" fill="#0072B2"/></svg> {kind.height:g}</td>'
         f"<td>{width}</td><td>{click or html.escape(kind.material)}</td></tr>"

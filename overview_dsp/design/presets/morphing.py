@@ -1,7 +1,8 @@
-"""Presets between two presets, and near one: morphing and chance.
+"""Interpolation between two presets, and random variation of one.
 
-Each number moves on its own scale (frequencies, stiffnesses and times by ratio, levels by dB);
-choices change half-way. A kind that only one of the two names starts from the other's default.
+Each number is interpolated on its own scale (frequencies, stiffnesses and times by ratio, levels by
+dB). Choices change half-way. A kind of only one preset is interpolated with the default of the
+other.
 """
 
 from __future__ import annotations
@@ -23,24 +24,24 @@ MAX_STEPS = 1000
 
 
 def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
-    """Make presets from one to the other, both among them.
+    """Interpolate presets from one to another, including both.
 
     Parameters
     ----------
     first, second : Preset
-        Where it begins and ends.
+        First and last preset.
     steps : int
-        How many, 2 to 1000.
+        Number of presets, 2 to 1000.
 
     Returns
     -------
     list of Preset
-        The first of them feels like `first`, the last one like `second`.
+        Presets from one that feels like `first` to one that feels like `second`.
 
     Raises
     ------
     InputError
-        Fewer or more steps; more kinds together than a preset may have.
+        The number of steps is out of range, or both have too many kinds together.
 
     Examples
     --------
@@ -52,10 +53,10 @@ def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
     validation.instance(first, Preset, "first", "ov.load_preset gives one")
     validation.instance(second, Preset, "second", "ov.load_preset gives one")
     if not 2 <= validation.whole(steps, "steps") <= MAX_STEPS:
-        raise InputError(f"{shown(steps)} steps; a morph has 2 to {MAX_STEPS}")
+        raise InputError(f"steps is {shown(steps)}; must be 2 to {MAX_STEPS}")
     names = tuple(dict.fromkeys((*first.kinds, *second.kinds)))
     if len(names) > MAX_KINDS:
-        raise InputError(f"{len(names)} kinds together; a preset has up to {MAX_KINDS}")
+        raise InputError(f"both have {len(names)} kinds together; must be at most {MAX_KINDS}")
     return [_between(first, second, names, k / (steps - 1), k + 1) for k in range(steps)]
 
 
@@ -70,7 +71,7 @@ def _between(first: Preset, second: Preset, names: tuple[str, ...], part: float,
             first.kinds[first.kind_for(name) or DEFAULT_KIND],
             second.kinds[second.kind_for(name) or DEFAULT_KIND],
             part,
-            near.kinds[name].also if name in near.kinds else (),
+            near.kinds[name].aliases if name in near.kinds else (),
         )
         for name in names
     }
@@ -95,17 +96,17 @@ def _mix(known: Parameter, first: Value | None, second: Value | None, part: floa
 
 
 def _mixed_kind(
-    first: EventKind, second: EventKind, part: float, also: tuple[str, ...]
+    first: EventKind, second: EventKind, part: float, aliases: tuple[str, ...]
 ) -> EventKind:
     near = first if part < 0.5 else second
     values: dict[str, Any] = {}
     for key, known in KIND_PARAMETERS.items():
         pair = getattr(first, key), getattr(second, key)
-        # a width of the other sort can't be mixed: the nearer preset's stays
+        # widths in percent and in ms cannot be mixed: the nearer preset's is used
         values[key] = getattr(near, key) if None in pair else _mix(known, *pair, part)
     modes = _mixed_modes(first.modes, second.modes, part)
-    # what was drawn by hand can't be mixed: the nearer preset's stays
-    return EventKind(modes=modes, points=near.points, also=also, **values)
+    # points cannot be mixed: the nearer preset's are used
+    return EventKind(modes=modes, points=near.points, aliases=aliases, **values)
 
 
 def _mixed_modes(
@@ -116,7 +117,7 @@ def _mixed_modes(
     for i in range(count):
         one = first[i] if i < len(first) else None
         other = second[i] if i < len(second) else None
-        # a mode that one of them lacks fades
+        # a mode of only one preset fades
         quiet = MODE_PARAMETERS["gain_db"].low
         pair = one or replace(other, gain_db=quiet), other or replace(one, gain_db=quiet)  # type: ignore[type-var]
         mixed = {
@@ -128,50 +129,50 @@ def _mixed_modes(
     return tuple(found)
 
 
-def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
-    """Make a preset near another one, by chance.
+def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
+    """Make a random variation of a preset.
 
     Parameters
     ----------
     preset : Preset
-        Which one.
+        Preset to vary.
     seed : int
-        The same seed gives the same preset.
+        Random seed; the same seed gives the same preset.
     amount : float
-        How far values go: a part of the way to a value drawn from all of their range, 0 to 1.
-        Levels, mutes and the carrier stay.
+        Share of the distance to a random value of the range, 0 to 1. Levels, mutes and the carrier
+        do not change.
 
     Returns
     -------
     Preset
-        Called `NAME-SEED`.
+        Preset of the name `NAME-SEED`.
 
     Raises
     ------
     InputError
-        An amount out of range.
+        The amount is out of range.
 
     Examples
     --------
-    >>> ov.presets.randomized(ov.load_preset("football"), seed=7).name
+    >>> ov.presets.randomize(ov.load_preset("football"), seed=7).name
     'football-7'
     """
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     amount = validation.real(amount, "amount")
-    # written so that NaN fails
+    # NaN fails too
     if not 0.0 <= amount <= 1.0:
-        raise InputError(f"amount {amount:g} is out of range; it is 0 to 1")
+        raise InputError(f"amount is {amount:g}; must be 0 to 1")
     random = validation.random(seed)
     values: dict[str, Value] = dict(preset.values)
     for id, known in PARAMETERS.items():
-        if not known.choices and not _kept(id):
+        if not known.choices and not _is_fixed(id):
             values[id] = _moved(known, preset.number(id), amount, random)
     kinds = {}
     for name, kind in preset.kinds.items():
         changes: dict[str, Any] = {
             key: _moved(known, value, amount, random)
             for key, known in KIND_PARAMETERS.items()
-            if isinstance(value := getattr(kind, key), float) and key in _KIND_MOVES
+            if isinstance(value := getattr(kind, key), float) and key in _VARIED_KIND_KEYS
         }
         modes = tuple(
             replace(
@@ -186,8 +187,8 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
         kinds[name] = replace(kind, modes=modes, **changes)
     return Preset(
         f"{preset.name}-{seed}",
-        f"{preset.title}, by chance {seed}",
-        f"{preset.name} with every value moved by chance (seed {seed}, amount {amount:g})",
+        f"{preset.title}, variation {seed}",
+        f"{preset.name} with random changes of all values (seed {seed}, amount {amount:g})",
         values,
         kinds,
         preset.tags,
@@ -196,18 +197,18 @@ def randomized(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
     )
 
 
-_KIND_MOVES = ("height", "width_percent", "width_ms")
+_VARIED_KIND_KEYS = ("height", "width_percent", "width_ms")
 
 
-def _kept(id: str) -> bool:
+def _is_fixed(id: str) -> bool:
     return id.endswith("gain_db") or id in ("output.ceiling_db", "tactor.frequency_hz")
 
 
 def _moved(known: Parameter, value: float, amount: float, random: np.random.Generator) -> float:
-    """A value part of the way to one drawn from its range; from around it where that is huge."""
+    """Return a value moved towards a random one of its range, or near it for a large range."""
     low, high = known.low, known.high
     if known.scale == "log":
-        # two decades at most: the ends of some ranges are limits of arithmetic, not of taste
+        # two decades at most, since some ranges are limited only by arithmetic
         low, high = max(low, value / 10.0), min(high, value * 10.0)
         drawn = math.exp(random.uniform(math.log(low), math.log(high)))
         moved = math.exp(math.log(value) * (1.0 - amount) + math.log(drawn) * amount)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.felt import Stroke, events_felt_apart
+from overview_dsp.measure.perceived_level import Stroke, count_resolved_events
 from overview_dsp.signal.surface.build import build_surface
 from tests.examples import preset_with, timeline_of
 
@@ -13,17 +13,17 @@ RATE = 8000.0
 FRAMES = 16_000
 
 
-def count(places, knocks, rise_db=6.0, width_ms=12.0):
-    """Events at `places` (%), bursts of the tactor at `knocks` (%), a cursor that moves evenly."""
+def count(places, pulses, rise_db=6.0, width_ms=12.0):
+    """Count events at `places` (%), with tactor bursts at `pulses` (%) and a steady cursor."""
     surface = build_surface(timeline_of(*places), preset_with(width=1.0))
     time = np.arange(FRAMES) / RATE
     level = np.full(FRAMES, 0.05)
-    for knock in knocks:
+    for knock in pulses:
         middle = knock / 100.0 * FRAMES / RATE
         level[np.abs(time - middle) < width_ms / 2000.0] = 0.05 * 10 ** (rise_db / 20.0)
     tactor = (level * np.sin(2 * np.pi * 250.0 * time)).astype(np.float32)
     columns = {"cursor": np.linspace(0.0, 1.0, FRAMES)}
-    return events_felt_apart(Stroke("out", 0, FRAMES), surface, columns, tactor, RATE)
+    return count_resolved_events(Stroke("out", 0, FRAMES), surface, columns, tactor, RATE)
 
 
 def test_each_knock_on_an_event_counts():

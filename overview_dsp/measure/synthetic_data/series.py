@@ -1,4 +1,4 @@
-"""Series by chance: a share's closing prices, a town's daily temperatures, a crowd's loudness.
+"""Random series: a share's closing prices, a town's daily temperatures, a crowd's loudness.
 
 Prices walk at random with calm and stormy times (volatility 0.7 to 2.5 % a day, which reverts
 within a month or so) and rare jumps. Temperatures are a year's wave with weather on it that lasts

@@ -1,18 +1,16 @@
-"""Felt level: what the tactor channel gives a finger, stroke by stroke and event by event.
+"""Felt level of the tactor channel, by stroke and by event.
 
-Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk:
-from the touch until shaft 2 disengages, which is when the disk has arrived after the release (out),
-or from there until it is back at the start (recoil). An event is felt while the disk is within its
-span (where its profile exceeds a tenth of its height): its level is the highest of the windows that
-overlap that time. Windows that overlap no event's span are the event-free rest of the stroke; its
-level is their median.
+Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk.
+The outward stroke lasts from the touch until shaft 2 disengages, which is when the disk has arrived
+after the release. The recoil lasts from there until the disk is back at the start.
 
-What is just noticeable, and the gestures that it is measured by.
+An event is felt while the disk is within its span (where its profile exceeds a tenth of its
+height). Its level is the highest of the windows that overlap that time. The event-free level of a
+stroke is the median of the windows that overlap no event's span.
 
-Events that are felt apart: how many knocks of its events a stroke gives a finger.
-
-A knock is a peak of the felt level that stands at least `STEP_DB` above its surroundings (its
-prominence), at least `MERGED_S` from any higher one. It counts where the disk is on an event then.
+A *pulse* is a peak of the felt level. `pulse_indices` finds peaks of a prominence of at least
+`STEP_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
+observer detects, by the millisecond.
 """
 
 from __future__ import annotations
@@ -32,28 +30,28 @@ from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S
 
 HOP_S = 0.001
-"""From one window to the next: a knock of a few milliseconds lies whole in one of them."""
+"""Time from one window to the next, s: short enough that one window holds a whole short pulse."""
 
 _RUN = 64
-"""Frames whose lowest and highest position are looked at together."""
+"""Frames per run; the lowest and highest position of a run are found at once."""
 
 COASTS = 0.001
-"""A disk that goes on by less after the release, as a share of the timeline, turned back there."""
+"""Share of the timeline. A disk that moves on by less after the release turned back there."""
 
 BACK_AT = 0.01
-"""A recoil ends where the cursor is back to this."""
+"""Cursor at which a recoil ends."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """One movement of the disk: frames of a trace.
+    """Frames of one movement of the disk in a trace.
 
     Attributes
     ----------
     name : str
         `out` or `recoil`.
     start, stop : int
-        First frame, and the one behind the last.
+        First frame, and the frame after the last.
 
     Examples
     --------
@@ -68,7 +66,7 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class StrokeFeel:
-    """What one stroke feels like.
+    """Felt levels of one stroke.
 
     Attributes
     ----------
@@ -76,9 +74,9 @@ class StrokeFeel:
     event_free_db : float
         Median level of the windows outside every event's span, dB.
     event_db : float64 (events,)
-        Highest level at each event of the surface's table, dB; NaN if it wasn't passed.
+        Highest level at each event of the surface's table, dB; NaN if the event was not passed.
     rise : float64 (events,)
-        Steepest rise of the torque's size at each event, N m/s; NaN if it wasn't passed.
+        Steepest rise of the torque's size at each event, N m/s; NaN if the event was not passed.
     """
 
     stroke: Stroke
@@ -88,19 +86,20 @@ class StrokeFeel:
 
 
 def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
-    """Find the strokes of a trace: from a touch until the disk turns back, and the recoil.
+    """Find the strokes of a trace: outward movements and recoils.
 
-    It turns back when shaft 2 disengages, or later if it still moves away from the start then.
+    An outward stroke lasts from the touch until the disk turns back. The disk turns back when shaft
+    2 disengages, or later if it still moves away from the start.
 
     Parameters
     ----------
     engaged, cursor : float64 (frames,)
-        The trace's columns.
+        Columns of the trace.
 
     Returns
     -------
     list of Stroke
-        In order.
+        Strokes in order of time.
 
     Examples
     --------
@@ -122,7 +121,7 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
             found.append(Stroke("out", start, stop))
         elif start > 0:
             before = found.pop()
-            # the disk may be on its way still, but not behind the furthest place of the touch
+            # the disk may still move on, to a position beyond the furthest one of the touch
             turn = start + int(np.argmax(cursor[start:stop]))
             if cursor[turn] > cursor[start - 1] + COASTS:
                 start = min(turn + 1, stop - 1)
@@ -139,7 +138,7 @@ def window_db(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Measure the level of windows of 10 ms.
 
-    Windows begin and end between samples where they must, so that rates can be compared.
+    Windows may begin and end between samples, so that sample rates can be compared.
 
     Parameters
     ----------
@@ -148,12 +147,12 @@ def window_db(
     sample_rate : float
         Hz.
     hop_s : float
-        From one window to the next, s.
+        Time from one window to the next, s.
 
     Returns
     -------
     starts : float64 (windows,)
-        Where each window starts, frames.
+        Start of each window, in frames.
     level : float64 (windows,)
         RMS, dB of full scale; -200 for silence.
 
@@ -180,9 +179,9 @@ def _first_within(
     highs: NDArray[np.float64],
     spans: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """The first frame within each span (from, to) of a course cut into runs; its length if none."""
+    """Return the first frame in which the runs are within each span; their size if none."""
     first, last = spans[:, 0], spans[:, 1]
-    # in the runs before, it was below the span all the time, or above
+    # all earlier runs are below the span, or above it
     reached = np.searchsorted(np.maximum.accumulate(highs), first)
     run = np.maximum(reached, np.searchsorted(-np.minimum.accumulate(lows), -last))
     run = np.minimum(run, len(runs) - 1)
@@ -191,7 +190,7 @@ def _first_within(
     position = within.argmax(axis=1)
     frame: NDArray[np.int64] = run * _RUN + position
     for i in np.flatnonzero(~within[np.arange(len(run)), position]):
-        # it leapt over the span
+        # the run skips the span
         later = runs[run[i] :].ravel()
         inside = np.flatnonzero((later >= first[i]) & (later <= last[i]))
         frame[i] = run[i] * _RUN + inside[0] if len(inside) else runs.size
@@ -201,14 +200,15 @@ def _first_within(
 def passages(
     surface: Surface, cursor: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The events that a stroke meets, and the first and the last frame in which it is on each.
+    """Return the events that a stroke passes, and the first and last frame on each.
 
-    It meets those that it enters (`Surface.edges`), and of those it starts on the ones it passes.
+    It passes the events that it enters (`Surface.edges`). Of those at its start it passes the ones
+    whose position it crosses.
     """
     frames = len(cursor)
     if not frames:
         return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
-    # the last run is filled up with where it stays
+    # the last run is padded with the last position
     course = np.append(cursor, np.full(-frames % _RUN, cursor[-1]))
     starts = np.arange(0, len(course), _RUN)
     lows, highs = np.minimum.reduceat(course, starts), np.maximum.reduceat(course, starts)
@@ -221,8 +221,8 @@ def passages(
     first = _first_within(runs, lows, highs, spans)
     backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)
     last = np.minimum(len(course) - 1 - backwards, frames - 1)
-    met = first <= last
-    return events[met], first[met], last[met]
+    is_on = first <= last
+    return events[is_on], first[is_on], last[is_on]
 
 
 def _highest(
@@ -232,7 +232,7 @@ def _highest(
     first: NDArray[np.int64],
     last: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """The highest level of the windows that overlap frames `first` to `last`; NaN without any."""
+    """Return the highest level of the windows that overlap frames `first` to `last`, or NaN."""
     begin = np.searchsorted(starts + length, first, side="right")
     end = np.searchsorted(starts, last, side="right")
     bounds = np.stack([begin, end], axis=1).ravel()
@@ -251,18 +251,18 @@ def event_levels(
     Parameters
     ----------
     surface : Surface
-        What the disk moved on.
+        Surface of the render.
     columns : Trace or mapping
         Its columns `engaged` and `cursor` are used.
     tactor : float32 (frames,)
-        The tactor's channel of the same render.
+        Tactor channel of the same render.
     sample_rate : float
         Hz.
 
     Returns
     -------
     float64 (events,)
-        RMS over 10 ms, dB of full scale; NaN for events that weren't passed.
+        RMS over 10 ms, dB of full scale; NaN for events that were not passed.
 
     Examples
     --------
@@ -325,12 +325,12 @@ def stroke_feel(
 
 
 STEP_DB = 2.3
-"""A step of amplitude that the skin notices (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+"""Just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
-STEP_DURATION = 1.25
-STEP_SHARPNESS = 2.0
+JND_DURATION = 1.25
+JND_SHARPNESS = 2.0
 MERGED_S = 0.030
-"""Two knocks closer than this are felt as one."""
+"""Two pulses closer than this are felt as one."""
 
 FALL_DB = 6.0
 
@@ -340,24 +340,24 @@ GESTURES: Mapping[str, Gesture] = {
     "fast": sweep(1.0),
     "tap": tap(1.0, 3.0),
 }
-"""Slow, medium and fast sweeps over all of the timeline, and a tap at its end."""
+"""Slow, medium and fast sweeps over the whole timeline, and a tap at its end."""
 
 
-def ratio_steps(first: float, second: float, step: float) -> float:
-    """How many times two figures are a ratio of `step` apart; NaN if one isn't above 0."""
+def ratio_jnds(first: float, second: float, step: float) -> float:
+    """Return the difference of two values in ratios of `step`; NaN unless both are above 0."""
     if not (first > 0.0 and second > 0.0):
         return math.nan
     return abs(math.log(first / second)) / math.log(step)
 
 
-KNOCK_HOP_S = 0.002
+PULSE_HOP_S = 0.002
 
 
-def knocks(level: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The indices of the knocks in a level (dB, `KNOCK_HOP_S` apart)."""
+def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the indices of the pulses in a level (dB, one value per `PULSE_HOP_S`)."""
     from scipy.signal import find_peaks
 
-    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / KNOCK_HOP_S))
+    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / PULSE_HOP_S))
     return np.asarray(found, dtype=np.int64)
 
 
@@ -369,43 +369,91 @@ def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
     return int((below[after] if after < len(below) else len(level)) - first)
 
 
-def events_felt_apart(
+def count_resolved_events(
     stroke: Stroke,
     surface: Surface,
     columns: Mapping[str, NDArray[np.float64]],
     tactor: NDArray[np.float32],
     sample_rate: float,
 ) -> int:
-    """Count the events of a surface that are felt one by one in a stroke.
+    """Count the events of a surface that are felt separately in a stroke.
 
     Parameters
     ----------
     stroke : Stroke
-        Which part of the render.
+        Frames of the render.
     surface : Surface
-        What the disk moved on.
+        Surface of the render.
     columns : Trace or mapping
         Its column `cursor` is used.
     tactor : float32 (frames,)
-        The tactor's channel of the same render.
+        Tactor channel of the same render.
     sample_rate : float
         Hz.
 
     Returns
     -------
     int
-        Knocks 30 ms apart or more, while the disk is on an event.
+        Number of pulses at least 30 ms from each other, while the disk is on an event.
 
     Examples
     --------
     >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
     >>> trace, surface = result.trace, result.engine.surface
     >>> stroke = ov.measure.strokes(trace.engaged, trace.cursor)[0]
-    >>> ov.measure.events_felt_apart(stroke, surface, trace, result.samples[:, 1], 8000) > 0
+    >>> ov.measure.count_resolved_events(stroke, surface, trace, result.samples[:, 1], 8000) > 0
     True
     """
     cursor = columns["cursor"][stroke.start : stroke.stop]
-    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, KNOCK_HOP_S)
-    peaks = knocks(level)
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, PULSE_HOP_S)
+    peaks = pulse_indices(level)
     middles = (starts[peaks] + FELT_WINDOW_S * sample_rate / 2.0).astype(np.int64)
     return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))
+
+
+TOUCH_FLOOR_DB = -50.0
+"""Lowest level that a finger feels, dB of full scale."""
+
+PULSE_PROMINENCE_DB = 2.5
+"""Prominence of a pulse: a just noticeable step of amplitude on the skin (Israr and Tan 2006)."""
+
+MIN_PULSE_GAP_MS = 30
+"""Of two pulses nearer than this, only the higher one is detected."""
+
+BEFORE_MS, AFTER_MS = 15.0, 40.0
+"""A pulse belongs to an event from this long before the disk enters it to this long after."""
+
+TRAILING_S = 0.15
+"""Output after the disk turns back that still belongs to the outward stroke: its last pulse."""
+
+
+def levels(
+    signal: NDArray[np.float32], sample_rate: float, window_s: float, floor_db: float
+) -> NDArray[np.float64]:
+    """Return the RMS over a window around each millisecond, dB of full scale, above a floor."""
+    energy = np.zeros(len(signal) + 1)
+    np.cumsum(np.square(signal, dtype=np.float64), out=energy[1:])
+    middle = np.arange(0.0, len(signal), sample_rate / 1000.0).astype(np.int64)
+    half = int(window_s * sample_rate / 2.0)
+    first, end = np.maximum(middle - half, 0), np.minimum(middle + half, len(signal))
+    mean = (energy[end] - energy[first]) / (end - first)
+    return np.asarray(np.maximum(10.0 * np.log10(mean + 1e-12), floor_db), dtype=np.float64)
+
+
+def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the milliseconds of the pulses in a level that a finger detects."""
+    return find_pulses(np.maximum(level, TOUCH_FLOOR_DB), PULSE_PROMINENCE_DB, TOUCH_FLOOR_DB + 3.0)
+
+
+def find_pulses(
+    level: NDArray[np.float64], prominence_db: float, lowest_db: float
+) -> NDArray[np.int64]:
+    """Return the milliseconds of a level's prominent peaks, at least 30 ms from any higher one."""
+    from scipy.signal import find_peaks
+
+    rises, _ = find_peaks(level, prominence=prominence_db, height=lowest_db)
+    # only a prominent peak hides a lower one near it
+    alone = np.full(len(level), -np.inf)
+    alone[rises] = level[rises]
+    found, _ = find_peaks(alone, distance=MIN_PULSE_GAP_MS)
+    return np.asarray(found, dtype=np.int64)

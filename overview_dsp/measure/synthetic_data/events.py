@@ -1,4 +1,4 @@
-"""Events by chance: a football match, and events of any kinds.
+"""Random events: a football match, and events of any kinds.
 
 Rates a match (Poisson) are those of StatsBomb's open data as this project reads them: 2.7 goals, 20
 fouls, 9.5 near misses, 3.8 yellow cards. Own goals (a twelfth of the goals) and red cards (0.3) are
@@ -109,7 +109,7 @@ def random_events(kinds: Sequence[str], seed: int) -> Timeline:
     Returns
     -------
     Timeline
-        Of ten minutes; each kind is there.
+        Of ten minutes; each kind occurs.
 
     Raises
     ------

@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
-from overview_dsp.measure.random_data.events import random_events, random_match
-from overview_dsp.measure.random_data.heart import random_heart
-from overview_dsp.measure.random_data.series import random_crowd, random_share, random_weather
+from overview_dsp.measure.synthetic_data.events import random_events, random_match
+from overview_dsp.measure.synthetic_data.heart import random_heart
+from overview_dsp.measure.synthetic_data.series import random_crowd, random_share, random_weather
 
 __all__ = [
     "random_crowd",

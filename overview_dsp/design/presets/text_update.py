@@ -1,4 +1,4 @@
-"""A preset's own text with other numbers: what it extends, its variables and comments stay."""
+"""Update of numbers in a preset file's text, which keeps `extends`, variables and comments."""
 
 from __future__ import annotations
 
@@ -8,55 +8,55 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.design.presets.expressions import is_expression
-from overview_dsp.design.presets.library import load_preset, parse_own, preset_path
+from overview_dsp.design.presets.library import load_preset, parse_user_preset, preset_path
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.design.presets.validation import SCHEMA, migrated
+from overview_dsp.design.presets.validation import SCHEMA, migrate
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.toml import SUFFIX, read_text
 
 DIGITS = 4
-"""Significant digits of a tuned value: a hundredth of what is felt."""
+"""Significant digits of a tuned value; a hundredth of a JND."""
 
 Changes = Mapping[str, Mapping[str, float]]
-"""Of each kind, its keys (`height`, `width_percent`, `width_ms`) and their values."""
+"""New values by kind and key (`height`, `width_percent`, `width_ms`)."""
 
 
-def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
-    """The text of a preset's file with some kinds' values changed.
+def updated_text(source: Path, changes: Changes, before: Preset) -> str:
+    """Return the text of a preset file with changed values of some kinds.
 
-    A value that is worked out from variables is multiplied, so that it still follows them; one that
-    comes from what the file extends is written into it. A file of an older schema gets the present
-    one's number.
+    An expression is multiplied, so that it still follows its variables. A value of an extended
+    preset is written into the file. A file of an older schema gets the present schema number.
 
     Parameters
     ----------
     source
-        The file.
+        Preset file.
     changes
-        What is to be.
+        New values.
     before
-        The preset as loaded from it.
+        Preset of the file.
 
     Raises
     ------
     InputError
-        It has keys that are called otherwise in the present schema.
+        The file has keys with other names in the present schema.
     """
     import tomlkit
     from tomlkit.items import Table
 
     document = tomlkit.parse(read_text(source))
     written_in = document.unwrap()
-    if migrated(written_in) != {**written_in, "schema": SCHEMA}:
+    if migrate(written_in) != {**written_in, "schema": SCHEMA}:
         raise InputError(
-            f"{source}: has keys of an older schema; save it anew first: overview presets new NAME "
+            f"{source}: has keys of an older schema; save it again first: "
+            f"overview presets new NAME "
             f"--from {source}"
         )
     document["schema"] = SCHEMA
     base = document.get("extends")
     if isinstance(base, str) and base.endswith(SUFFIX):
-        # another folder's file still extends the same one
+        # the path also holds in another folder
         document["extends"] = str((source.parent / base).resolve())
     if "kinds" not in document:
         document["kinds"] = tomlkit.table(is_super_table=True)
@@ -76,27 +76,27 @@ def retuned_text(source: Path, changes: Changes, before: Preset) -> str:
     return tomlkit.dumps(document)
 
 
-def save_retuned(
+def save_updated(
     name: str | Path, changes: Changes, path: str | os.PathLike[str]
 ) -> tuple[Path, Preset]:
-    """Write a preset's own text with some kinds' values changed, checked before.
+    """Write a preset's text with changed values of some kinds, after a check.
 
     Returns
     -------
     path, preset
-        The file, and what it holds.
+        The file and its preset.
 
     Raises
     ------
     InputError
-        A place that can't be written, or a text that would not be valid.
+        The file cannot be written, or the preset would not be valid.
     """
-    before, place = load_preset(name), Path(path)
-    text = retuned_text(preset_path(name), changes, before)
-    made = parse_own(text, place)
-    with atomic_file(place) as temporary:
+    before, target = load_preset(name), Path(path)
+    text = updated_text(preset_path(name), changes, before)
+    made = parse_user_preset(text, target)
+    with atomic_file(target) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
-    return place, made
+    return target, made
 
 
 def _rounded(value: float) -> float:

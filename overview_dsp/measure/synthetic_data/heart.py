@@ -1,4 +1,4 @@
-"""A heart by chance: its beats, which a reader would have found, with what is out of turn.
+"""Random heartbeats with early, missed and other irregular beats.
 
 The rate lies between 55 and 85 beats a minute, breathes, wanders, and rises in one to three
 episodes by a quarter to two thirds. Two of three recordings last 5 to 30 minutes, where steady
@@ -93,7 +93,7 @@ def _intervals(rng: np.random.Generator, length: float) -> NDArray[np.float64]:
 
 
 def _others(rng: np.random.Generator, length: float) -> list[Event]:
-    """What an annotator notes besides beats."""
+    """Annotations beside the beats."""
     found = [
         Event(float(at), kind)
         for kind, rate in (("rhythm", RHYTHMS), ("signal_quality", FAULTS))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import (
+from overview_dsp.measure.perceived_level import (
     Stroke,
     event_levels,
     passages,
@@ -66,6 +66,18 @@ def test_an_event_gets_its_own_level_and_the_rest_its_median():
     assert feel.event_free_db == pytest.approx(20 * math.log10(0.05) - 3.01, abs=0.1)
     assert feel.event_db[0] == pytest.approx(20 * math.log10(0.5) - 3.01, abs=0.1)
     assert feel.rise[0] == pytest.approx(1.0 * RATE)
+
+
+def test_an_event_that_is_shorter_than_a_window_has_the_level_of_the_windows_over_it():
+    surface = build_surface(timeline_of(50.0), preset_with(height=5.0, width=4.0))
+    frames, at = 8000, 4003
+    cursor = np.where(np.arange(frames) < at, 0.1, 0.9)
+    cursor[at : at + 2] = 0.5  # 0.25 ms, in which no window starts
+    tactor = np.zeros(frames, np.float32)
+    tactor[at - 40 : at] = 1.0  # half a window
+    columns = {"cursor": cursor, "torque": np.zeros(frames)}
+    feel = stroke_feel(Stroke("out", 0, frames), surface, columns, tactor, RATE)
+    assert feel.event_db == pytest.approx([-3.01], abs=0.2)
 
 
 def test_an_event_that_was_not_passed_has_no_level():
