@@ -170,7 +170,9 @@ def test_a_missing_kloppy_is_one_line(tmp_path: Path, monkeypatch: pytest.Monkey
 
     path = copied(tmp_path, "wyscout v3")
     monkeypatch.setattr(plugins.importlib, "import_module", fail)
-    with pytest.raises(InputError, match=r"Wyscout v3 .*kloppy .*'overview-dsp\[football\]'"):
+    with pytest.raises(
+        InputError, match=r"reading Wyscout v3 .*kloppy .*pip install '[^']*\[football\]'"
+    ):
         load_timeline(path)
 
 

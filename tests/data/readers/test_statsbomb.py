@@ -308,7 +308,7 @@ def test_an_event_listed_twice_is_taken_once_with_a_note() -> None:
         ({"shot": {"outcome": {"name": "Off T"}, "statsbomb_xg": "x"}}, "statsbomb_xg is 'x'"),
         ({"team": {"name": "Thirdtown"}}, "the goal's team is 'Thirdtown'; .* 'Northport' and"),
         ({"team": None}, "the goal's team is ''"),
-        ({"player": {"name": "a \ud800"}}, "label holds half a character"),
+        ({"player": {"name": "a \ud800"}}, "label has a lone surrogate"),
         (
             {"type": {"name": "Foul Committed"}, "foul_committed": {"card": {"name": "Blue"}}},
             "foul_committed.card.name is 'Blue'; must be one of Yellow Card",

@@ -203,7 +203,7 @@ def test_an_event_id_that_is_there_twice_is_said(tmp_path: Path) -> None:
     rows = "id,time,event\na1,0:10,start\na1,0:20,stop\na2,0:30,start\n"
     timeline = load_timeline(write(tmp_path, rows))
     assert len(timeline.events) == 3
-    assert any("id is there more than once: 'a1'" in note for note in timeline.notes)
+    assert any("event ids occur more than once: 'a1'" in note for note in timeline.notes)
 
 
 def test_a_statsbomb_id_that_is_there_twice_is_said(statsbomb_folder: Path, tmp_path: Path) -> None:

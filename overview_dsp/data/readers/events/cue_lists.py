@@ -69,9 +69,7 @@ def _listed(lines: list[str]) -> list[ListEntry]:
                 f"line {i + 1}: {shown(line)} is not the time of a cue; must have the form "
                 "00:01:02,500 --> 00:01:04,000"
             )
-        following = itertools.takewhile(
-            lambda one: one.strip() and "-->" not in one, lines[i + 1 :]
-        )
+        following = itertools.takewhile(_is_caption, lines[i + 1 :])
         text = " ".join(html.unescape(_STYLE.sub("", " ".join(following))).split())
         sound = _SOUND.fullmatch(text)
         kind = kind_of(sound[1]) if sound else ""

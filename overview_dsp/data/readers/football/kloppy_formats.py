@@ -169,7 +169,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     files = [_bytes(source)]
     with validation.located(f"{source.where}: "):
         module, function, *arguments = format_.load
-        kloppy = require_package(f"kloppy.{module}", format_.name, "football")
+        kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
         if format_.companion is not None:
             files.append(_bytes(_companion(source, format_.name, *format_.companion)))
         streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
