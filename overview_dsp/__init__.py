@@ -50,13 +50,18 @@ if TYPE_CHECKING:
     from overview_dsp.design.presets.model import ClickMode, EventKind, Preset
     from overview_dsp.offline import export
     from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
-    from overview_dsp.offline.rendering.offline import Rendered, Result, render, render_to_file
+    from overview_dsp.offline.rendering.offline import (
+        RenderFileResult,
+        RenderResult,
+        render,
+        render_to_file,
+    )
     from overview_dsp.offline.rendering.trace import Trace
     from overview_dsp.signal import actuators
     from overview_dsp.signal.actuators.library import load_actuator
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.engine.engine import Engine
-    from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes
+    from overview_dsp.signal.engine.memory_reader import EngineParameter, Meters, Strikes
     from overview_dsp.signal.surface.build import build_surface
     from overview_dsp.signal.surface.model import Surface
 
@@ -81,10 +86,10 @@ __all__ = [
     "OverviewError",
     "OverviewWarning",
     "Preset",
+    "RenderFileResult",
     "RenderJob",
-    "Rendered",
+    "RenderResult",
     "RenderedJob",
-    "Result",
     "Strikes",
     "Surface",
     "Timeline",
@@ -134,9 +139,9 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "Meters": "signal.engine.reports",
             "Preset": "design.presets.model",
             "RenderJob": "offline.rendering.many",
-            "Rendered": "offline.rendering.offline",
+            "RenderFileResult": "offline.rendering.offline",
             "RenderedJob": "offline.rendering.many",
-            "Result": "offline.rendering.offline",
+            "RenderResult": "offline.rendering.offline",
             "Strikes": "signal.engine.reports",
             "Surface": "signal.surface.model",
             "Timeline": "data.timeline.model",

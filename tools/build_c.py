@@ -2,7 +2,7 @@
 
 python tools/build_c.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.doors.c` is optimised for a processor without vector
+numba's LLVM IR of `overview_dsp.kernels.c_abi.c` is optimised for a processor without vector
 registers, so that what is left is plain, and written down as C99 (ir_to_c.py). The same tool-chain
 (named in kernel.c) gives the same bytes.
 """
@@ -146,8 +146,8 @@ int32_t overview_process(void *memory, float *out, int64_t frames, int32_t chann
 
 def main(folder: Path) -> None:
     with unoptimised():
+        from overview_dsp.kernels.c_abi.c import NAMES
         from overview_dsp.kernels.compiling import sources_digest
-        from overview_dsp.kernels.doors.c import NAMES
 
         module = module_for(written_out(NAMES), machine_for("riscv64-unknown-linux-gnu", **SCALAR))
         entries = {name: name.replace("overview_", "ov_") for name in NAMES}

@@ -2,9 +2,9 @@
 
 python tools/build_objects.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.doors.shipped` is compiled for each of TARGETS by the LLVM
-inside llvmlite, which also loads it (`kernels/shipped.py`). `objects.json` says which sources and
-which tool-chain they are of; the same ones give the same bytes.
+numba's LLVM IR of `overview_dsp.kernels.c_abi.entry_points` is compiled for each of TARGETS by the
+LLVM inside llvmlite, which also loads the objects (`kernels/precompiled.py`). `objects.json` holds
+the digest of the sources and the tool-chain. The same sources and tool-chain give the same bytes.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ ALLOWED = {"clock_gettime", "memset", "memcpy", "memmove", "sqrt"}
 def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     with unoptimised():
+        from overview_dsp.kernels.c_abi.entry_points import NAMES
         from overview_dsp.kernels.compiling import sources_digest
-        from overview_dsp.kernels.doors.shipped import NAMES
-        from overview_dsp.kernels.shipped import CHOICES
+        from overview_dsp.kernels.precompiled import CHOICES
 
         texts = written_out(NAMES)
         for name, _, kernels in itertools.chain(*CHOICES.values()):

@@ -33,7 +33,7 @@ from overview_dsp.files.atomic import require_writable
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
-    from overview_dsp.offline.export.clip import FeltError
+    from overview_dsp.offline.export.clip import PerceptualError
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -98,9 +98,9 @@ def command(
     An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
     and the device that plays them makes its drive.
     """
-    from overview_dsp.offline.rendering.event_log import happened
+    from overview_dsp.offline.rendering.event_log import passed_events
     from overview_dsp.offline.rendering.schedule import tail_of
-    from overview_dsp.signal.actuators.stage import protected_report
+    from overview_dsp.signal.actuators.stage import protection_json
 
     if len(timelines) > 1 and set(formats) != {SITE}:
         raise InputError(
@@ -150,9 +150,9 @@ def command(
                 "players": {name: _error(error) for name, error in done.players.items()},
             }
         else:
-            report["actuator"] = protected_report(driven, result.protected)
+            report["actuator"] = protection_json(driven, result.protected)
         reports.append(report)
-    told = write_transcripts(transcripts, happened(result.strikes, data), as_json)
+    told = write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
     if as_json:
         print_json([*reports, told] if told else reports)
         return
@@ -174,7 +174,7 @@ def command(
         click.echo(FIGURES)
 
 
-def _error(error: FeltError) -> dict[str, float]:
+def _error(error: PerceptualError) -> dict[str, float]:
     return {
         "median_error_db": round(error.median_db, 2),
         "largest_error_db": round(error.largest_db, 2),

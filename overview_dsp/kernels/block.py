@@ -9,21 +9,21 @@ Thread: audio (`process`), main (`reset`, `tactor_stage`).
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.compiling import entry_point, inlined, outlined
-from overview_dsp.kernels.control import (
-    apply_due,
-    drop_waiting,
+from overview_dsp.kernels.control_events import (
+    apply_pending,
+    discard_pending,
     glide_all,
     is_gliding,
-    next_due,
+    next_event_time,
 )
 from overview_dsp.kernels.dc_block import block_dc
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.math_functions import sin_turns
 from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.kernels.motion import move
-from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.output import emit
 from overview_dsp.kernels.output_gain import on_grid, set_gain
 from overview_dsp.kernels.release import stop_waiting
@@ -37,7 +37,7 @@ SHORT = 64  # frames or fewer
 
 
 @outlined
-def speak(f64, i64, out, start, frames, channels, trace, traced):
+def synthesize(f64, i64, out, start, frames, channels, trace, traced):
     """A chunk's sound into the output from frame `start` on, and its envelope into the trace."""
     f64[layout.M_ENVELOPE] = f64[layout.D_AMPLITUDE + frames - 1]
     if traced:
@@ -60,7 +60,7 @@ def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced)
         frames = min(stop - start, step, layout.GAIN_GRID - beyond)
         move(f64, i64, u64, frames, waiting, trace, start * layout.TRACE, traced)
         if waiting > 0:
-            speak(f64, i64, out, start - waiting, waiting, channels, trace, traced)
+            synthesize(f64, i64, out, start - waiting, waiting, channels, trace, traced)
         shape(f64, frames, beyond)
         ring(f64, i64, frames)
         waiting = frames
@@ -70,11 +70,11 @@ def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced)
 
 
 @inlined
-def catch_up(f64, i64, u64, out, channels, stop, waiting, trace, traced):
+def synthesize_pending(f64, i64, u64, out, channels, stop, waiting, trace, traced):
     """The sound of the `waiting` samples before frame `stop`."""
     if waiting > 0:
         sound(f64, u64, 0, waiting)
-        speak(f64, i64, out, stop - waiting, waiting, channels, trace, traced)
+        synthesize(f64, i64, out, stop - waiting, waiting, channels, trace, traced)
 
 
 @inlined
@@ -138,7 +138,7 @@ def reset(f64, i64, u64):
         if i64[layout.GLIDE_LEFT + i] > 0:
             f64[i] = f64[layout.TARGET + i]
             i64[layout.GLIDE_LEFT + i] = 0
-    drop_waiting(i64)
+    discard_pending(i64)
 
 
 @entry_point
@@ -166,24 +166,24 @@ def process(f64, i64, u64, out, frames, channels, trace, traced):
     waiting = 0
     first = i64[layout.CLOCK]
     while n < frames:
-        apply_due(f64, i64)
+        apply_pending(f64, i64)
         stop = frames
         gliding = is_gliding(i64)
         if gliding:
             # it is a new constant every sample, and what waits goes with the last one
-            catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
+            synthesize_pending(f64, i64, u64, out, channels, n, waiting, trace, traced)
             waiting = 0
             gliding = glide_all(f64, i64) > 0
         if gliding:
             stop = n + 1
         else:
-            due = next_due(i64) - first
+            due = next_event_time(i64) - first
             if due < stop:
                 # an event pushed just now may be due already
                 stop = due if due > n else n + 1
         waiting = run(f64, i64, u64, out, channels, n, stop, step, waiting, trace, traced)
         n = stop
-    catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
+    synthesize_pending(f64, i64, u64, out, channels, n, waiting, trace, traced)
     i64[layout.M_BLOCKS] += 1
     recover(f64, i64, u64, first + frames, out, 0, frames * channels)
 

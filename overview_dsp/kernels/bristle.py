@@ -31,7 +31,7 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import exp
+from overview_dsp.kernels.math_functions import exp
 
 CREEP = 0.02  # rad/s: well below it a torque holds the disk, and isn't felt
 
@@ -51,7 +51,7 @@ def steady_torque(sliding, static, stribeck, omega):
 
 
 @inlined
-def converted(z, before, stiffness):
+def convert_deflection(z, before, stiffness):
     """The deflection of bristles that become stiffer or softer: never with more energy.
 
     Stiffer ones keep the torque, softer ones the energy.

@@ -32,10 +32,10 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_turns
-from overview_dsp.kernels.ordering import store_release
+from overview_dsp.kernels.math_functions import cos_turns, exp, plain, power, sin_turns
 from overview_dsp.kernels.simd.vector import load, store
 
 PULSE_SPACING = 0.5  # samples

@@ -47,7 +47,7 @@ def with_backlash(played, hand, backlash):
 
 
 @inlined
-def wanted_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed):
+def allowed_speed(stretch, held_back, pace, ratio, lag_rate, tap_rate, max_speed):
     """The speed (cells a sample) that the disk may be pulled to.
 
     A rigid shaft would be stretched by `stretch` (cells), of which `held_back` is what friction

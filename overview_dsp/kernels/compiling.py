@@ -82,9 +82,9 @@ def runs_as_python() -> bool:
 
 def is_compiled(function: str = "process") -> bool:
     """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
-    from overview_dsp.kernels import shipped
+    from overview_dsp.kernels import precompiled
 
-    if runs_as_python() or shipped.usable(function):
+    if runs_as_python() or precompiled.usable(function):
         return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
@@ -126,9 +126,9 @@ class EntryPoint:
     def __call__(self, *arguments: Any) -> Any:
         """Call it; the first call of all looks where."""
         if self._call is None:
-            from overview_dsp.kernels.shipped import shipped_door
+            from overview_dsp.kernels.precompiled import precompiled_function
 
-            self._call = shipped_door(self.py_func.__name__) or self.compiled
+            self._call = precompiled_function(self.py_func.__name__) or self.compiled
         return self._call(*arguments)
 
 

@@ -11,7 +11,7 @@ Thread: any.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.elementary import ONE_BITS, ROUND, plain
+from overview_dsp.kernels.math_functions import ONE_BITS, ROUND, plain
 from overview_dsp.kernels.simd.vector import bits_of, from_bits
 
 SPLIT = 134217729.0  # 2**27 + 1: halves a double's digits

@@ -12,12 +12,12 @@ from __future__ import annotations
 import math
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import load_acquire, store_release
 from overview_dsp.kernels.clutch import OFF
 from overview_dsp.kernels.compiling import entry_point, inlined, outlined
 from overview_dsp.kernels.dc_block import CORNER_HZ
 from overview_dsp.kernels.decibels import db_to_gain
-from overview_dsp.kernels.elementary import ROUND, exp, sin_turns
-from overview_dsp.kernels.ordering import load_acquire, store_release
+from overview_dsp.kernels.math_functions import ROUND, exp, sin_turns
 
 CARRIER_LIMIT = 0.45  # the carrier's frequency stays below this part of the sample rate
 MODE_LIMIT = 0.49  # modes above this part of the sample rate are left out: they would fold back
@@ -122,7 +122,7 @@ def derive_mode(f64, mode, turns, decay, gain_db):
 
 
 @inlined
-def rounded_up(x):
+def ceil_to_int(x):
     """The least whole number that is not below x >= 0; `FOREVER` if that is more, or x is NaN."""
     if not x < FOREVER:
         return FOREVER
@@ -156,7 +156,7 @@ def derive_clicks(f64, i64, slot):
             mode = kind * layout.MAX_MODES + heard
             mode = slot + layout.MODES + mode * layout.MODE_SIZE
             derive_mode(f64, mode, turns, decay, f64[given + layout.CLICK_GAIN_DB])
-            longest = max(longest, rounded_up(RING_DB / 60.0 * decay_ms * 1e-3 * sample_rate))
+            longest = max(longest, ceil_to_int(RING_DB / 60.0 * decay_ms * 1e-3 * sample_rate))
             heard += 1
         i64[slot + layout.KIND_MODES + kind] = heard
         i64[slot + layout.KIND_RING + kind] = longest

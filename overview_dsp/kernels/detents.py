@@ -22,7 +22,7 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import bristle_step
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 
 SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
 ROUNDS = 120
@@ -32,7 +32,7 @@ CLOSE_ENERGY = 1e-15  # of the energy, whose rounding is as large
 
 
 @inlined
-def within(position):
+def clamp(position):
     """A position (cells) kept to the surface."""
     # a NaN fails both comparisons and must not become an index
     if not position > 0.0:
@@ -45,7 +45,7 @@ def pull_at(f64, i64, slot, position):
     """The pull of a surface slot at a position (cells), N m."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    inside = within(position)
+    inside = clamp(position)
     if inside != position:
         return (position - inside) * f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
     return friction_at(f64, slot + layout.SLOT_PULL, position)
@@ -67,8 +67,8 @@ def mean_pull(f64, i64, slot, x, way):
     """The mean pull of a surface slot (N m) on a way of some cells, other than 0, from x."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    start = within(x)
-    end = within(x + way)
+    start = clamp(x)
+    end = clamp(x + way)
     over = x - start
     over_after = x + way - end
     spring = f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
@@ -90,7 +90,7 @@ def mean_pull(f64, i64, slot, x, way):
 
 
 @inlined
-def mixed(new, old, old_part):
+def crossfade(new, old, old_part):
     """A value of the slot in use with a part of the one faded from."""
     return new + (old - new) * old_part if old_part > 0.0 else new
 
@@ -113,7 +113,7 @@ def step_in_detents(
     Returns speed, deflection and torque as `contact`, and the mean pull (N m).
     """
     per_omega = 1.0 / f64[layout.C_OMEGA]
-    pull = mixed(pull_at(f64, i64, slot, ahead), pull_at(f64, i64, old_slot, ahead), old_part)
+    pull = crossfade(pull_at(f64, i64, slot, ahead), pull_at(f64, i64, old_slot, ahead), old_part)
     middle, bent, torque = 0.0, 0.0, 0.0
     last_pull, last_miss = 0.0, 0.0
     low, high = 0.0, 0.0
@@ -123,9 +123,9 @@ def step_in_detents(
             push - pull * per_omega, resistance, z, stiffness, damping, steady, break_away
         )
         if middle == 0.0:
-            found = mixed(pull_at(f64, i64, slot, x), pull_at(f64, i64, old_slot, x), old_part)
+            found = crossfade(pull_at(f64, i64, slot, x), pull_at(f64, i64, old_slot, x), old_part)
         else:
-            found = mixed(
+            found = crossfade(
                 mean_pull(f64, i64, slot, x, middle),
                 mean_pull(f64, i64, old_slot, x, middle),
                 old_part,
@@ -133,7 +133,7 @@ def step_in_detents(
         miss = found - pull
         if abs(miss) <= CLOSE * (abs(found) + abs(pull)):
             break
-        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(f64, i64, slot, within(x))):
+        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(f64, i64, slot, clamp(x))):
             break
         if miss > 0.0:
             low, lows = pull, 1

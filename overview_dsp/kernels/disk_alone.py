@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 

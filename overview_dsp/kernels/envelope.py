@@ -12,7 +12,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import power
+from overview_dsp.kernels.math_functions import power
 from overview_dsp.kernels.simd.vector import choose, rarely
 
 FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude

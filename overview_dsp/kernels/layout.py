@@ -349,8 +349,8 @@ SHORTEST_S = 1e-7
     GIVEN_DUTY,  # part of the time that it may be driven in full
     GIVEN_RESONANCE_HZ,
     GIVEN_Q,
-    GIVEN_SHARPENED_Q,
-    GIVEN_EQUAL_SENSATION,  # 0 or 1: what the skin feels less is raised
+    GIVEN_OVERDRIVE_Q,
+    GIVEN_PERCEPTUAL_WEIGHTING,  # 0 or 1: what the skin feels less is raised
 ) = range(ACT_STATE + 9, ACT_STATE + 19)
 ACT_SIZE = 48
 L_ACTUATOR = column(ACT_SIZE)

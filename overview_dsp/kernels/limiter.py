@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import tanh_positive
+from overview_dsp.kernels.math_functions import tanh_positive
 
 KNEE = 0.5  # of the ceiling
 TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it

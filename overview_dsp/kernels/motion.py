@@ -6,19 +6,19 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import pass_events
-from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
-from overview_dsp.kernels.glide import smooth_step
+from overview_dsp.kernels.friction_lookup import friction_between, is_steep, mean_friction, on_table
 from overview_dsp.kernels.nonviscous_step import slide
-from overview_dsp.kernels.ordering import store_release
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.release import arrive, has_arrived, next_above, next_below
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.kernels.viscous import STANDSTILL, snapped, travel
+from overview_dsp.kernels.viscous import STANDSTILL, advance_disk, flush_to_zero
 from overview_dsp.kernels.voice import sound
 
 RAD_PER_CELL = 3.141592653589793 / layout.CELLS
@@ -89,7 +89,7 @@ def step(f64, i64, n, old_slot, modelled):
     f64[layout.WOUND] = stretch
     f64[layout.SLIP] = slip
     lag_rate, tap_rate = f64[layout.C_LAG_RATE], f64[layout.C_TAP_RATE]
-    wanted = wanted_speed(rigid, held_back, pace, ratio, lag_rate, tap_rate, max_speed)
+    wanted = allowed_speed(rigid, held_back, pace, ratio, lag_rate, tap_rate, max_speed)
     if not moves:
         wanted = slowed(wanted, rigid, v, friction, 1.0 / f64[layout.C_INERTIA])
     f64[layout.WANTED] = wanted if reach < OFF else 0.0
@@ -115,10 +115,10 @@ def step(f64, i64, n, old_slot, modelled):
         torque = friction * (middle * to_omega)
         v = 2.0 * middle - v
     omega = middle * to_omega
-    f64[layout.X] = snapped(x + middle, STANDSTILL)
-    f64[layout.V] = snapped(v, STANDSTILL)
+    f64[layout.X] = flush_to_zero(x + middle, STANDSTILL)
+    f64[layout.V] = flush_to_zero(v, STANDSTILL)
     approach = max(abs(omega), f64[layout.APPROACH] * f64[layout.C_FORGET])
-    f64[layout.APPROACH] = snapped(approach, STANDSTILL)
+    f64[layout.APPROACH] = flush_to_zero(approach, STANDSTILL)
     f64[layout.PHASE] = advance(f64[layout.PHASE], f64[layout.C_CARRIER])
     i = n % layout.CHUNK  # which tells the compiler that it isn't negative
     f64[layout.D_TORQUE + i] = torque
@@ -131,7 +131,7 @@ def step(f64, i64, n, old_slot, modelled):
 
 
 @inlined
-def stands(f64, i64, n, stuck):
+def is_at_rest(f64, i64, n, stuck):
     """Whether the disk is at rest in sample n of a chunk; `stuck` is the speed that is rest too."""
     rest = f64[layout.INPUT] if i64[layout.ENGAGED] == 1 else 0.0
     near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST
@@ -146,7 +146,7 @@ def note_stillness(f64, i64, first, stop, modelled):
     """
     stuck = STUCK if modelled else 0.0
     last = stop - 1
-    while last >= first and stands(f64, i64, last, stuck):
+    while last >= first and is_at_rest(f64, i64, last, stuck):
         last -= 1
     if last >= first:
         i64[layout.M_STILL] = stop - 1 - last
@@ -206,7 +206,7 @@ def move(f64, i64, u64, frames, sounding, trace, at, traced):
         else:
             if sounded < min(n, sounding):  # after steps, or what the last chunk had more
                 sound(f64, u64, sounded, min(n, sounding))
-            n, passed = travel(f64, i64, u64, n, frames, sounding)
+            n, passed = advance_disk(f64, i64, u64, n, frames, sounding)
             sounded = min(n, sounding)
         note_stillness(f64, i64, first, n, modelled)
         if traced:

@@ -11,10 +11,10 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
+from overview_dsp.kernels.bristle import convert_deflection, moving, speed_after, steady_torque
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.detents import contact, mixed, step_in_detents, within
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.detents import clamp, contact, crossfade, step_in_detents
+from overview_dsp.kernels.friction_lookup import friction_at
 
 LEAST_SLIDING_TORQUE = 1e-12  # N m: from here there are no bristles
 SLIP = 0.05  # of the sliding torque: the least that a slip lets go
@@ -51,14 +51,14 @@ def end_damping(f64, i64, slot):
 
 
 @inlined
-def knock(f64, i64, slot, before, after, omega):
+def end_stop_torque(f64, i64, slot, before, after, omega):
     """Torque (N m) with which the disk meets an end stop in this sample, 0 if it doesn't.
 
     It is what the stop's spring holds against when it has taken all speed: omega sqrt(stiffness J).
     """
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    if within(after) == after or within(before) != before:
+    if clamp(after) == after or clamp(before) != before:
         return 0.0
     inertia = f64[layout.C_INERTIA] / f64[layout.S_SAMPLE_RATE]
     return abs(omega) * sqrt(f64[slot + layout.SLOT_END_STIFFNESS] * inertia)
@@ -120,15 +120,15 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
         per_cell = stiffness * f64[layout.C_THETA]
         z = f64[layout.BRISTLE]
         if z != 0.0 and stiffness != f64[layout.BRISTLE_STIFFNESS]:
-            z = converted(z, f64[layout.BRISTLE_STIFFNESS], stiffness)
+            z = convert_deflection(z, f64[layout.BRISTLE_STIFFNESS], stiffness)
         f64[layout.BRISTLE_STIFFNESS] = stiffness
         before = z
         static = f64[row + layout.P_STATIC]
         torque = steady_torque(sliding, static, f64[row + layout.P_STRIBECK], v * to_omega)
         steady = torque / per_cell
     stop = 0.0
-    if within(ahead) != ahead:
-        stop = mixed(end_damping(f64, i64, slot), end_damping(f64, i64, old_slot), old_part)
+    if clamp(ahead) != ahead:
+        stop = crossfade(end_damping(f64, i64, slot), end_damping(f64, i64, old_slot), old_part)
     stiffness = per_cell / to_omega
     damping = f64[row + layout.P_DAMPING]
     break_away = f64[row + layout.P_BREAK_AWAY]
@@ -154,7 +154,7 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
         released = slip(f64, torque, omega, gives, sliding, f64[row + layout.P_STRIBECK])
     else:
         f64[layout.SLIP_PEAK] = -1.0
-    met = knock(f64, i64, slot, x, x + middle, omega)
+    met = end_stop_torque(f64, i64, slot, x, x + middle, omega)
     if met > released:
         released = met
         event = -1

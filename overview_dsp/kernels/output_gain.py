@@ -19,7 +19,7 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.elementary import power
+from overview_dsp.kernels.math_functions import power
 
 USUAL_PACE, SLOWEST_PACE = 0.4, 0.02  # timelines a second
 LEAST_CURSOR = 0.02

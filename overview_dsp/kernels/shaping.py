@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress
+from overview_dsp.kernels.math_functions import sin_turns
 from overview_dsp.kernels.texture import brightness, grain_level
 
 SIDE_BY_SIDE = 16  # what lies behind a chunk's end is made too: several cost no more than one

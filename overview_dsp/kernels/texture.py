@@ -28,7 +28,7 @@ def grain_level(torque, omega, gain):
 
 
 @inlined
-def spread(target, level, a):
+def smooth_level(target, level, a):
     """One sample of the level's smoothing; exactly zero once inaudible."""
     level = level + a * (target - level)
     quiet = choose(target < QUIET, QUIET, -1.0)
@@ -43,7 +43,7 @@ def brightness(omega, cutoff):
 
 
 @inlined
-def colour(x, y, a):
+def low_pass(x, y, a):
     """One sample of the low-pass; exactly zero once it has died away."""
     y = y + (x - y) * a
     quiet = choose(x == 0.0, QUIET, 0.0)

@@ -11,9 +11,9 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
+from overview_dsp.kernels.friction_lookup import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.release import next_above, next_below
 from overview_dsp.kernels.simd.vector import choose
 from overview_dsp.kernels.smoother import smooth
@@ -30,13 +30,13 @@ STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denorm
 
 
 @inlined
-def snapped(x, least):
+def flush_to_zero(x, least):
     """x, or exactly 0 if it is nearer to it than `least`."""
     return choose(abs(x) < least, 0.0, x)
 
 
 @outlined
-def travel(f64, i64, u64, start, frames, sounding):
+def advance_disk(f64, i64, u64, start, frames, sounding):
     """Move the disk from sample `start` of a chunk on.
 
     Up to the first sample in which it passes an event, or arrives after a release. Returns the
@@ -104,7 +104,7 @@ def travel(f64, i64, u64, start, frames, sounding):
             slip = rigid - stretch
             if abs(slip) > 0.0:
                 used = x + stretch
-            wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
+            wanted = allowed_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
             if not moves:
                 wanted = slowed(wanted, rigid, 2.0 * half, friction, per_inertia)
         wound = stretch
@@ -118,9 +118,9 @@ def travel(f64, i64, u64, start, frames, sounding):
         omega = middle * to_omega
         approach = max(abs(omega), approach * forget)
         if min(abs(x), abs(half)) < STANDSTILL:
-            x = snapped(x, STANDSTILL)
-            half = snapped(half, 0.5 * STANDSTILL)
-            approach = snapped(approach, STANDSTILL)
+            x = flush_to_zero(x, STANDSTILL)
+            half = flush_to_zero(half, 0.5 * STANDSTILL)
+            approach = flush_to_zero(approach, STANDSTILL)
         phase = advance(phase, carrier)
         i = n % layout.CHUNK  # which tells the compiler that it isn't negative
         f64[layout.D_TORQUE + i] = friction * omega

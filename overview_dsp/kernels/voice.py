@@ -10,7 +10,7 @@ from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
 from overview_dsp.kernels.envelope import follow
 from overview_dsp.kernels.noise import next_state, white
-from overview_dsp.kernels.texture import colour, spread
+from overview_dsp.kernels.texture import low_pass, smooth_level
 
 
 @inlined
@@ -74,12 +74,12 @@ def sound_once(f64, n, state, coefficients):
     f64[layout.D_AMPLITUDE + n] = envelope
     f64[layout.D_TACTOR + n] = tactor_out
 
-    level = spread(f64[layout.D_GRAIN + n], level, spreading)
+    level = smooth_level(f64[layout.D_GRAIN + n], level, spreading)
     rough = 0.0
     if level > 0.0:
         noise = next_state(noise)
         rough = level * white(noise)
-    grain = colour(rough, grain, f64[layout.D_COLOUR + n])
+    grain = low_pass(rough, grain, f64[layout.D_COLOUR + n])
     clicks = (grain + f64[layout.D_RING + n]) * click_gain
     click_out = block_dc(clicks, click_in, click_out, dc_pole)
     f64[layout.D_CLICK + n] = click_out

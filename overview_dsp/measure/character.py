@@ -40,7 +40,7 @@ from overview_dsp.measure.felt import (
     window_db,
 )
 from overview_dsp.measure.report import steps_over_strokes
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
 """Added before ratios are taken: a pulse a second is the least that is called a rhythm, and a fifth
@@ -169,7 +169,7 @@ def _differences(one: Character, other: Character) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def _character(result: Result, start: int, stop: int) -> Character:
+def _character(result: RenderResult, start: int, stop: int) -> Character:
     rate = result.sample_rate
     level = window_db(result.samples[start:stop, TACTOR], rate, KNOCK_HOP_S)[1]
     peaks = knocks(level)
@@ -191,7 +191,7 @@ def _character(result: Result, start: int, stop: int) -> Character:
     )
 
 
-def _timbre(result: Result, start: int, stop: int) -> tuple[float, float]:
+def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
     """The click's brightness, Hz, and how long it rings, ms."""
     rate = result.sample_rate
     samples = result.samples[start:stop, CLICK].astype(np.float64)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels.dc_block import CORNER_HZ, block_dc
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.limiter import limit
 from overview_dsp.kernels.noise import next_state, seed_state, white

@@ -5,7 +5,7 @@ sample to sample by its exact matrix:
 
     s'' + w0/Q s' + w0**2 s = w0**2 y
 
-    e = bend(nominal * weight(x))              what is asked for, smoothly below the peak
+    e = soft_limit(nominal * weight(x))              what is asked for, smoothly below the peak
     t = clip((limit - heat) * knee, 0, 1)      1, or less where the heat nears its limit
     g = sqrt(t smoothed)
     y = clip(forward * g * e - k1 s - k2 v, -g * peak, g * peak)
@@ -33,7 +33,7 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point, inlined
-from overview_dsp.kernels.elementary import tanh_positive
+from overview_dsp.kernels.math_functions import tanh_positive
 
 SILENCE = 1e-9  # a position, speed or taken part below it is zero
 LARGEST = 1e6  # of full scale: a signal beyond it counts as this
@@ -41,7 +41,7 @@ COLD = 1e-200  # heat below it is zero once nothing is driven: no drive heats so
 
 
 @inlined
-def weigh(f64, at, x):
+def weight_sample(f64, at, x):
     """One sample of the skin's weighting, transposed direct form II."""
     y = f64[at + layout.ACT_W0] * x + f64[at + layout.ACT_W_DELAY_1]
     first = f64[at + layout.ACT_W1] * x - f64[at + layout.ACT_W_BACK_1] * y
@@ -54,7 +54,7 @@ def weigh(f64, at, x):
 
 
 @inlined
-def bend(f64, at, x):
+def soft_limit(f64, at, x):
     """x where it is within the nominal drive, bent towards the peak beyond."""
     over = abs(x) - f64[at + layout.ACT_BEND]
     if over <= 0.0:
@@ -79,7 +79,7 @@ def move_mass(f64, at, y):
 
 
 @inlined
-def taken_back(f64, at):
+def power_reduction(f64, at):
     """The part of the power to take back, smoothed; booked."""
     headroom = (f64[at + layout.ACT_LIMIT] - f64[at + layout.ACT_HEAT]) * f64[at + layout.ACT_KNEE]
     wanted = 1.0 - min(max(headroom, 0.0), 1.0)
@@ -98,8 +98,8 @@ def drive(f64, i64, at, x):
     if x - x != 0.0:  # NaN or infinite
         x = 0.0
     x = min(max(x, -LARGEST), LARGEST)
-    gain = sqrt(max(0.0, 1.0 - taken_back(f64, at)))
-    asked = bend(f64, at, f64[at + layout.ACT_NOMINAL] * weigh(f64, at, x))
+    gain = sqrt(max(0.0, 1.0 - power_reduction(f64, at)))
+    asked = soft_limit(f64, at, f64[at + layout.ACT_NOMINAL] * weight_sample(f64, at, x))
     y = f64[at + layout.ACT_FORWARD] * gain * asked
     y = y - f64[at + layout.ACT_FROM_POSITION] * f64[at + layout.ACT_POSITION]
     y = y - f64[at + layout.ACT_FROM_SPEED] * f64[at + layout.ACT_SPEED]

@@ -19,8 +19,8 @@ from numba import types
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import c_callback, inlined
 from overview_dsp.kernels.device.stream_block import deliver
-from overview_dsp.kernels.elementary import ONE_BITS
-from overview_dsp.kernels.shipped import shipped_callback
+from overview_dsp.kernels.math_functions import ONE_BITS
+from overview_dsp.kernels.precompiled import precompiled_callback
 from overview_dsp.kernels.simd.vector import bits_of
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
@@ -87,7 +87,7 @@ def callback(unused, output, frame_count, time_info, flags, user):
 @cache
 def native_callback():
     """The callback in machine code: its `.address` is a `PaStreamCallback *`."""
-    return shipped_callback() or c_callback(SIGNATURE, callback)
+    return precompiled_callback() or c_callback(SIGNATURE, callback)
 
 
 @cache

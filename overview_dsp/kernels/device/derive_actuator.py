@@ -11,8 +11,8 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point, inlined
 from overview_dsp.kernels.decibels import db_to_gain
 from overview_dsp.kernels.derive import one_pole
-from overview_dsp.kernels.elementary import cos_turns, exp, sin_turns
 from overview_dsp.kernels.limiter import TOP
+from overview_dsp.kernels.math_functions import cos_turns, exp, sin_turns
 
 LEAST_HEADROOM = 1e-6  # from the nominal drive to the peak, where they are the same
 # the heat's memory, of the window, where the duty is 1; up to a window longer where it is less.
@@ -42,11 +42,11 @@ def poles_at(turns, trace, product):
 
 
 @inlined
-def derive_sharpening(f64, at, sample_rate):
+def derive_overdrive(f64, at, sample_rate):
     """The mass's matrix, and the feedback that moves its poles to those of a lower Q."""
     turns = f64[at + layout.GIVEN_RESONANCE_HZ] / sample_rate
     q = f64[at + layout.GIVEN_Q]
-    wanted = f64[at + layout.GIVEN_SHARPENED_Q]
+    wanted = f64[at + layout.GIVEN_OVERDRIVE_Q]
     fall, slant, swing = decay_of(turns, q)
     sine = sin_turns(swing)
     cosine = cos_turns(swing)
@@ -108,7 +108,7 @@ def derive_weighting(f64, at, sample_rate):
     f64[at + layout.ACT_W0] = 1.0
     for column in range(layout.ACT_W1, layout.ACT_W_BACK_2 + 1):
         f64[at + column] = 0.0
-    if f64[at + layout.GIVEN_EQUAL_SENSATION] == 0.0:
+    if f64[at + layout.GIVEN_PERCEPTUAL_WEIGHTING] == 0.0:
         return
     turns = SKIN_HZ / sample_rate
     sine = sin_turns(turns)
@@ -142,6 +142,6 @@ def derive_actuator(f64, at, sample_rate):
     f64[at + layout.ACT_BEND] = TOP * nominal
     f64[at + layout.ACT_PEAK] = TOP * peak
     f64[at + layout.ACT_ROOM] = max(LEAST_HEADROOM, TOP * (peak - nominal))
-    derive_sharpening(f64, at, sample_rate)
+    derive_overdrive(f64, at, sample_rate)
     derive_protection(f64, at, sample_rate)
     derive_weighting(f64, at, sample_rate)

@@ -20,9 +20,9 @@ import numpy as np
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.device.actuator import drive
-from overview_dsp.kernels.elementary import ONE_BITS
-from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.math_functions import ONE_BITS
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.simd.vector import bits_of
 
 FULL_SCALE = 1.0
@@ -30,7 +30,7 @@ LONGEST_DELAY_S = 0.1
 
 
 @inlined
-def take_wishes(f64, i64):
+def read_requests(f64, i64):
     """Begin the glides that the control thread has asked for since the last block."""
     for i in range(layout.L_GLIDED):
         if f64[layout.L_WANTED + i] != f64[layout.L_TARGET + i]:
@@ -130,7 +130,7 @@ def pass_through(f64, i64, out, frames, channels, signal, channel):
 
 
 @outlined
-def treat(f64, i64, out, frames, channels, signal, channel):
+def process_signal(f64, i64, out, frames, channels, signal, channel):
     """One signal of a block through its gain, delay and ceiling; its peak is booked."""
     if is_untouched(f64, i64, signal):
         pass_through(f64, i64, out, frames, channels, signal, channel)
@@ -183,14 +183,14 @@ def fade_out(i64, out, frames, channels):
 @inlined
 def finish(f64, i64, out, frames, channels):
     """What a device's block still needs after `process`; whether the stream is over."""
-    take_wishes(f64, i64)
+    read_requests(f64, i64)
     if i64[layout.S_CLICK_CHANNEL] >= 0:
-        treat(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
+        process_signal(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
         if i64[layout.L_ALSO_CLICK] != 0:
             click = i64[layout.S_CLICK_CHANNEL]
             copy_to(out, frames, channels, click, i64[layout.L_ALSO_CLICK])
     if i64[layout.S_TACTOR_CHANNEL] >= 0:
-        treat(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
+        process_signal(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
         if i64[layout.L_ALSO_TACTOR] != 0:
             tactor = i64[layout.S_TACTOR_CHANNEL]
             copy_to(out, frames, channels, tactor, i64[layout.L_ALSO_TACTOR])

@@ -13,7 +13,12 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
 from overview_dsp.kernels.clutch import OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
-from overview_dsp.kernels.control import apply_due, is_gliding, next_due, waits
+from overview_dsp.kernels.control_events import (
+    apply_pending,
+    is_gliding,
+    is_pending,
+    next_event_time,
+)
 from overview_dsp.kernels.event_crossing import FAR, event_above, event_below, pass_events
 from overview_dsp.kernels.limiter import KNEE
 from overview_dsp.kernels.modal_bank import ring
@@ -22,7 +27,7 @@ from overview_dsp.kernels.output import limit_column
 from overview_dsp.kernels.output_gain import on_grid, set_gain
 from overview_dsp.kernels.release import arrive, has_arrived
 from overview_dsp.kernels.simd import memory as own
-from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
+from overview_dsp.kernels.simd.memory import load_lane, start_of, store_lane
 from overview_dsp.kernels.simd.stages import (
     PACE,
     SLIP,
@@ -32,9 +37,9 @@ from overview_dsp.kernels.simd.stages import (
     WANTED,
     WOUND,
     X,
+    advance_disk_all,
     shape_all,
     sound_all,
-    travel_all,
     write_all,
 )
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH, store
@@ -63,7 +68,7 @@ TRACE_COLUMNS = (
 @inlined
 def is_plain(f64, i64):
     """Whether nothing but hands moves a voice in the next block, over viscous friction alone."""
-    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN) or i64[layout.FADE_LEFT] > 0:
+    if is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN) or i64[layout.FADE_LEFT] > 0:
         return False
     if i64[layout.S_CLICK_CHANNEL] != 0 or i64[layout.S_TACTOR_CHANNEL] != 1:
         return False
@@ -72,7 +77,7 @@ def is_plain(f64, i64):
 
 
 @inlined
-def take_hand(batch_f64, f64, i64, lane):
+def load_input(batch_f64, f64, i64, lane):
     """A voice's hand, and the springs that act, into its lane."""
     engaged = i64[layout.ENGAGED] == 1
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
@@ -89,7 +94,7 @@ def take_hand(batch_f64, f64, i64, lane):
 
 
 @inlined
-def take_gain(batch_f64, f64, lane):
+def load_gain(batch_f64, f64, lane):
     """A voice's output gain into its lane."""
     batch_f64[own.GAIN_FROM + lane] = f64[layout.GAIN_FROM]
     batch_f64[own.GAIN_STEP + lane] = f64[layout.GAIN_STEP]
@@ -97,16 +102,16 @@ def take_gain(batch_f64, f64, lane):
 
 
 @outlined
-def obey(batch_f64, f64, i64, lane):
+def apply_controls(batch_f64, f64, i64, lane):
     """Apply a voice's control events that are due, and its arrival after a release."""
     for i in range(len(OF_HAND)):
         f64[OF_HAND[i][0]] = batch_f64[OF_HAND[i][1] + lane]
     if has_arrived(f64):
         arrive(f64, i64)
-    apply_due(f64, i64)
+    apply_pending(f64, i64)
     for i in range(len(OF_HAND)):
         batch_f64[OF_HAND[i][1] + lane] = f64[OF_HAND[i][0]]
-    take_hand(batch_f64, f64, i64, lane)
+    load_input(batch_f64, f64, i64, lane)
 
 
 @inlined
@@ -115,7 +120,7 @@ def renew_gain(batch_f64, f64, i64, lane):
     f64[layout.X] = batch_f64[X + lane]
     f64[layout.PACE] = batch_f64[PACE + lane]
     set_gain(f64, i64)
-    take_gain(batch_f64, f64, lane)
+    load_gain(batch_f64, f64, lane)
 
 
 @inlined
@@ -206,7 +211,7 @@ def trace_envelope(batch_f64, lane, frames, trace, at):
 
 
 @inlined
-def speak_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
+def synthesize_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
     """`speak` for lanes: a chunk of `frames` from frame `start` of a block of `block`."""
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
@@ -228,11 +233,13 @@ def run_all(
     """
     for lane in range(count):
         batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
-    frames = travel_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
+    frames = advance_disk_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
     if waiting > frames:
         sound_all(batch_f64, batch_u64, frames, waiting)
     if waiting > 0:
-        speak_all(batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced)
+        synthesize_all(
+            batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced
+        )
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             strike_lane(batch_f64, batch_i64, lane, frames)
@@ -251,12 +258,12 @@ def join(batch_f64, batch_i64, lane):
     i64 = own.block(batch_i64, lane)
     f64[layout.M_PEAK_CLICK] = 0.0
     f64[layout.M_PEAK_TACTOR] = 0.0
-    take_in(batch_f64, f64, lane)
-    take_hand(batch_f64, f64, i64, lane)
-    take_gain(batch_f64, f64, lane)
+    load_lane(batch_f64, f64, lane)
+    load_input(batch_f64, f64, i64, lane)
+    load_gain(batch_f64, f64, lane)
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     batch_i64[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
-    batch_i64[own.DUE + lane] = next_due(i64)
+    batch_i64[own.DUE + lane] = next_event_time(i64)
 
 
 @inlined
@@ -264,7 +271,7 @@ def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
     """A voice has its block's end to itself again."""
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
-    put_back(batch_f64, f64, lane)
+    store_lane(batch_f64, f64, lane)
     if has_arrived(f64):
         arrive(f64, i64)
     i64[layout.M_SUMMED] += frames
@@ -289,8 +296,8 @@ def next_stop(batch_f64, batch_i64, count, n, stop):
                 x >= batch_f64[own.ARRIVAL_ABOVE + lane] or x < batch_f64[own.ARRIVAL_BELOW + lane]
             )
             if batch_i64[own.DUE + lane] <= now or arrived:
-                obey(batch_f64, f64, i64, lane)
-                batch_i64[own.DUE + lane] = next_due(i64)
+                apply_controls(batch_f64, f64, i64, lane)
+                batch_i64[own.DUE + lane] = next_event_time(i64)
             beyond = on_grid(i64)
             if beyond == 0:
                 renew_gain(batch_f64, f64, i64, lane)
@@ -351,7 +358,7 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     if waiting > 0:
         sound_all(batch_f64, batch_u64, 0, waiting)
         start = frames - waiting
-        speak_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
+        synthesize_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             leave(batch_f64, batch_i64, batch_u64, lane, out, frames)

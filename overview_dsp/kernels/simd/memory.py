@@ -1,7 +1,7 @@
 """The working memory of `SIMD_WIDTH` voices side by side, one column wide each.
 
-A voice's own block (`layout.py`) is the truth between calls. `take_in` copies what changes from
-sample to sample into the lanes, `put_back` returns it.
+A voice's own block (`layout.py`) is the truth between calls. `load_lane` copies what changes from
+sample to sample into the lanes, `store_lane` returns it.
 
 Thread: audio.
 """
@@ -119,7 +119,7 @@ def column(batch_f64, at, lane, frames):
 
 
 @inlined
-def take_in(batch_f64, f64, lane):
+def load_lane(batch_f64, f64, lane):
     """Copy a voice's coefficients and state into its lane."""
     for i in range(layout.COEFFS):
         batch_f64[COEFFICIENTS + i * SIMD_WIDTH + lane] = f64[layout.COEFF + i]
@@ -128,7 +128,7 @@ def take_in(batch_f64, f64, lane):
 
 
 @inlined
-def put_back(batch_f64, f64, lane):
+def store_lane(batch_f64, f64, lane):
     """Return a lane's state to its voice."""
     for i in range(len(MOVED)):
         f64[MOVED[i]] = batch_f64[STATE + i * SIMD_WIDTH + lane]

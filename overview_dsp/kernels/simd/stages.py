@@ -6,12 +6,12 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import any_steep, frictions_at, mean_frictions, steep_at
+from overview_dsp.kernels.friction_lookup import any_steep, frictions_at, mean_frictions, steep_at
+from overview_dsp.kernels.math_functions import sin_turns
 from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
@@ -26,9 +26,9 @@ from overview_dsp.kernels.simd.vector import (
 )
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
+from overview_dsp.kernels.texture import brightness, grain_level, low_pass, smooth_level
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.kernels.viscous import STANDSTILL, snapped
+from overview_dsp.kernels.viscous import STANDSTILL, flush_to_zero
 
 APPROACH = own.of_state(layout.APPROACH)
 X = own.of_state(layout.X)
@@ -145,11 +145,11 @@ def sound_once_all(batch_f64, at, state):
     envelope = e2 * load(batch_f64, C_TACTOR_GAIN)
     wave = envelope * load(batch_f64, own.SINE + at)
     tactor_out = block_dc(wave, tactor_in, tactor_out, load(batch_f64, C_DC_POLE))
-    level = spread(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
+    level = smooth_level(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
     rough = level > 0.0
     following = next_state(noise)
     noise = choose(rough, following, noise)
-    grain = colour(
+    grain = low_pass(
         choose(rough, level * white(following), 0.0), grain, load(batch_f64, own.COLOUR + at)
     )
     clicks = (grain + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
@@ -189,8 +189,8 @@ def sound_all(batch_f64, batch_u64, start, stop):
 
 
 @outlined
-def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
-    """`travel` for lanes, up to the first sample in which a disk arrives after a release.
+def advance_disk_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
+    """`advance_disk` for lanes, up to the first sample in which a disk arrives after a release.
 
     Events that are passed on the way stop no lane. Returns the sample after it, or the chunk's end.
     """
@@ -236,7 +236,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         slip = rigid - stretch
         used = choose(abs(slip) > 0.0, x + stretch, y2)
         wound = stretch
-        wanted = wanted_speed(
+        wanted = allowed_speed(
             rigid,
             free * pace,
             pace,
@@ -276,9 +276,9 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         omega = middle * load(batch_f64, C_OMEGA)
         approach = max(abs(omega), approach * load(batch_f64, C_FORGET))
         tiny = min(abs(x), abs(half)) < STANDSTILL
-        x = snapped(x, STANDSTILL)
-        half = snapped(half, 0.5 * STANDSTILL)
-        approach = choose(tiny, snapped(approach, STANDSTILL), approach)
+        x = flush_to_zero(x, STANDSTILL)
+        half = flush_to_zero(half, 0.5 * STANDSTILL)
+        approach = choose(tiny, flush_to_zero(approach, STANDSTILL), approach)
         phase = advance(phase, load(batch_f64, C_CARRIER))
         torque = friction * omega
         impulse = impulse + torque

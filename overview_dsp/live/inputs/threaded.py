@@ -107,7 +107,7 @@ class SourceWriter:
 
     def find(self) -> Found:
         """How the disk is, as of the last block."""
-        held = self._engine.holder
+        held = self._engine.active_input
         position = self._engine.meters.cursor * HALF_TURN
         if held is None or held[0] == self._source:
             return Found(None, position, False)

@@ -127,7 +127,7 @@ class OscOut:
         self._socket = socket.socket(found[0], socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._report = OscReport()
-        engine.take_strikes()  # only those from now on
+        engine.pop_strikes()  # only those from now on
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
         self._thread.start()
@@ -145,7 +145,7 @@ class OscOut:
                 self._over.wait(RETRY_AFTER_S)
 
     def _send(self) -> None:
-        meters, struck = self._engine.meters, self._engine.take_struck_events()
+        meters, struck = self._engine.meters, self._engine.pop_strike_events()
         for datagram in self._report.due(
             time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
         ):

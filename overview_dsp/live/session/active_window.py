@@ -19,9 +19,9 @@ from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair
 from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import apply_change
-from overview_dsp.signal.surface.ahead import joined
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.live_update import joined
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 
@@ -178,7 +178,7 @@ class ActiveWindow:
         for line in self.presets.look():
             self._say(line)
         self._wanted_preset = self.presets.take_changed() or self._wanted_preset
-        if self._map_waits is not None and self._engine.holder is None:
+        if self._map_waits is not None and self._engine.active_input is None:
             self._wanted_preset = self._wanted_preset or self._map_waits
         self._make_changes()
 
@@ -241,7 +241,7 @@ class ActiveWindow:
             self.put(shown, window)
         if self._wanted_preset is not None:
             wanted, kept = self._wanted_preset, self._wanted_preset
-            if self._engine.holder is not None:  # no place moves under a hand
+            if self._engine.active_input is not None:  # no place moves under a hand
                 kept = wanted.with_value(SHARE, self._engine.preset.number(SHARE))
             self._engine.set_preset(kept)
             self._map_waits = None if kept == wanted else wanted
@@ -259,7 +259,7 @@ class ActiveWindow:
         shown = whole if all_of_it else whole.window(start, end)
         note = self._note(whole, {"window": None if all_of_it else [start, end]})
         kept = self._engine.surface.angle_map
-        held = self._engine.holder is not None and kept.duration_s == shown.duration_s
+        held = self._engine.active_input is not None and kept.duration_s == shown.duration_s
         if note is not None and held:
             note["timeline"]["keeps_map"] = True
         surface = build_surface(shown, self._engine.preset, kept) if held else None

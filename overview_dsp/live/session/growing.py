@@ -145,7 +145,7 @@ class Growing:
 
     def _bring_ahead(self, snapshot: Timeline, now: float) -> None:
         """Hand over what lies ahead of the disk and of who holds it, and nothing else."""
-        under, holder = self._window, self._engine.holder
+        under, holder = self._window, self._engine.active_input
         grows = self.live.map == "whole" and snapshot is not under.timeline
         if not grows or holder is None or under.timeline.until_s is None:
             return
@@ -163,7 +163,7 @@ class Growing:
 
     def _held_by_a_hand(self) -> bool:
         """Whether anybody pulls the disk but the pattern's tap."""
-        holder = self._engine.holder
+        holder = self._engine.active_input
         if self._pattern is not None and self._pattern[1]:
             return holder not in (None, ("touch", TAP * HALF_TURN))
         return holder is not None or (self._pattern is None and self._is_arriving())

@@ -34,7 +34,7 @@ from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Session
 from overview_dsp.live.session.status import Status
 from overview_dsp.live.takes.takes import Takes, timeline_beside
-from overview_dsp.signal.actuators.stage import read_protected
+from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.angle_map import SHARE
 
@@ -273,7 +273,7 @@ class Player:
             sample_rate=engine.sample_rate,
             block_size=output.block_size,
             settings=output.settings,
-            protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
+            protected=None if driven is None else read_protection(engine.memory, layout.L_ACTUATOR),
             recording=None if self.takes.growing is None else str(self.takes.growing),
             replay=self.loop.words,
             following=None if self.growing is None else self.growing.words,
@@ -336,7 +336,7 @@ class Player:
             else:
                 self.say(f"{path}: the take; P plays it again")
             return
-        if self.loop.playing or (self.at_rest and self.engine.holder is None):
+        if self.loop.playing or (self.at_rest and self.engine.active_input is None):
             self.loop.forget()
             self._begin_exact_take()
         if self.takes.growing is None:

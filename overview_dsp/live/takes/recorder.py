@@ -12,7 +12,7 @@ from overview_dsp.design.gestures.growing_take import Event, GrowingTake
 from overview_dsp.errors import InputError, OutputError, OverviewError
 from overview_dsp.live.takes.recovery import GrowingNote, other_places
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import read_hands
+from overview_dsp.signal.engine.memory_reader import read_inputs
 
 EVERY_S = 0.1
 """How often the engine's logs are written; a frozen screen or a busy session doesn't delay it."""
@@ -57,7 +57,7 @@ class Recorder:
             It can't be written.
         """
         self._engine = engine
-        self._begin, self._seen, hands = read_hands(engine.memory)
+        self._begin, self._seen, hands = read_inputs(engine.memory)
         self.differs = "" if self._begin == 0 else BEGUN_LATER
         self._now = 0
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in hands]
@@ -121,17 +121,17 @@ class Recorder:
         """What the logs hold now; the sample first, so that nothing before it is missed later."""
         self._now = self._engine.sample_time - self._begin
         try:
-            events, self._seen = self._engine.take_applied(self._seen)
+            events, self._seen = self._engine.pop_applied(self._seen)
         except OverviewError as error:
             self._miss(f"{error}; these are missing in the take")
-            _, self._seen, _ = read_hands(self._engine.memory)
+            _, self._seen, _ = read_inputs(self._engine.memory)
             return
         self._events += [
             (sample - self._begin, source, theta2, touching)
             for sample, source, theta2, touching in events.tolist()
         ]
         try:
-            changes = self._engine.take_changes()
+            changes = self._engine.pop_changes()
         except OverviewError as error:
             self._miss(f"{error}; these are missing in the take")
             return

@@ -23,7 +23,7 @@ from pydantic import Field
 from overview_dsp.files.schema import Allowed
 from overview_dsp.offline.export.breakpoints import control_points
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
-from overview_dsp.offline.export.document import Count, Part, Positive, Unit, faults_of
+from overview_dsp.offline.export.document import Count, Part, Positive, Unit, validate
 
 STEP_MS = 10
 MAX_POINTS = 16
@@ -146,7 +146,7 @@ def _parts(level: NDArray[np.float64]) -> list[tuple[int, int]]:
     return list(zip(cuts, [*cuts[1:], last], strict=True))
 
 
-def xml_faults_of(root: ElementTree.Element) -> list[str]:
+def validate_xml(root: ElementTree.Element) -> list[str]:
     """Return every fault of the XML of a waveform, a line each."""
     if root.tag != "vibration-effect" or [child.tag for child in root] != ["waveform-effect"]:
         return ["it isn't a vibration-effect with a waveform-effect"]
@@ -157,7 +157,7 @@ def xml_faults_of(root: ElementTree.Element) -> list[str]:
         for key, values in (("durationMs", wave["timings"]), ("amplitude", wave["amplitudes"])):
             text = entry.get(key, "")
             values.append(int(text) if re.fullmatch("[0-9]{1,12}", text) else text)
-    return faults_of(Waveform, wave)
+    return validate(Waveform, wave)
 
 
 def waveform_played(wave: Waveform) -> NDArray[np.float64]:

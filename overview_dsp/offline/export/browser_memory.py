@@ -31,14 +31,14 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.kernels import image, layout
-from overview_dsp.kernels.image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
+from overview_dsp.kernels import layout, memory_image
+from overview_dsp.kernels.memory_image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import connect
 from overview_dsp.signal.engine.coefficients import changes, check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.queues import stamp_of
-from overview_dsp.signal.engine.surface_slots import struck_events, write_surface
+from overview_dsp.signal.engine.surface_slots import timeline_events, write_surface
 from overview_dsp.signal.surface.model import Surface
 
 LEAST_FILL = 4
@@ -60,7 +60,7 @@ def layout_numbers() -> dict[str, int]:
 def encoding_numbers() -> dict[str, int]:
     """The numbers of the encoding itself, by their names."""
     names = "HEAD WHOLE CHANGE FILL DATA TABLE INTEGRAL INTEGRAL_FROM_TABLE"
-    return {name: getattr(image, name) for name in names.split()}
+    return {name: getattr(memory_image, name) for name in names.split()}
 
 
 def layout_digest() -> bytes:
@@ -145,7 +145,7 @@ def event_numbers(surface: Surface) -> list[int]:
 
     -1 is the bare surface, which is struck as number -1 too.
     """
-    return [int(event) for event in struck_events(surface)[:-1]]
+    return [int(event) for event in timeline_events(surface)[:-1]]
 
 
 def _head(

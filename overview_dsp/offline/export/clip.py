@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.signal.surface.fields import BARE
 from overview_dsp.signal.surface.model import Surface
@@ -178,7 +178,7 @@ class Clip:
         return level, corners
 
 
-def clip_of(result: Result[Trace | None]) -> Clip:
+def clip_of(result: RenderResult[Trace | None]) -> Clip:
     """Make a clip of a rendered gesture, up to where its vibration has died away.
 
     Raises
@@ -234,7 +234,9 @@ class _Candidate:
     sharpness: float
 
 
-def strikes_of(result: Result[Trace | None], felt: NDArray[np.float64]) -> tuple[Transient, ...]:
+def strikes_of(
+    result: RenderResult[Trace | None], felt: NDArray[np.float64]
+) -> tuple[Transient, ...]:
     """The strikes of a rendered gesture, in order of time.
 
     Parameters
@@ -285,7 +287,7 @@ def _knocks(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.fl
     return np.asarray(found - 1, dtype=np.int64), facts["prominences"]
 
 
-def _candidates(result: Result[Trace | None], length_ms: int) -> list[_Candidate]:
+def _candidates(result: RenderResult[Trace | None], length_ms: int) -> list[_Candidate]:
     surface = result.engine.surface
     row_of = {int(event): row for row, event in enumerate(surface.event)}
     found = []
@@ -318,7 +320,7 @@ def _sharpness(modes: tuple[ClickMode, ...]) -> float:
 
 
 @dataclass(frozen=True)
-class FeltError:
+class PerceptualError:
     """How far an exported clip is from what was rendered, as a finger takes it.
 
     Attributes
@@ -340,12 +342,12 @@ class FeltError:
     within_percent: float
 
 
-def felt_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> FeltError:
+def perceptual_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> PerceptualError:
     """Compare two amplitude curves of one value a millisecond; a missing end is silence."""
     count = max(len(played), len(rendered))
     sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
     error = np.abs(_windows_db(sides[0]) - _windows_db(sides[1]))
-    return FeltError(
+    return PerceptualError(
         float(np.median(error)),
         float(error.max()),
         float(100.0 * np.mean(error <= NOTICEABLE_DB)),

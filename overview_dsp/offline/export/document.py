@@ -86,7 +86,7 @@ def _validated(model: type[Document], data: Any, context: str) -> Document | lis
     return [re.sub("table$", "object", fault.words) for fault in found]
 
 
-def faults_of(model: type[Part], data: Any) -> list[str]:
+def validate(model: type[Part], data: Any) -> list[str]:
     """Return every fault of a document, a line each."""
     found = _validated(model, data, CHECKING)
     return found if isinstance(found, list) else list(found.faults())

@@ -29,9 +29,9 @@ from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.offline.export import ahap, haptic
-from overview_dsp.offline.export.android import Android, xml_faults_of
+from overview_dsp.offline.export.android import Android, validate_xml
 from overview_dsp.offline.export.clip import DULL_HZ, SHARP_HZ, Transient
-from overview_dsp.offline.export.document import Part, faults_of, read
+from overview_dsp.offline.export.document import Part, read, validate
 from overview_dsp.offline.export.hjif import Hjif
 from overview_dsp.public import counted
 
@@ -55,7 +55,7 @@ MAX_FAULTS = 20
 
 
 @dataclass(frozen=True, eq=False)
-class PlayedClip:
+class DecodedClip:
     """What a haptic clip plays.
 
     Attributes
@@ -82,10 +82,10 @@ class PlayedClip:
     played: NDArray[np.float64]
 
     def __repr__(self) -> str:
-        return f"<PlayedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
+        return f"<DecodedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
 
 
-def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
+def read_clip(path: str | os.PathLike[str]) -> DecodedClip:
     """Read an AHAP or `.haptic` file, detected from its content.
 
     Parameters
@@ -96,7 +96,7 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
 
     Returns
     -------
-    PlayedClip
+    DecodedClip
         Amplitudes and strikes.
 
     Raises
@@ -121,7 +121,7 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     return found[0] if len(found) == 1 else _core_haptics(level, strikes)
 
 
-def _read(path: Path) -> PlayedClip:
+def _read(path: Path) -> DecodedClip:
     document = load_document(path)
     keys = document if isinstance(document, dict) else ()
     with validation.located(f"{path}: "):
@@ -129,13 +129,13 @@ def _read(path: Path) -> PlayedClip:
             return _core_haptics(*ahap.decoded(read(ahap.Ahap, document)))
         if "signals" in keys:
             level, strikes = haptic.decoded(read(haptic.Haptic, document))
-            return PlayedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
+            return DecodedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
     raise InputError(f"{path}: neither AHAP (with a Pattern) nor .haptic (with signals)")
 
 
-def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> PlayedClip:
+def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> DecodedClip:
     played = ahap.with_transients(level, strikes, ahap.TRANSIENTS_MS[0])
-    return PlayedClip(level, tuple(strikes), played)
+    return DecodedClip(level, tuple(strikes), played)
 
 
 def paired(path: Path) -> tuple[Path, ...]:
@@ -253,7 +253,7 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
         raise
     for key, model in _MODELS.items():
         if isinstance(document, dict) and key in document:
-            return faults_of(model, document)[:MAX_FAULTS]
+            return validate(model, document)[:MAX_FAULTS]
     return [f"none of {', '.join(_MODELS)} is in it: neither AHAP, .haptic, HJIF nor Android"]
 
 
@@ -268,7 +268,7 @@ def _xml(path: Path) -> list[str]:
         root = ElementTree.fromstring(text.encode())
     except (ElementTree.ParseError, ValueError) as error:
         return [f"not XML: {error}"]
-    return xml_faults_of(root)
+    return validate_xml(root)
 
 
 POINTS = 64
@@ -277,7 +277,7 @@ Layer = Literal["tactor", "click", "both"]
 _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 
-def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
+def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ...]:
     """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
     level = clip.played
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
@@ -288,7 +288,7 @@ def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
     return tuple(round(float(value), 4) for value in highest / highest.max())
 
 
-def modes(clip: PlayedClip) -> tuple[ClickMode, ...]:
+def modes(clip: DecodedClip) -> tuple[ClickMode, ...]:
     """The clip's strikes as modes, the strongest first, a pitch once."""
     found: list[Transient] = []
     for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
@@ -310,11 +310,11 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
     return ClickMode(round(hz, 1), round(decay, 1), round(gain, 1))
 
 
-def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
+def with_layer(preset: Preset, kind: str, clip: DecodedClip, layer: Layer) -> Preset:
     """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
     base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
     if layer in ("tactor", "both"):
-        base = replace(base, points=course(clip))
+        base = replace(base, points=amplitude_profile(clip))
     # of both, a clip without strikes leaves the click as it is
     if layer == "click" or (layer == "both" and clip.transients):
         base = replace(base, modes=modes(clip))

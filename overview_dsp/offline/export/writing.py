@@ -16,9 +16,9 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import whole_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
-from overview_dsp.offline.export.clip import Clip, FeltError, clip_of, felt_error
+from overview_dsp.offline.export.clip import Clip, PerceptualError, clip_of, perceptual_error
 from overview_dsp.offline.export.document import encoded
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 
@@ -30,19 +30,19 @@ Played = dict[str, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
-class Exported:
+class ExportResult:
     """What `export` wrote.
 
     Attributes
     ----------
     files : tuple of path
         In the order they were written.
-    error : FeltError or None
+    error : PerceptualError or None
         Against the rendered envelope, strikes included, on the first of `players`; None where the
         samples themselves were written.
     points, transients : int
         How many points of amplitude, and how many strikes.
-    players : mapping of str to FeltError
+    players : mapping of str to PerceptualError
         The same on each player that the format is for.
 
     Examples
@@ -53,14 +53,14 @@ class Exported:
     """
 
     files: tuple[Path, ...]
-    error: FeltError | None
+    error: PerceptualError | None
     points: int
     transients: int
-    players: Mapping[str, FeltError] = field(default_factory=dict)
+    players: Mapping[str, PerceptualError] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         files = " and ".join(short(path.name) for path in self.files)
-        return f"<Exported: {files}, {counted(self.transients, 'strike')}>"
+        return f"<ExportResult: {files}, {counted(self.transients, 'strike')}>"
 
 
 Bake = Callable[[Clip, int], tuple[dict[str, bytes], Played, int]]
@@ -129,16 +129,16 @@ def formats() -> tuple[str, ...]:
 
 
 def export(
-    result: Result[Trace | None],
+    result: RenderResult[Trace | None],
     to: str,
     path: str | os.PathLike[str],
     points_per_s: float = POINTS_PER_S,
-) -> Exported:
+) -> ExportResult:
     """Write a rendered gesture in a haptic format.
 
     Parameters
     ----------
-    result : Result
+    result : RenderResult
         Of `render`, with its trace.
     to : str
         One of `formats()`.
@@ -150,7 +150,7 @@ def export(
 
     Returns
     -------
-    Exported
+    ExportResult
         The files, and how far they are from what was felt.
 
     Raises
@@ -181,7 +181,7 @@ def export(
     if to == "wav4":
         # for pads whose voice coils are channels 3 and 4 (DualSense): clicks on both sides, tactor
         save_sound(target, result.samples[:, [0, 0, 1, 1]], result.sample_rate, "PCM_16")
-        return Exported((target,), None, 0, 0)
+        return ExportResult((target,), None, 0, 0)
     clip = clip_of(result)
     budget = max(2, round(points_per_s * clip.duration_s))
     files, played, points = _BAKES[to](clip, budget)
@@ -192,6 +192,6 @@ def export(
         with whole_file(place) as temporary:
             temporary.write_bytes(data)
         written.append(place)
-    players = {name: felt_error(level, clip.level) for name, level in played.items()}
+    players = {name: perceptual_error(level, clip.level) for name, level in played.items()}
     error = next(iter(players.values()))
-    return Exported(tuple(written), error, points, len(clip.transients), players)
+    return ExportResult(tuple(written), error, points, len(clip.transients), players)

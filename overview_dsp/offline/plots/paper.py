@@ -11,13 +11,13 @@ from overview_dsp.files.atomic import make_folder
 from overview_dsp.offline.plots.saving import save_figure
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 FAST_S, SLOW_S = 1.0, 4.0
 TAP_AT, TAP_HOLD_S = 1.0, 3.0
 
 
-def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:
+def renders(timeline: Timeline, preset: Preset) -> dict[str, RenderResult]:
     """The three gestures of the paper: a fast sweep, a slow sweep and a tap."""
     return {name: render(timeline, preset, hand) for name, hand in _hands().items()}
 
@@ -30,7 +30,7 @@ def _hands() -> dict[str, Gesture]:
     }
 
 
-def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> list[Path]:
+def draw(timeline: Timeline, results: dict[str, RenderResult], folder: str | Path) -> list[Path]:
     """Draw figures 4, 5 and 6 into a folder, PNG and SVG; the files."""
     out = make_folder(folder)
     fast, slow = results["fast sweep"], results["slow sweep"]

@@ -24,7 +24,7 @@ from overview_dsp.offline.plots.style import (
     styles_of,
     tidy,
 )
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.units import HALF_TURN
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 def plot_strokes(
-    results: list[tuple[str, Result]],
+    results: list[tuple[str, RenderResult]],
     timeline: Timeline,
     title: str,
     hands: Sequence[Gesture] = (),
@@ -111,7 +111,7 @@ def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> 
     return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
 
 
-def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
+def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: float) -> None:
     # a row of marks just above the axes
     above = axes.get_xaxis_transform()
     strikes = result.strikes.of_events()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 REPEATS = 2
 MANY = 10
@@ -41,7 +41,7 @@ def _gallery(title: str, kinds: Sequence[str], repeats: int) -> Timeline:
     return Timeline(title=title, duration_s=length, events=events)
 
 
-def audition(preset: Preset, seed: int = 0) -> Result:
+def audition(preset: Preset, seed: int = 0) -> RenderResult:
     """Render a steady sweep over the gallery and its recoil."""
     timeline = gallery(preset)
     return render(timeline, preset, sweep(timeline.duration_s), seed=seed)

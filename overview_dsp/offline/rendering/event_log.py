@@ -1,4 +1,4 @@
-"""What happened when: the events a gesture passed, as text, JSON, labels and subtitles.
+"""What passed_events when: the events a gesture passed, as text, JSON, labels and subtitles.
 
 A render in words, for who can't hear or feel it: which events were passed, and how hard.
 """
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import whole_file
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
 """Within so much of the strongest an event counts as strong, as medium; weak below."""
@@ -29,7 +29,7 @@ SHOWN_S = 1.5
 
 
 @dataclass(frozen=True)
-class Happening:
+class PassedEvent:
     """An event that was passed.
 
     Attributes
@@ -64,7 +64,7 @@ class Happening:
         return ", ".join([*named, self.strength])
 
 
-def happened(strikes: Strikes, timeline: Timeline) -> list[Happening]:
+def passed_events(strikes: Strikes, timeline: Timeline) -> list[PassedEvent]:
     """The events that were passed, in order of time; those of the bare surface are left out."""
     passed = strikes.of_events()
     events = [timeline.events[event] for event in passed.event]
@@ -73,11 +73,11 @@ def happened(strikes: Strikes, timeline: Timeline) -> list[Happening]:
 
 def of_events(
     times_s: Iterable[float], levels: Sequence[float], events: Iterable[Event], timeline: Timeline
-) -> list[Happening]:
+) -> list[PassedEvent]:
     """Events with when they were struck and how hard (the click's amplitude, linear)."""
     strongest = max([*levels, 1e-12])
     return [
-        Happening(
+        PassedEvent(
             time_s,
             event,
             timeline.moment_text(event.time_s),
@@ -87,12 +87,12 @@ def of_events(
     ]
 
 
-def as_text(passed: Sequence[Happening]) -> str:
+def as_text(passed: Sequence[PassedEvent]) -> str:
     """`1.24 s goal, 2-1 Mbappe, strong`, a line each."""
     return "".join(f"{one.time_s:.2f} s {one.words}\n" for one in passed)
 
 
-def as_records(passed: Sequence[Happening]) -> list[dict[str, object]]:
+def as_records(passed: Sequence[PassedEvent]) -> list[dict[str, object]]:
     """The same as plain data."""
     return [
         {
@@ -108,16 +108,16 @@ def as_records(passed: Sequence[Happening]) -> list[dict[str, object]]:
     ]
 
 
-def _json(passed: Sequence[Happening]) -> str:
+def _json(passed: Sequence[PassedEvent]) -> str:
     return json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n"
 
 
-def as_audacity(passed: Sequence[Happening]) -> str:
+def as_audacity(passed: Sequence[PassedEvent]) -> str:
     """A label track of Audacity: start, end, text, by tabs."""
     return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.words}\n" for one in passed)
 
 
-def as_reaper(passed: Sequence[Happening]) -> str:
+def as_reaper(passed: Sequence[PassedEvent]) -> str:
     """Markers as REAPER's region and marker manager reads them."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
@@ -128,7 +128,7 @@ def as_reaper(passed: Sequence[Happening]) -> str:
     return text.getvalue()
 
 
-def as_webvtt(passed: Sequence[Happening]) -> str:
+def as_webvtt(passed: Sequence[PassedEvent]) -> str:
     """Subtitles: each event until the next, at most 1.5 s."""
     lines = ["WEBVTT", ""]
     for number, one in enumerate(passed):
@@ -147,7 +147,7 @@ def _clock(seconds: float) -> str:
     return f"{hours:02d}:{minutes:02d}:{milliseconds / 1000:06.3f}"
 
 
-WRITERS: dict[str, Callable[[Sequence[Happening]], str]] = {
+WRITERS: dict[str, Callable[[Sequence[PassedEvent]], str]] = {
     ".audacity.txt": as_audacity,
     ".txt": as_text,
     ".json": _json,
@@ -157,7 +157,7 @@ WRITERS: dict[str, Callable[[Sequence[Happening]], str]] = {
 """By how a file's name ends: the first that fits."""
 
 
-def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[Happening]], str]:
+def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[PassedEvent]], str]:
     """What writes a file of that name; InputError if none does."""
     for suffix, writer in WRITERS.items():
         if Path(path).name.lower().endswith(suffix):
@@ -168,8 +168,8 @@ def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[Happening]], s
     )
 
 
-def save_transcript(passed: Sequence[Happening], path: str | os.PathLike[str]) -> None:
-    """Write what happened, in the format that the file's name asks for."""
+def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str]) -> None:
+    """Write what passed_events, in the format that the file's name asks for."""
     text = writer_of(path)(passed)
     with whole_file(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
@@ -208,7 +208,7 @@ def transcript(
         "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if nothing was
         passed.
     """
-    passed = happened(strikes, timeline)
+    passed = passed_events(strikes, timeline)
     touched = [True] * len(passed)
     if engaged is not None and len(engaged):
         frames = [min(int(one.time_s * sample_rate), len(engaged) - 1) for one in passed]

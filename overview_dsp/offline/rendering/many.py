@@ -33,7 +33,7 @@ from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, checked
 from overview_dsp.offline.rendering.trace import Trace, Traced
 from overview_dsp.public import counted, short
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 from overview_dsp.signal.engine.simd_batch import EngineBatch
 from overview_dsp.signal.surface.cache import SurfaceCache
 from overview_dsp.signal.surface.model import Surface
@@ -172,7 +172,7 @@ def render_jobs(
         yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
 
 
-Rendered = RenderedJob[Trace | None] | Exception
+JobOutcome = RenderedJob[Trace | None] | Exception
 """A job as rendered, or why it can't be."""
 
 
@@ -193,7 +193,7 @@ class _Playing:
 
     def read_log(self) -> None:
         """Take the strikes from the engine's log."""
-        self.strikes.append(self.engine.take_strikes())
+        self.strikes.append(self.engine.pop_strikes())
         self.logged = 0
 
     def result(self, trace: tuple[str, ...]) -> RenderedJob[Trace | None]:
@@ -221,7 +221,7 @@ class VoiceRenderer:
 
     def render(
         self, jobs: Iterable[tuple[int, RenderJob]], tail: Tail, trace: tuple[str, ...]
-    ) -> Iterator[tuple[int, Rendered]]:
+    ) -> Iterator[tuple[int, JobOutcome]]:
         """Render jobs, each with the bits of `render`; results come as jobs end.
 
         Each job has a number, which its result has too; it is taken when a lane is free. `trace`
@@ -268,7 +268,7 @@ class VoiceRenderer:
 
     def _step(
         self, playing: dict[int, _Playing], trace: tuple[str, ...]
-    ) -> Iterator[tuple[int, Rendered]]:
+    ) -> Iterator[tuple[int, JobOutcome]]:
         """Render a block of every job; yield those that end with it, or can't go on."""
         assert self._lanes is not None
         frames = BLOCK
@@ -407,20 +407,20 @@ def _rendered(
     surfaces = SurfaceCache()
     own = threading.local()
 
-    def render_group(group: list[RenderJob]) -> list[Rendered]:
+    def render_group(group: list[RenderJob]) -> list[JobOutcome]:
         if not hasattr(own, "renderer"):
             own.renderer = VoiceRenderer(sample_rate, surfaces)
         renderer: VoiceRenderer = own.renderer
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
-    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob[Trace | None]]:
+    def results(future: Future[list[JobOutcome]]) -> Iterator[RenderedJob[Trace | None]]:
         for result in future.result():
             if isinstance(result, Exception):
                 raise result
             yield result
 
-    waiting: deque[Future[list[Rendered]]] = deque()
+    waiting: deque[Future[list[JobOutcome]]] = deque()
     pool = ThreadPoolExecutor(threads, thread_name_prefix="jobs")
     try:
         for group in groups:

@@ -31,9 +31,9 @@ from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreach
 from overview_dsp.offline.rendering.trace import Trace, Traced, TraceWriter
 from overview_dsp.public import counted, drawn, short
 from overview_dsp.signal.actuators.model import Actuator
-from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
+from overview_dsp.signal.actuators.stage import ActuatorStage, ProtectionReport, warn_of_carrier
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Sounding, Generic[Traced]):
+class RenderResult(Sounding, Generic[Traced]):
     """A rendered gesture. In a notebook it is a player and its curves.
 
     Attributes
@@ -79,7 +79,7 @@ class Result(Sounding, Generic[Traced]):
         The events passed.
     engine : Engine
         As it stands after the gesture: surface, meters, parameters.
-    protected : Protected or None
+    protected : ProtectionReport or None
         What an actuator's protection did; the tactor's samples are its drive then.
     unreached : tuple of int
         The timeline's events that the hand went over and the disk, there or back, never met.
@@ -103,7 +103,7 @@ class Result(Sounding, Generic[Traced]):
     trace: Traced
     strikes: Strikes
     engine: Engine
-    protected: Protected | None = None
+    protected: ProtectionReport | None = None
     unreached: tuple[int, ...] = ()
 
     def plot(self) -> Figure:
@@ -150,7 +150,8 @@ class Result(Sounding, Generic[Traced]):
 
     def __repr__(self) -> str:
         return (
-            f"<Result: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} Hz, "
+            f"<RenderResult: {len(self.samples) / self.sample_rate:.3f} s at "
+            f"{self.sample_rate:g} Hz, "
             f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
             f"{short(self.engine.timeline.title)}>"
         )
@@ -181,7 +182,7 @@ def blocks(
             stage.process(samples, TACTOR)
         kept = play.count(frames, stage.silent_samples if stage is not None else None)
         yield Block(
-            samples[:kept], table[:kept] if table is not None else None, engine.take_strikes()
+            samples[:kept], table[:kept] if table is not None else None, engine.pop_strikes()
         )
         if progress:
             progress(play.part)
@@ -198,7 +199,7 @@ def render(
     tail: Tail = ...,
     trace: Literal[True] = ...,
     actuator: Actuator | None = ...,
-) -> Result[Trace]: ...
+) -> RenderResult[Trace]: ...
 @overload
 def render(
     timeline: AnyTimeline,
@@ -210,7 +211,7 @@ def render(
     tail: Tail = ...,
     trace: Literal[False],
     actuator: Actuator | None = ...,
-) -> Result[None]: ...
+) -> RenderResult[None]: ...
 @overload
 def render(
     timeline: AnyTimeline,
@@ -222,7 +223,7 @@ def render(
     tail: Tail = ...,
     trace: bool,
     actuator: Actuator | None = ...,
-) -> Result[Trace | None]: ...
+) -> RenderResult[Trace | None]: ...
 def render(
     timeline: AnyTimeline,
     preset: AnyPreset = None,
@@ -233,7 +234,7 @@ def render(
     tail: Tail = "rest",
     trace: bool = True,
     actuator: Actuator | None = None,
-) -> Result[Trace | None]:
+) -> RenderResult[Trace | None]:
     """Render a gesture to arrays.
 
     The same arguments give the same bits on every machine.
@@ -260,7 +261,7 @@ def render(
 
     Returns
     -------
-    Result
+    RenderResult
         Samples, trace, strikes, and the engine as it stands after the gesture.
 
     Raises
@@ -282,7 +283,7 @@ def render(
     """
     engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
     nothing = Block(
-        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
+        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.pop_strikes()
     )
     rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
@@ -291,7 +292,7 @@ def render(
     kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
     missed = unreached(engine.surface, hand, strikes.event)
-    return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
+    return RenderResult(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
 
 
 def _prepared(
@@ -330,7 +331,7 @@ def join_strikes(parts: list[Strikes]) -> Strikes:
 
 
 @dataclass(frozen=True)
-class Rendered:
+class RenderFileResult:
     """What `render_to_file` wrote.
 
     Attributes
@@ -345,10 +346,10 @@ class Rendered:
         What the format made of the samples, for a person; may be empty.
     engine : Engine
         As it stands after the gesture.
-    protected : Protected or None
+    protected : ProtectionReport or None
         What an actuator's protection did, if there was one.
     unreached : tuple of int
-        As in `Result`.
+        As in `RenderResult`.
     passed : Strikes or None
         Those of events, one by one.
     lufs : float or None
@@ -368,7 +369,7 @@ class Rendered:
     strikes: int
     note: str
     engine: Engine
-    protected: Protected | None = None
+    protected: ProtectionReport | None = None
     unreached: tuple[int, ...] = ()
     passed: Strikes | None = None
     lufs: float | None = None
@@ -376,7 +377,7 @@ class Rendered:
 
     def __repr__(self) -> str:
         return (
-            f"<Rendered: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
+            f"<RenderFileResult: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
             f"peaks {self.peaks[0]:.3g} and {self.peaks[1]:.3g}>"
         )
 
@@ -397,7 +398,7 @@ def render_to_file(
     stems: bool = False,
     loudness: bool = False,
     normalize: float | None = None,
-) -> Rendered:
+) -> RenderFileResult:
     """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
 
     Both files are whole or absent.
@@ -437,7 +438,7 @@ def render_to_file(
 
     Returns
     -------
-    Rendered
+    RenderFileResult
         What was written, in a few numbers.
 
     Raises
@@ -475,7 +476,7 @@ def render_to_file(
         stage = _stage(actuator, engine)
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
-    strikes: list[Strikes] = [engine.take_strikes()]
+    strikes: list[Strikes] = [engine.pop_strikes()]
     full_torque = 1e-3 * engine.preset.number("tactor.full_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
@@ -501,7 +502,7 @@ def render_to_file(
         stemmed.finish()
         frames, note = sound.frames, sound.note
     struck = join_strikes(strikes)
-    return Rendered(
+    return RenderFileResult(
         frames / engine.sample_rate,
         tuple(peaks.tolist()),
         len(struck),

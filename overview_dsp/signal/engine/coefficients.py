@@ -17,7 +17,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.derive import CARRIER_LIMIT, derive
-from overview_dsp.kernels.shipped import is_outdated
+from overview_dsp.kernels.precompiled import is_outdated
 
 _CHOSEN = {"disk.release": "return"}
 """Of a parameter with two choices, the one that counts as 1."""

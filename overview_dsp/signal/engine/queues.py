@@ -19,8 +19,8 @@ from overview_dsp import validation
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.control import push_control
-from overview_dsp.kernels.ordering import acquired, publish
+from overview_dsp.kernels.atomics import acquired, publish
+from overview_dsp.kernels.control_events import push_control
 
 _RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1

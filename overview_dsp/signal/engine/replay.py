@@ -11,9 +11,9 @@ from overview_dsp.design.presets.dicts import preset_from_dict
 from overview_dsp.design.presets.validation import migrated_values
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.surface.ahead import joined
 from overview_dsp.signal.surface.angle_map import without_map
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.live_update import joined
 
 
 def apply_change(

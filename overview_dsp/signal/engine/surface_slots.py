@@ -80,7 +80,7 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
     derive_clicks(m, w, base)
 
 
-def struck_events(surface: Surface) -> NDArray[np.int64]:
+def timeline_events(surface: Surface) -> NDArray[np.int64]:
     """Return the timeline's events by the kernel's numbers for them; `BARE` is the bare surface.
 
     The last one is the bare surface's as well.
@@ -160,7 +160,7 @@ class _Under:
     timeline: Timeline
 
 
-class StruckSurfaces:
+class SurfaceHistory:
     """The surfaces that were under the disk since its strikes were taken last.
 
     Thread: one that changes surfaces, one that takes strikes.
@@ -174,7 +174,7 @@ class StruckSurfaces:
         """Begin anew with a surface."""
         with self._lock:
             self._under.clear()
-            self._under.append(_Under(-1, 0, struck_events(surface), timeline))
+            self._under.append(_Under(-1, 0, timeline_events(surface), timeline))
 
     def add(
         self,
@@ -186,7 +186,7 @@ class StruckSurfaces:
         """A change that was pushed brings a surface."""
         with self._lock:
             self._find(applied_at)  # while the queue still knows
-            self._under.append(_Under(change, None, struck_events(surface), timeline))
+            self._under.append(_Under(change, None, timeline_events(surface), timeline))
 
     def _find(self, applied_at: Callable[[int], int | None]) -> None:
         for one in self._under:

@@ -35,7 +35,7 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.bare import BareSurface, bare_surface
+from overview_dsp.signal.surface.base_surface import BareSurface, bare_surface
 from overview_dsp.signal.surface.fields import (
     DETENT_MODELS,
     BristleLayer,
@@ -216,7 +216,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     """
     validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    by_kind, left_out = _felt(timeline.events, preset)
+    by_kind, omitted_events = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
     angle_map = AngleMap.of(timeline, preset) if angle_map is None else _kept(angle_map, timeline)
     under = bare_surface(timeline, preset, CELLS, angle_map)
@@ -252,7 +252,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
         angle_map=angle_map,
-        left_out=left_out,
+        omitted_events=omitted_events,
         own_modes=under.modes,
         texture_strikes=under.texture_strikes,
         kind_models=tuple(kind.model for kind in preset.kinds.values()),
@@ -280,12 +280,12 @@ def _felt(
         name = preset.kind_for(event.kind) or DEFAULT_KIND
         found.setdefault(name, []).append(i)
     by_kind = {name: np.array(members) for name, members in found.items()}
-    left_out = {
+    omitted_events = {
         name: len(by_kind.pop(name))
         for name, members in list(by_kind.items())
         if len(members) > 1 and len(members) * preset.kinds[name].spacing_percent > 100.0
     }
-    return by_kind, left_out
+    return by_kind, omitted_events
 
 
 def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:

@@ -58,7 +58,7 @@ class Surface:
         Their clicks; a mode's gain includes its kind's.
     angle_map : AngleMap
         The one map between times and positions, for `position_of` and `time_at`.
-    left_out : mapping of str to int
+    omitted_events : mapping of str to int
         Kinds whose events lie too densely to be felt one by one, and how many there are.
     own_modes : tuple of ClickMode
         What the bare surface sounds like.
@@ -94,7 +94,7 @@ class Surface:
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[ClickMode, ...], ...]
     angle_map: AngleMap
-    left_out: Mapping[str, int] = field(default_factory=dict)
+    omitted_events: Mapping[str, int] = field(default_factory=dict)
     own_modes: tuple[ClickMode, ...] = ()
     texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
     kind_models: tuple[str, ...] = ()

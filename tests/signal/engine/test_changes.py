@@ -63,13 +63,13 @@ def test_a_change_begins_at_its_sample_and_a_fade_later_its_surface_is_felt(name
     run(engine, RATE)
     before = (engine.preset, engine.timeline, engine.surface)
     change(engine, RATE + 500)
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == []
     friction = run(engine, 500 + FADE + 500)[1][:, 6]
     assert np.all(friction[:500] == 1e-3)
     assert np.all(friction[501 : 500 + FADE] > 1e-3)
     assert friction[500 + FADE :] == pytest.approx(4e-3, rel=1e-6)
-    assert engine.take_changes() == [(RATE + 500, note)]
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == [(RATE + 500, note)]
+    assert engine.pop_changes() == []
     assert (engine.preset is before[0]) == (name in ("timeline", "window", "surface"))
     assert engine.timeline is (FULL if name in ("timeline", "window") else before[1])
     assert engine.surface is not before[2]
@@ -105,10 +105,10 @@ def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():
     engine.set("click.gain_db", -9.0, 900)
     run(engine, 500)
     expected = [(100, {"set": {"tactor.gain_db": gain}}) for gain in (-3.0, -6.0)]
-    assert engine.take_changes() == expected
+    assert engine.pop_changes() == expected
     run(engine, 500)
     engine.set("tactor.gain_db", -6.0)  # nothing new
-    assert engine.take_changes() == [(900, {"set": {"click.gain_db": -9.0}})]
+    assert engine.pop_changes() == [(900, {"set": {"click.gain_db": -9.0}})]
 
 
 def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
@@ -117,7 +117,7 @@ def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
     for n in range(count):
         engine.set("tactor.gain_db", -1.0 - n % 2)
         run(engine, 1)
-    taken = engine.take_changes()
+    taken = engine.pop_changes()
     assert [sample for sample, _ in taken] == list(range(50, count))
 
 
@@ -147,7 +147,7 @@ def test_reset_ends_a_glide_at_its_end():
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
     run(engine, 1)
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == []
 
 
 def test_changes_that_find_the_queue_full_change_nothing():
@@ -241,13 +241,13 @@ def test_events_given_together_are_those_given_one_by_one():
         one.control(float(row[0]), bool(row[1]), int(row[2]), ov.gestures.SOURCES[row[3]])
     all_.control_all(theta2, touching, stamps, sources)
     assert np.array_equal(run(one, 3000)[1], run(all_, 3000)[1])
-    rows, count = all_.take_applied(0)
+    rows, count = all_.pop_applied(0)
     assert count == 50
     assert np.array_equal(np.sort(rows["theta2"]), theta2)
     assert np.array_equal(rows["sample"], stamps)
     assert np.array_equal(rows["source"], sources)
     assert np.array_equal(rows["touching"], touching)
-    later, count = all_.take_applied(45)
+    later, count = all_.pop_applied(45)
     assert np.array_equal(later, rows[45:])
 
 
@@ -256,21 +256,21 @@ def test_strikes_are_named_by_the_surface_that_was_struck():
     engine = prepared(preset, timeline_of(20.0, 40.0, 60.0), RATE)
     engine.control(np.pi, True)
     run(engine, RATE)
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     assert strikes.event.tolist() == [0, 1, 2]
     assert np.all((strikes.time_s > 0.0) & (strikes.time_s < 1.0))
     assert np.all(np.diff(strikes.time_s) > 1e-3)
-    assert len(engine.take_strikes()) == 0
+    assert len(engine.pop_strikes()) == 0
     other = replace(timeline_of(), events=(ov.Event(10.0, "default"), ov.Event(50.0, "default")))
     engine.set_timeline(other)
     run(engine, RATE)
     engine.control(0.0, True)
     run(engine, RATE)
-    assert engine.take_strikes().event.tolist() == [1, 0]
+    assert engine.pop_strikes().event.tolist() == [1, 0]
     engine.reset()
     engine.control(np.pi, True)
     run(engine, RATE)
-    assert engine.take_strikes().event.tolist() == [0, 1]
+    assert engine.pop_strikes().event.tolist() == [0, 1]
 
 
 def test_the_tactor_of_a_torque_is_the_vibration_alone():

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.signal.engine import queues as engine_queues
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
 

@@ -156,7 +156,7 @@ def test_two_events_are_too_dense_where_half_the_timeline_is_too_little_for_each
         surface = surface_of(
             (30.0, "slim", 1.0), (60.0, "slim", 1.0), (90.0, "wide", 1.0), slim=kind
         )
-        assert surface.left_out == ({"slim": 2} if dense else {})
+        assert surface.omitted_events == ({"slim": 2} if dense else {})
 
 
 def test_a_span_that_begins_within_the_first_cell_has_a_beginning():

@@ -213,13 +213,13 @@ def test_a_grip_that_comes_back_remembers_no_slip():
     engine.process(out)
     engine.set("surface.model", "viscous")
     engine.process(out)
-    engine.take_strikes()
+    engine.pop_strikes()
     engine.control(3.0, True)
     engine.process(out[:2000])
     engine.set("surface.model", "bristle")
     engine.process(out[:1000])
     assert engine.meters.cursor > 0.1
-    assert len(engine.take_strikes()) == 0
+    assert len(engine.pop_strikes()) == 0
 
 
 def test_no_static_torque_makes_no_creak():
@@ -292,7 +292,7 @@ def played(sizes, frames=16_000):
         stop = min(frames, start + size)
         engine.process(out[start:stop], trace[start:stop])
         start = stop
-    return out, trace, engine.take_strikes()
+    return out, trace, engine.pop_strikes()
 
 
 def test_no_block_size_changes_a_bit_in_any_model():

@@ -16,7 +16,7 @@ from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MATERIALS
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.signal.engine.surface_slots import struck_events
-from overview_dsp.signal.surface.bare import crests_of, troughs_of
+from overview_dsp.signal.surface.base_surface import crests_of, troughs_of
 from overview_dsp.signal.surface.materials import louder, modes_of
 from tests.examples import plain_preset, preset_with, timeline_of
 

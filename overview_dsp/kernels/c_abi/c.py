@@ -12,9 +12,9 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import block, layout
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.kernels.derive import derive_at, set_parameter
-from overview_dsp.kernels.image import decode, is_image, is_sound
+from overview_dsp.kernels.memory_image import decode, is_image, is_valid
 
 carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
 
@@ -31,7 +31,7 @@ def load(memory, image, size, digest):
     values = carray(image, (max(columns, 0),), np.float64)
     if size % COLUMN_BYTES == 0 and is_image(words, columns, digest):
         decode(words, values, columns, f64, i64)
-        if is_sound(f64, i64):
+        if is_valid(f64, i64):
             return DONE
     for n in range(layout.TOTAL):
         i64[n] = 0

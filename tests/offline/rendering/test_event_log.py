@@ -1,4 +1,4 @@
-"""What happened when: transcripts, labels, subtitles and cue points tell every event passed."""
+"""Transcripts, labels, subtitles and cue points of all passed events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp.errors import InputError
 from overview_dsp.files.cue_points import add_cues
-from overview_dsp.offline.rendering.event_log import happened, of_events, save_transcript
+from overview_dsp.offline.rendering.event_log import of_events, passed_events, save_transcript
 from tests.cli.running import MATCH, overview
 
 
@@ -25,7 +25,7 @@ def result(match, football):
 
 @pytest.fixture(scope="module")
 def passed(result, match):
-    return happened(result.strikes, match)
+    return passed_events(result.strikes, match)
 
 
 def test_every_event_that_was_passed_is_told_when_and_how_hard(result, match, passed):
@@ -171,7 +171,7 @@ def test_export_says_what_happened_too(tmp_path, monkeypatch):
     )
     assert done.code == 0, done.err
     lines = (tmp_path / "a.txt").read_text().splitlines()
-    assert len(json.loads(done.out)[-1]["happened"]) == len(lines) > 10
+    assert len(json.loads(done.out)[-1]["events"]) == len(lines) > 10
 
 
 @pytest.mark.parametrize("wanted", [-40.0, -30.0])

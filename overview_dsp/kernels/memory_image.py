@@ -82,7 +82,7 @@ def decode(words, values, columns, f64, i64):
 
 
 @inlined
-def leads_nowhere_else(i64, slot):
+def has_valid_indices(i64, slot):
     """Whether every index in a surface stays within it."""
     events = i64[slot + layout.SLOT_EVENTS]
     if events < 0 or events > layout.MAX_EVENTS:
@@ -101,13 +101,13 @@ def leads_nowhere_else(i64, slot):
 
 
 @inlined
-def is_sound(f64, i64):
+def is_valid(f64, i64):
     """Whether a decoded block can be played: its indices, and friction that is finite and > 0."""
     active = i64[layout.ACTIVE_SLOT]
     if active < 0 or active >= layout.SLOTS:
         return False
     for number in range(layout.SLOTS):
-        if not leads_nowhere_else(i64, layout.SURFACES + number * layout.SLOT_SIZE):
+        if not has_valid_indices(i64, layout.SURFACES + number * layout.SLOT_SIZE):
             return False
     table = layout.SURFACES + active * layout.SLOT_SIZE + layout.SLOT_TABLE
     total = 0.0

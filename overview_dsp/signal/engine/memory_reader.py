@@ -21,14 +21,14 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.derive import ARRIVAL_S, PACE_MOST
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.kernels.ordering import acquired
 from overview_dsp.kernels.output_gain import LEAST_CURSOR, SLOWEST_PACE, USUAL_PACE
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.public import counted, dataframe
-from overview_dsp.signal.engine.surface_slots import StruckSurfaces
+from overview_dsp.signal.engine.surface_slots import SurfaceHistory
 from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
@@ -235,17 +235,17 @@ def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
     )
 
 
-def read_impulse(memory: NDArray[np.float64]) -> tuple[int, float]:
+def read_torque_integral(memory: NDArray[np.float64]) -> tuple[int, float]:
     """The samples summed since reset, and the sum of the torque over them (N m samples)."""
     i64 = memory.view(np.int64)
     while True:  # the audio thread may write between the two
         summed = int(i64[layout.M_SUMMED])
-        impulse = float(memory[layout.M_IMPULSE])
+        torque_integral = float(memory[layout.M_IMPULSE])
         if summed == i64[layout.M_SUMMED]:
-            return summed, impulse
+            return summed, torque_integral
 
 
-def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
+def read_active_input(memory: NDArray[np.float64]) -> tuple[str, float] | None:
     """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
     source = int(memory.view(np.int64)[layout.HOLDER])
     if source < 0:
@@ -306,9 +306,9 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
     return events, now
 
 
-def take_strikes(
+def pop_strikes(
     memory: NDArray[np.float64],
-    struck: StruckSurfaces,
+    struck: SurfaceHistory,
     applied_at: Callable[[int], int | None],
     sample_rate: float,
 ) -> tuple[Strikes, list[Timeline | None]]:
@@ -333,7 +333,7 @@ def take_strikes(
     return strikes, timelines
 
 
-def read_hands(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
+def read_inputs(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
     """A sample, how many events were applied by then, and the hands that hold on after those.
 
     Each hand's source (an index) and theta2 (rad), in the order in which they touched.

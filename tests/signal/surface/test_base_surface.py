@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.signal.surface import bare as bare_module
+from overview_dsp.signal.surface import base_surface
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.fields import impedance
 from overview_dsp.signal.surface.gaps import pattern
@@ -25,7 +25,7 @@ INSIDE = (np.arange(CELLS + 1) >= 400) & (np.arange(CELLS + 1) <= 800)
 
 
 def bare_surface(timeline, preset, cells):
-    return bare_module.bare_surface(timeline, preset, cells, AngleMap.of(timeline, preset))
+    return base_surface.bare_surface(timeline, preset, cells, AngleMap.of(timeline, preset))
 
 
 def made_of(made="waves", **values):

@@ -11,11 +11,11 @@ Thread: audio, except `push_control`.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import load_acquire, store_release
 from overview_dsp.kernels.clutch import with_backlash
 from overview_dsp.kernels.compiling import briefly_called, inlined
 from overview_dsp.kernels.event_crossing import edges_below
-from overview_dsp.kernels.glide import smooth_step
-from overview_dsp.kernels.ordering import load_acquire, store_release
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.release import arrive, stop_waiting, wait_for_disk
 
 PI = 3.141592653589793
@@ -42,7 +42,7 @@ def engage(f64, i64, source):
 
 
 @inlined
-def let_go(f64, i64):
+def release(f64, i64):
     """The holder has let go: another hand takes over, or the disk goes on to the last target."""
     latest = 0
     heir = -1
@@ -102,7 +102,7 @@ def apply_control(f64, i64, source, theta2, touching):
             f64[layout.TARGET_POSITION] = position
         else:
             f64[layout.INPUT] = f64[layout.TARGET_POSITION]
-            let_go(f64, i64)
+            release(f64, i64)
 
 
 @inlined
@@ -145,18 +145,18 @@ def push_control(f64, i64, source, stamp, theta2, touching):
 
 
 @inlined
-def waits(i64, read, written):
+def is_pending(i64, read, written):
     """Whether an event waits in the ring of these two counters; if so, it can be read."""
     return i64[read] < load_acquire(i64, written)
 
 
 @inlined
-def apply_due(f64, i64):
+def apply_pending(f64, i64):
     """Apply every event due at the clock's sample: parameters and surfaces, then hands in order."""
     now = i64[layout.CLOCK]
     if i64[layout.WAITING] == 1 and i64[layout.RELEASE_DUE] <= now:
         arrive(f64, i64)
-    while waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
+    while is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         at = i64[layout.HOST_READ] % layout.HOST_RING
         if i64[layout.HOST_TIME + at] > now:
             break
@@ -164,7 +164,7 @@ def apply_due(f64, i64):
         i64[layout.HOST_TIME + at] = now  # for a recording
         store_release(i64, layout.HOST_READ, i64[layout.HOST_READ] + 1)
     for source in range(layout.SOURCES):
-        while waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
+        while is_pending(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             at = source * layout.RING + i64[layout.RING_READ + source] % layout.RING
             time = i64[layout.RING_TIME + at]
             if time > now:
@@ -178,13 +178,13 @@ def apply_due(f64, i64):
 
 
 @inlined
-def next_due(i64):
-    """The sample of the next event that waits in any ring, or of a release; or NEVER."""
+def next_event_time(i64):
+    """The sample of the next event that is pending in any ring, or of a release; or NEVER."""
     due = i64[layout.RELEASE_DUE] if i64[layout.WAITING] == 1 else NEVER
-    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
+    if is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         due = min(due, i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING])
     for source in range(layout.SOURCES):
-        if waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
+        if is_pending(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             time = i64[
                 layout.RING_TIME
                 + source * layout.RING
@@ -196,7 +196,7 @@ def next_due(i64):
 
 
 @inlined
-def drop_waiting(i64):
+def discard_pending(i64):
     """Forget every event that waits."""
     store_release(i64, layout.HOST_READ, load_acquire(i64, layout.HOST_WRITTEN))
     for source in range(layout.SOURCES):

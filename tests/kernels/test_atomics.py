@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import overview_dsp
-from overview_dsp.kernels.ordering import acquired, load_acquire, publish, store_release
-from overview_dsp.kernels.shipped import is_outdated
+from overview_dsp.kernels.atomics import acquired, load_acquire, publish, store_release
+from overview_dsp.kernels.precompiled import is_outdated
 
 PUBLISHED = (
     "RING_WRITTEN RING_READ HOST_WRITTEN HOST_READ APPLIED M_STRIKES ACTIVE_SLOT FADING_SLOT"

@@ -1,7 +1,7 @@
-"""The kernels' functions that Python calls and audio streams run, on plain pointers.
+"""C entry points of the kernels for Python and audio streams, on plain pointers.
 
-`tools/build_objects.py` makes machine code of them, `kernels/shipped.py` calls it. `NAMES` are the
-functions, each with its signature. Memory is that of `kernels.layout`, or the beginning of one.
+`tools/build_objects.py` compiles them and `kernels/precompiled.py` calls them. `NAMES` maps the
+names to functions and signatures. Memory is a block of `kernels.layout`, or its beginning.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import numba
 import numpy as np
 from numba import types
 
-from overview_dsp.kernels import block, derive, layout, ordering
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels import atomics, block, derive, layout
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
 from overview_dsp.kernels.device.callback import SIGNATURE, callback
 from overview_dsp.kernels.simd import block as side_by_side
@@ -110,13 +110,13 @@ def push(memory, source, stamp, theta2, touching):
 
 
 def acquired(memory, at):
-    """`ordering.acquired`."""
-    return ordering.acquired(carray(memory, (layout.TOTAL,), np.int64), at)
+    """`atomics.acquired`."""
+    return atomics.acquired(carray(memory, (layout.TOTAL,), np.int64), at)
 
 
 def publish(memory, at, value):
-    """`ordering.publish`."""
-    ordering.publish(carray(memory, (layout.TOTAL,), np.int64), at, value)
+    """`atomics.publish`."""
+    atomics.publish(carray(memory, (layout.TOTAL,), np.int64), at, value)
     return 0
 
 

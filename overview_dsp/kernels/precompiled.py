@@ -47,7 +47,7 @@ _DECLARED = {
     "acquired": "int64_t(*)(void *, int64_t)",
     "publish": "int32_t(*)(void *, int64_t, int64_t)",
 }
-"""As `doors/shipped.py` has them."""
+"""As `c_abi/entry_points.py` has them."""
 
 _LOADING = threading.Lock()
 
@@ -92,17 +92,17 @@ def usable(kernel: str = "process") -> str | None:
     return None
 
 
-def shipped_door(kernel: str) -> Callable[..., Any] | None:
+def precompiled_function(kernel: str) -> Callable[..., Any] | None:
     """A kernel, to be called as numba's is, from the machine code that came with the package."""
     name = usable(kernel) if kernel in _DECLARED else None
     if name is None:
         return None
     ffi = cffi.FFI()
     call = ffi.cast(_DECLARED[kernel], _address(name, kernel))
-    return _DOORS[kernel](call, ffi.from_buffer)
+    return _ADAPTERS[kernel](call, ffi.from_buffer)
 
 
-def shipped_callback() -> Any:
+def precompiled_callback() -> Any:
     """The native callback as numba's is (`.address`, `.ctypes`), or None."""
     name = usable("callback")
     if name is None:
@@ -137,7 +137,7 @@ def _folder() -> Any:
 
 
 # a kernel's arrays of one memory are views of the first
-_DOORS: dict[str, Callable[[Any, Any], Callable[..., Any]]] = {
+_ADAPTERS: dict[str, Callable[[Any, Any], Callable[..., Any]]] = {
     "process": lambda call, at: (
         lambda f64, i64, u64, out, frames, channels, trace, traced: call(
             at(f64), at(out), frames, channels, at(trace), traced
