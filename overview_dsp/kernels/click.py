@@ -62,7 +62,7 @@ def strike(f64, i64, slot, event, approach, speed, sample, fraction):
 
 @inlined
 def log_strike(f64, i64, event, torque, sample, fraction):
-    """Log that a torque (N m) is let go at an event (-1 = the bare surface)."""
+    """Log that a torque (N m) is let go at an event (-1 = the base surface)."""
     hardness = torque * f64[layout.C_STRIKE_TORQUE]
     level = 0.0
     if hardness > 1e-12:

@@ -33,7 +33,7 @@ CELLS = 65536
 STEEP_BLOCK = 32  # cells (a power of two) that share a mark of how B is found there
 MAX_EVENTS = 16384  # of a slot
 MAX_KINDS = 32  # event kinds with clicks of their own
-BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the bare surface (the last)
+BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the base surface (the last)
 MAX_MODES = 6  # modal resonators of a kind
 PHASES = 8  # samples of a mode that are turned side by side: as many as there are lanes
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
@@ -241,7 +241,7 @@ HOST_VALUE = column(HOST_RING)
 COMMAND_SURFACE = -1  # value: slot to crossfade to
 COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
 LOG_TIME = column(STRIKE_LOG)  # strike log: sample with its fraction
-LOG_EVENT = column(STRIKE_LOG)  # i64: index in the surface's event table, -1 = the bare surface
+LOG_EVENT = column(STRIKE_LOG)  # i64: index in the surface's event table, -1 = the base surface
 LOG_TORQUE = column(STRIKE_LOG)  # torque released, N m
 LOG_LEVEL = column(STRIKE_LOG)  # strike amplitude after compression
 STRIKES_SOUNDED = column(CONTACT)  # i64: strikes the bank has taken, a pulse of CONTACT

@@ -33,7 +33,7 @@ def sliding_torque_at(f64, i64, slot, position):
 
 @inlined
 def owner_at(i64, slot, position):
-    """The event whose bristles are at a position (cells), -1 = the bare surface's."""
+    """The event whose bristles are at a position (cells), -1 = the base surface's."""
     # a NaN fails both comparisons and must not become an index
     if not position > 0.0:
         position = 0.0
@@ -95,7 +95,7 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
 
     Returns the midpoint speed and the speed after it (cells a sample), the torque felt (N m), the
     torque let go by a slip or met at an end stop (N m, 0 = none) and the event it belongs to (-1 =
-    the bare surface).
+    the base surface).
     """
     ahead = x + 0.5 * v
     to_omega = f64[layout.C_OMEGA]

@@ -39,7 +39,7 @@ def ledger(trace, preset):
 
 
 def played(preset, events, seconds, sample_rate=48_000.0, surface=None):
-    """Trace of control events (time_s, theta2, touching) on a bare surface."""
+    """Trace of control events (time_s, theta2, touching) on a base surface."""
     engine = ov.Engine(preset, timeline_of())
     frames = round(seconds * sample_rate)
     engine.prepare(sample_rate, frames)

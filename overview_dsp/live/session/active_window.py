@@ -21,7 +21,7 @@ from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import apply_change
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
 from overview_dsp.signal.surface.build import build_surface
-from overview_dsp.signal.surface.live_update import joined
+from overview_dsp.signal.surface.live_update import join_surfaces
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 
@@ -88,7 +88,7 @@ class ActiveWindow:
                 warnings.simplefilter("ignore", OverviewWarning)
                 kept = engine.surface.angle_map
                 new = build_surface(timeline, engine.preset, kept)
-                surface = joined(engine.surface, new, place)
+                surface = join_surfaces(engine.surface, new, place)
             if surface is None:
                 return False
             note = self._note(timeline, {"window": None, "ahead": place})

@@ -143,7 +143,7 @@ def encode_change(
 def event_numbers(surface: Surface) -> list[int]:
     """The timeline's event of each number that a strike in the page may name.
 
-    -1 is the bare surface, which is struck as number -1 too.
+    -1 is the base surface, which is struck as number -1 too.
     """
     return [int(event) for event in timeline_events(surface)[:-1]]
 

@@ -30,7 +30,7 @@ from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
 from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.offline.rendering.trace import Trace
-from overview_dsp.signal.surface.fields import BARE
+from overview_dsp.signal.surface.fields import BASE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S, JUST_NOTICEABLE_DB
 
@@ -295,7 +295,7 @@ def _candidates(result: RenderResult[Trace | None], length_ms: int) -> list[_Can
         at = round(time_s * LEVELS_PER_S)
         if at >= length_ms:
             continue
-        if event != BARE:
+        if event != BASE:
             row = row_of[int(event)]
             release = float(surface.release[row])
             kind = result.engine.timeline.events[event].kind

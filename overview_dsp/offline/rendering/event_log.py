@@ -65,7 +65,7 @@ class PassedEvent:
 
 
 def passed_events(strikes: Strikes, timeline: Timeline) -> list[PassedEvent]:
-    """The events that were passed, in order of time; those of the bare surface are left out."""
+    """The events that were passed, in order of time; those of the base surface are left out."""
     passed = strikes.of_events()
     events = [timeline.events[event] for event in passed.event]
     return of_events(passed.time_s.tolist(), passed.level.tolist(), events, timeline)
@@ -191,7 +191,7 @@ def transcript(
     Parameters
     ----------
     strikes
-        Of a render; those of the bare surface are left out.
+        Of a render; those of the base surface are left out.
     timeline
         The one that was rendered: gives kinds, labels and moments.
     engaged

@@ -28,9 +28,9 @@ from overview_dsp.public import short
 from overview_dsp.signal.engine import memory_reader
 from overview_dsp.signal.engine.coefficients import (
     announce_compile,
-    ask,
     changes,
     check_carrier,
+    store_requested,
     write_parameters,
 )
 from overview_dsp.signal.engine.memory_reader import EngineParameter, Meters, Strikes, tail_seconds
@@ -532,7 +532,7 @@ class Engine:
                 write_surface(self._f64, slot, surface)
                 self._slot_surfaces[slot] = surface
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
-            ask(self._f64, preset, changed)
+            store_requested(self._f64, preset, changed)
             if changed:
                 number = self._queues.push(changed, stamp)
                 self._journal.append((number, note))

@@ -24,7 +24,7 @@ FLAT, FULL = (
     for low in (0.0, 1.0)
 )
 FOUR = plain_preset(surface__friction=4e-3)
-BARE = timeline_of()
+BASE = timeline_of()
 
 # what is done, the friction after it, and what a recording is told
 CHANGES = {
@@ -43,7 +43,7 @@ CHANGES = {
         {"window": [10.0, 20.0]},
     ),
     "surface": (
-        lambda engine, at: engine.set_surface(ov.build_surface(BARE, FOUR), at),
+        lambda engine, at: engine.set_surface(ov.build_surface(BASE, FOUR), at),
         None,
     ),
 }
@@ -88,7 +88,7 @@ def played(engine):
 
 
 def test_a_preset_is_taken_over_whole():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     engine.set_preset(FOUR.with_changes({"tactor.gain_db": -20.0, "disk.release": "return"}))
     run(engine, 1000)
     assert engine.preset.number("tactor.gain_db") == -20.0
@@ -99,7 +99,7 @@ def test_a_preset_is_taken_over_whole():
 
 
 def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     engine.set("tactor.gain_db", -3.0, 100)
     engine.set("tactor.gain_db", -6.0, 100)
     engine.set("click.gain_db", -9.0, 900)
@@ -112,7 +112,7 @@ def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():
 
 
 def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     count = layout.HOST_RING + 50
     for n in range(count):
         engine.set("tactor.gain_db", -1.0 - n % 2)
@@ -123,7 +123,7 @@ def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
 
 @pytest.mark.parametrize("rate", [1000.0, 48_000.0])
 def test_a_glide_and_a_fade_take_their_milliseconds_at_any_rate(rate):
-    engine = prepared(plain_preset(), BARE, rate)
+    engine = prepared(plain_preset(), BASE, rate)
     engine.control(2.0, True)
     engine.set("tactor.gain_db", -20.0)
     engine.set("surface.friction", 2e-3)
@@ -137,13 +137,13 @@ def test_a_glide_and_a_fade_take_their_milliseconds_at_any_rate(rate):
 
 
 def test_reset_ends_a_glide_at_its_end():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     for id, value in (("tactor.gain_db", -20.0), ("disk.k1", 5e-3), ("output.ceiling_db", -9.0)):
         engine.set(id, value)
     run(engine, 10)
     engine.set("tactor.gain_db", -30.0, 10_000)  # and one that waits is the preset's too
     engine.reset()
-    expected = prepared(engine.preset, BARE, RATE).memory[: layout.COEFFS].copy()
+    expected = prepared(engine.preset, BASE, RATE).memory[: layout.COEFFS].copy()
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
     run(engine, 1)
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
@@ -151,7 +151,7 @@ def test_reset_ends_a_glide_at_its_end():
 
 
 def test_changes_that_find_the_queue_full_change_nothing():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     for n in range(layout.HOST_RING - 1):  # a place is kept for a surface
         engine.set("tactor.gain_db", -1.0 - n % 2, 10_000)
     before = engine.save_state()
@@ -179,12 +179,12 @@ def test_restarted_it_is_as_a_new_one_and_what_does_not_fit_changes_nothing():
         assert np.array_equal(played(engine), played(new))
     before = (engine.seed, engine.preset, engine.timeline, engine.surface)
     with pytest.raises(ov.InputError, match=r"tactor\.frequency_hz"):
-        prepared(preset, timeline, 1000).restart(plain_preset(tactor__frequency_hz=500.0), BARE)
+        prepared(preset, timeline, 1000).restart(plain_preset(tactor__frequency_hz=500.0), BASE)
     assert (engine.seed, engine.preset, engine.timeline, engine.surface) == before
 
 
 def test_what_is_left_out_is_the_default():
-    engine = ov.Engine(plain_preset(), BARE)
+    engine = ov.Engine(plain_preset(), BASE)
     assert (engine.seed, engine.sample_rate) == (0, 0.0)
     engine.prepare()
     assert engine.sample_rate == 48_000.0
@@ -192,11 +192,11 @@ def test_what_is_left_out_is_the_default():
     with pytest.raises(ov.NotPreparedError):
         engine.process(np.zeros((513, 2), dtype=np.float32))
     given = with_friction(engine.surface, np.full(layout.CELLS + 1, 5e-3))
-    assert ov.Engine(plain_preset(), BARE, surface=given).surface is given
+    assert ov.Engine(plain_preset(), BASE, surface=given).surface is given
 
 
 def test_a_block_is_one_frame_or_more():
-    engine = prepared(plain_preset(), BARE, RATE, block=1)
+    engine = prepared(plain_preset(), BASE, RATE, block=1)
     run(engine, 3, 1)
     assert engine.sample_time == 3
     engine.prepare(768_000, 1)
@@ -206,7 +206,7 @@ def test_a_block_is_one_frame_or_more():
 
 def test_a_given_memory_is_the_engines_own():
     memory = np.zeros(layout.TOTAL)
-    engine = ov.Engine(plain_preset(), BARE)
+    engine = ov.Engine(plain_preset(), BASE)
     engine.prepare(RATE, 512, memory=memory)
     assert engine.memory is memory
     assert memory[layout.S_SAMPLE_RATE] == RATE
@@ -221,10 +221,10 @@ def test_a_given_memory_is_the_engines_own():
 
 
 def test_kernels_that_are_compiled_already_are_not_announced(capsys, monkeypatch):
-    run(prepared(plain_preset(), BARE, RATE), 1)
+    run(prepared(plain_preset(), BASE, RATE), 1)
     capsys.readouterr()
     monkeypatch.setattr(coefficients, "_announced", set())
-    prepared(plain_preset(), BARE, RATE)
+    prepared(plain_preset(), BASE, RATE)
     assert capsys.readouterr() == ("", "")
 
 
@@ -274,7 +274,7 @@ def test_strikes_are_named_by_the_surface_that_was_struck():
 
 
 def test_the_tactor_of_a_torque_is_the_vibration_alone():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     tone = engine.tactor_of(np.repeat([0.0, 0.02, 0.0], RATE))
     assert tone.shape == (3 * RATE,)
     assert np.all(tone[:RATE] == 0.0)
@@ -310,7 +310,7 @@ def test_a_channel_that_is_nowhere_takes_no_place_and_the_default_is_0_and_1():
     ],
 )
 def test_a_trace_of_the_wrong_kind_is_refused(trace):
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     with pytest.raises(ov.InputError, match="trace must be"):
         engine.process(np.zeros((16, 2), dtype=np.float32), trace)
     locked = np.zeros((16, 2), dtype=np.float32)

@@ -190,7 +190,7 @@ def test_the_free_slot_neither_sounds_nor_fades_nor_waits(active, fading):
         assert slot in free
         free.remove(slot)
         queues.push([(layout.COMMAND_SURFACE, float(slot))], 0)
-    with pytest.raises(ov.OverviewError, match="two surfaces wait or fade"):
+    with pytest.raises(ov.OverviewError, match="two surfaces are pending or fading"):
         queues.free_slot()
 
 

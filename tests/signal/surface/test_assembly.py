@@ -215,7 +215,7 @@ def test_the_strongest_of_each_cell_stands_for_all_there(monkeypatch):
         (60.0, "slim", 1.0),
     ]
     sticky = replace(KINDS["slim"], model="bristle")
-    said = r"^the timeline: 4 events, of which the surface keeps 3; .*use a shorter window$"
+    said = r"^the timeline: the surface keeps 3 of 4 events; .*use a shorter window$"
     with pytest.warns(ov.OverviewWarning, match=said):
         surface = surface_of(*events, title="", slim=sticky)
     assert surface.event.tolist() == [1, 2, 3]

@@ -12,7 +12,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import SHAPES
 from overview_dsp.signal.surface.fields import (
-    BARE,
+    BASE,
     BristleLayer,
     Bristles,
     DetentLayer,
@@ -52,7 +52,7 @@ def test_bristles_are_those_of_the_higher_profile_and_of_the_surface_elsewhere()
     layer.raise_to(1, 3, np.array([5e-3, 4e-3, 2e-3, 3e-3]))
     field = layer.field(np.array([7, 4]))
     assert field.grip == pytest.approx(1e-3 * np.array([2, 2, 5, 5, 4, 2, 3, 2, 2, 2]))
-    assert field.owner.tolist() == [BARE, BARE, 7, 7, 4, BARE, 4, BARE, BARE, BARE]
+    assert field.owner.tolist() == [BASE, BASE, 7, 7, 4, BASE, 4, BASE, BASE, BASE]
     assert field.bare == Bristles(**LIKE)
     (kind,) = preset.kinds.values()
     assert field.of_kind == (Bristles.of_kind(kind),)

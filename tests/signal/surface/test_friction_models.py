@@ -21,7 +21,7 @@ RATE = 48_000
 
 
 def creaking(**changes):
-    """A bare surface with bristles that creak, and two events."""
+    """A base surface with bristles that creak, and two events."""
     values = {
         "disk__inertia": 2e-5,
         "disk__k1": 5e-3,
@@ -83,7 +83,7 @@ def test_what_resists_is_the_same_height_in_every_model():
 
 
 def test_bristles_that_no_spring_can_pull_over_are_named():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
+    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default: the disk gets stuck at.*disk\.k2"):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
     with pytest.warns(ov.OverviewWarning, match=r"surface\.grip holds the disk"):
         ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
@@ -99,7 +99,7 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
     rate=st.sampled_from([8000, 48_000]),
 )
 def test_let_go_the_energy_never_rises(stiffness, other, damping, static, grip, rate):
-    """Of disk, spring and bristles, over two kinds and the bare surface."""
+    """Of disk, spring and bristles, over two kinds and the base surface."""
     preset = creaking(
         surface__stiffness=stiffness, surface__damping=damping, surface__grip=grip, disk__k1=0.05
     )
