@@ -27,7 +27,7 @@ PARTS = ("numba", "llvmlite", "ziglang")
 def main(out: Path) -> None:
     with unoptimised() as folder:
         from overview_dsp.kernels.c_abi.browser import NAMES
-        from overview_dsp.kernels.compiling import sources_digest
+        from overview_dsp.kernels.sources import sources_digest
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")
         module = module_for(written_out(NAMES), machine)
@@ -57,13 +57,13 @@ def link(source: Path, target: Path, functions: list[str]) -> None:
 
 
 def custom_section(name: str, content: bytes) -> bytes:
-    """Bytes that a WebAssembly module may carry and every reader passes over."""
+    """Return a custom section of a WebAssembly module, which readers ignore."""
     body = leb(len(name)) + name.encode() + content
     return b"\0" + leb(len(body)) + body
 
 
 def leb(number: int) -> bytes:
-    """An unsigned integer as WebAssembly writes it: 7 bits a byte, lowest first."""
+    """Encode an unsigned integer as LEB128: 7 bits per byte, lowest first."""
     out = bytearray()
     while number > 127:
         out.append(number & 127 | 128)
@@ -72,7 +72,7 @@ def leb(number: int) -> bytes:
 
 
 def check(module: bytes) -> None:
-    """Nothing may be imported: no libm, no Python."""
+    """Exit if the module imports functions, such as those of libm."""
     at = 8
     while at < len(module):
         section, at = module[at], at + 1

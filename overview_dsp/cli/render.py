@@ -141,7 +141,7 @@ def command(
         )
     passed = passed_events(done.passed, done.engine.timeline) if done.passed is not None else []
     if cue_points:
-        marked = [(round(one.time_s * sample_rate), one.words) for one in passed]
+        marked = [(round(one.time_s * sample_rate), one.text) for one in passed]
         add_cues(Path(output), marked)
     beside = [str(one) for one in stem_paths(Path(output))] if stems else []
     missed = [done.engine.timeline.events[i] for i in done.unreached]

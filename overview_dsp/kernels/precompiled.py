@@ -1,10 +1,10 @@
-"""Machine code that comes with the package, made beforehand from these very sources.
+"""Precompiled machine code of the kernels, shipped with the package.
 
-Loading it takes milliseconds where compiling takes 10 to 40 s. It is used on the processors that it
-was made for, and only while it is what the sources give (`objects/objects.json` has their digest);
-otherwise, and where `OVERVIEW_JIT` is set, numba compiles them as before, with the same bits.
+Loading takes milliseconds, compiling 10 to 40 s. The machine code is used on supported processors
+if it belongs to the present sources (`objects/objects.json` has their digest). Otherwise, and if
+`OVERVIEW_JIT` is set, numba compiles the kernels, with the same bits.
 
-Thread: any (loading), as the kernel says (what is loaded).
+Thread: any for loading; the loaded functions have the threads of their kernels.
 """
 
 from __future__ import annotations
@@ -24,64 +24,120 @@ from typing import Any
 import cffi
 import llvmlite.binding as llvm
 
-from overview_dsp.kernels.compiling import runs_as_python, sources_digest
+from overview_dsp.kernels.sources import runs_as_python, sources_digest
 
 FORCED = "OVERVIEW_JIT"
-"""The environment variable that has numba compile everything."""
+"""Environment variable that forces compilation by numba."""
 
 X86_64_V2 = frozenset(("cx16", "popcnt", "sse3", "sse4.1", "sse4.2", "ssse3"))
 X86_64_V3 = X86_64_V2 | {"avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}
 X86_64_V4 = X86_64_V3 | {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"}
 
-_DECLARED = {
-    "process": "int32_t(*)(void *, void *, int64_t, int64_t, void *, int64_t)",
-    "process_lanes": "int32_t(*)(void *, int64_t, void *, int64_t, void *, int64_t)",
-    "reset": "int32_t(*)(void *)",
-    "tactor_stage": "int32_t(*)(void *, void *, void *, int64_t)",
-    "derive": "int32_t(*)(void *)",
-    "derive_clicks": "int32_t(*)(void *, int64_t)",
-    "derive_actuator": "int32_t(*)(void *, int64_t, double)",
-    "drive_block": "int32_t(*)(void *, int64_t, void *, int64_t, int64_t, int64_t)",
-    "finish_block": "int32_t(*)(void *, void *, int64_t, int64_t)",
-    "push_control": "int32_t(*)(void *, int64_t, int64_t, double, int64_t)",
-    "acquired": "int64_t(*)(void *, int64_t)",
-    "publish": "int32_t(*)(void *, int64_t, int64_t)",
+Adapter = Callable[[Any, Any], Callable[..., Any]]
+# a kernel's arrays of one memory are views of the first
+_FUNCTIONS: dict[str, tuple[str, Adapter]] = {
+    "process": (
+        "int32_t(*)(void *, void *, int64_t, int64_t, void *, int64_t)",
+        lambda call, at: (
+            lambda f64, i64, u64, out, frames, channels, trace, traced: call(
+                at(f64), at(out), frames, channels, at(trace), traced
+            )
+        ),
+    ),
+    "process_lanes": (
+        "int32_t(*)(void *, int64_t, void *, int64_t, void *, int64_t)",
+        lambda call, at: (
+            lambda f64, i64, u64, count, out, frames, trace, traced: call(
+                at(f64), count, at(out), frames, at(trace), traced
+            )
+        ),
+    ),
+    "reset": (
+        "int32_t(*)(void *)",
+        lambda call, at: lambda f64, i64, u64: call(at(f64)),
+    ),
+    "tactor_stage": (
+        "int32_t(*)(void *, void *, void *, int64_t)",
+        lambda call, at: lambda f64, torque, out: call(at(f64), at(torque), at(out), len(torque)),
+    ),
+    "derive": (
+        "int32_t(*)(void *)",
+        lambda call, at: lambda f64, i64: call(at(f64)),
+    ),
+    "derive_clicks": (
+        "int32_t(*)(void *, int64_t)",
+        lambda call, at: lambda f64, i64, slot: call(at(f64), slot),
+    ),
+    "derive_actuator": (
+        "int32_t(*)(void *, int64_t, double)",
+        lambda call, at: lambda f64, start, rate: call(at(f64), start, rate),
+    ),
+    "drive_block": (
+        "int32_t(*)(void *, int64_t, void *, int64_t, int64_t, int64_t)",
+        lambda call, at: (
+            lambda f64, i64, start, out, frames, channels, channel: call(
+                at(f64), start, at(out), frames, channels, channel
+            )
+        ),
+    ),
+    "finish_block": (
+        "int32_t(*)(void *, void *, int64_t, int64_t)",
+        lambda call, at: (
+            lambda f64, i64, out, frames, channels: call(at(f64), at(out), frames, channels) != 0
+        ),
+    ),
+    "push_control": (
+        "int32_t(*)(void *, int64_t, int64_t, double, int64_t)",
+        lambda call, at: (
+            lambda f64, i64, source, stamp, theta2, touching: (
+                call(at(f64), source, stamp, theta2, touching) != 0
+            )
+        ),
+    ),
+    "acquired": (
+        "int64_t(*)(void *, int64_t)",
+        lambda call, at: lambda i64, column: call(at(i64), column),
+    ),
+    "publish": (
+        "int32_t(*)(void *, int64_t, int64_t)",
+        lambda call, at: lambda i64, column, value: call(at(i64), column, value),
+    ),
 }
-"""As `c_abi/entry_points.py` has them."""
+"""C declaration and adapter of each function in `c_abi/entry_points.py`."""
 
 _LOADING = threading.Lock()
 
-KERNELS = frozenset((*_DECLARED, "callback"))
-"""The kernels that there is machine code of."""
+KERNELS = frozenset((*_FUNCTIONS, "callback"))
+"""Kernels with precompiled machine code."""
 
 LANES = frozenset(("process_lanes",))
 CHOICES: Mapping[tuple[str, str], tuple[tuple[str, frozenset[str], frozenset[str]], ...]] = {
     ("linux", "x86_64"): (
-        # eight voices fill its registers; a single one is slower with its masks
+        # for eight voices only; a single voice is slower with its masks
         ("linux-x86-64-v4", X86_64_V4, LANES),
         ("linux-x86-64-v3", X86_64_V3, KERNELS),
         ("linux-x86-64-v2", X86_64_V2, KERNELS),
     ),
     ("linux", "aarch64"): (("linux-aarch64", frozenset(), KERNELS),),
 }
-"""By system and processor: objects, the best first, the features each needs, the kernels in it."""
+"""By system and processor: objects from best to worst, required features, and kernels."""
 
 
 def manifest() -> dict[str, Any]:
-    """What the objects are made from: `kernels` (the sources' digest) and `toolchain`."""
+    """Return the origin of the objects: `kernels` (digest of the sources) and `toolchain`."""
     text = (_folder() / "objects.json").read_text(encoding="utf-8")
-    found: dict[str, Any] = json.loads(text)
-    return found
+    origin: dict[str, Any] = json.loads(text)
+    return origin
 
 
 def is_outdated() -> bool:
-    """Whether the sources have changed since the machine code was made of them."""
+    """Return whether the sources have changed since the objects were compiled."""
     return bool(manifest()["kernels"] != sources_digest())
 
 
 @cache
 def usable(kernel: str = "process") -> str | None:
-    """The object with a kernel for this processor, by its name, or None: then numba compiles."""
+    """Return the name of the object with a kernel for this processor, or None."""
     if runs_as_python() or os.environ.get(FORCED) or is_outdated():
         return None
     choices = CHOICES.get((sys.platform, platform.machine()), ())
@@ -93,17 +149,17 @@ def usable(kernel: str = "process") -> str | None:
 
 
 def precompiled_function(kernel: str) -> Callable[..., Any] | None:
-    """A kernel, to be called as numba's is, from the machine code that came with the package."""
-    name = usable(kernel) if kernel in _DECLARED else None
+    """Return a precompiled kernel with the signature of numba's, or None."""
+    name = usable(kernel) if kernel in _FUNCTIONS else None
     if name is None:
         return None
     ffi = cffi.FFI()
-    call = ffi.cast(_DECLARED[kernel], _address(name, kernel))
-    return _ADAPTERS[kernel](call, ffi.from_buffer)
+    declaration, adapter = _FUNCTIONS[kernel]
+    return adapter(ffi.cast(declaration, _address(name, kernel)), ffi.from_buffer)
 
 
 def precompiled_callback() -> Any:
-    """The native callback as numba's is (`.address`, `.ctypes`), or None."""
+    """Return the precompiled callback with numba's interface (`.address`, `.ctypes`), or None."""
     name = usable("callback")
     if name is None:
         return None
@@ -114,14 +170,14 @@ def precompiled_callback() -> Any:
 
 
 def _address(name: str, kernel: str) -> int:
-    # two threads that load at once would each have an engine, and a cache keeps but one of them
+    # without the lock, two threads could each load an engine, of which the cache holds only one
     with _LOADING:
         return int(_loaded(name).get_function_address(kernel))
 
 
 @cache
 def _loaded(name: str) -> Any:
-    """The engine that holds an object's machine code, for as long as the process lives."""
+    """Load an object for the lifetime of the process."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()
@@ -134,40 +190,3 @@ def _loaded(name: str) -> Any:
 
 def _folder() -> Any:
     return resources.files("overview_dsp.kernels") / "objects"
-
-
-# a kernel's arrays of one memory are views of the first
-_ADAPTERS: dict[str, Callable[[Any, Any], Callable[..., Any]]] = {
-    "process": lambda call, at: (
-        lambda f64, i64, u64, out, frames, channels, trace, traced: call(
-            at(f64), at(out), frames, channels, at(trace), traced
-        )
-    ),
-    "process_lanes": lambda call, at: (
-        lambda f64, i64, u64, count, out, frames, trace, traced: call(
-            at(f64), count, at(out), frames, at(trace), traced
-        )
-    ),
-    "reset": lambda call, at: lambda f64, i64, u64: call(at(f64)),
-    "tactor_stage": lambda call, at: (
-        lambda f64, torque, out: call(at(f64), at(torque), at(out), len(torque))
-    ),
-    "derive": lambda call, at: lambda f64, i64: call(at(f64)),
-    "derive_clicks": lambda call, at: lambda f64, i64, slot: call(at(f64), slot),
-    "derive_actuator": lambda call, at: lambda f64, start, rate: call(at(f64), start, rate),
-    "drive_block": lambda call, at: (
-        lambda f64, i64, start, out, frames, channels, channel: call(
-            at(f64), start, at(out), frames, channels, channel
-        )
-    ),
-    "finish_block": lambda call, at: (
-        lambda f64, i64, out, frames, channels: call(at(f64), at(out), frames, channels) != 0
-    ),
-    "push_control": lambda call, at: (
-        lambda f64, i64, source, stamp, theta2, touching: (
-            call(at(f64), source, stamp, theta2, touching) != 0
-        )
-    ),
-    "acquired": lambda call, at: lambda i64, column: call(at(i64), column),
-    "publish": lambda call, at: lambda i64, column, value: call(at(i64), column, value),
-}

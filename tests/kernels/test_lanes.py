@@ -29,7 +29,7 @@ from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH, choose, load, load_words, store
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.texture import brightness, grain_level, low_pass, smooth_level
+from overview_dsp.kernels.texture import brightness, low_pass, smooth_level, texture_level
 from overview_dsp.kernels.two_disk import midpoint_speed
 from overview_dsp.kernels.viscous import STANDSTILL, flush_to_zero
 
@@ -67,7 +67,7 @@ def everything(a, b, c, d, e, f, state):
         smooth_level(a, b, c),
         low_pass(a, b, c),
         brightness(a, b),
-        grain_level(a, b, c),
+        texture_level(a, b, c),
         advance(a, b),
         midpoint_speed(a, b, c, d, e, f),
         allowed_speed(a, b, c, d, e, f, 1.0),

@@ -16,7 +16,7 @@ import pytest
 from overview_dsp.kernels.c_abi.precompiled import NAMES
 
 from overview_dsp.kernels import precompiled
-from overview_dsp.kernels.compiling import sources_digest
+from overview_dsp.kernels.sources import sources_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECTS = resources.files("overview_dsp.kernels") / "objects"

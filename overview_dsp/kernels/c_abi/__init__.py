@@ -1,1 +1,1 @@
-"""C functions over the kernels, on plain pointers: what callers without numba's arrays call."""
+"""C interface of the kernels, on plain pointers instead of numba's arrays."""

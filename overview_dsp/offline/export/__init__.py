@@ -1,6 +1,6 @@
-"""Bake a gesture to the haptic formats of phones and controllers; an engine for a browser, or in C.
+"""Export of gestures to haptic formats, and of engines to browsers, C and plugins.
 
-`ov.export` writes what was rendered for other devices, and reads haptic clips. Each name is
+`ov.export` writes renders for other devices, and reads haptic clips. Each name is
 imported when it is first used.
 
 Examples

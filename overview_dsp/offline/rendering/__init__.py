@@ -1,4 +1,4 @@
-"""Offline rendering: one gesture, many side by side, what they leave behind."""
+"""Offline rendering of single gestures and batches, and its outputs."""
 
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
 from overview_dsp.offline.rendering.offline import (

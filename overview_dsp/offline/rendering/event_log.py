@@ -1,6 +1,6 @@
-"""What passed_events when: the events a gesture passed, as text, JSON, labels and subtitles.
+"""Event log: events passed by a gesture as text, JSON, labels and subtitles.
 
-A render in words, for who can't hear or feel it: which events were passed, and how hard.
+It describes a render in text for accessibility: the passed events and their strength.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from overview_dsp.files.atomic import whole_file
 from overview_dsp.signal.engine.memory_reader import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
-"""Within so much of the strongest an event counts as strong, as medium; weak below."""
+"""Limits of strong and medium events below the strongest one, dB; others are weak."""
 
 SHOWN_S = 1.5
-"""A subtitle stays so long, or until the next one."""
+"""Longest duration of a subtitle, s."""
 
 
 @dataclass(frozen=True)
 class PassedEvent:
-    """An event that was passed.
+    """Event passed by the disk.
 
     Attributes
     ----------
     time_s : float
-        When it was struck, s from the beginning of the gesture.
+        Time of its strike from the start of the gesture, s.
     event : Event
-        Which one.
+        The event.
     moment : str
-        Where in the timeline it lies, as a person writes it.
+        Time in the timeline as text.
     below_db : float
-        Its click under the strongest one's, dB.
+        Level of its click below the strongest one, dB.
     """
 
     time_s: float
@@ -51,21 +51,21 @@ class PassedEvent:
 
     @property
     def strength(self) -> str:
-        """In a word."""
+        """Strength: `strong`, `medium` or `weak`."""
         if self.below_db <= STRONG_DB:
             return "strong"
         return "medium" if self.below_db <= MEDIUM_DB else "weak"
 
     @property
-    def words(self) -> str:
-        """`goal, 2-1 Mbappe, strong`."""
+    def text(self) -> str:
+        """Description such as `goal, 2-1 Mbappe, strong`."""
         label = " ".join(self.event.words.split())
         named = [self.event.kind.replace("_", " "), *([label] if label else [])]
         return ", ".join([*named, self.strength])
 
 
 def passed_events(strikes: Strikes, timeline: Timeline) -> list[PassedEvent]:
-    """The events that were passed, in order of time; those of the base surface are left out."""
+    """Return the passed events in order of time, without strikes of the base surface."""
     passed = strikes.of_events()
     events = [timeline.events[event] for event in passed.event]
     return of_events(passed.time_s.tolist(), passed.level.tolist(), events, timeline)
@@ -74,7 +74,7 @@ def passed_events(strikes: Strikes, timeline: Timeline) -> list[PassedEvent]:
 def of_events(
     times_s: Iterable[float], levels: Sequence[float], events: Iterable[Event], timeline: Timeline
 ) -> list[PassedEvent]:
-    """Events with when they were struck and how hard (the click's amplitude, linear)."""
+    """Return passed events from their times and levels (linear amplitudes of the clicks)."""
     strongest = max([*levels, 1e-12])
     return [
         PassedEvent(
@@ -88,12 +88,12 @@ def of_events(
 
 
 def as_text(passed: Sequence[PassedEvent]) -> str:
-    """`1.24 s goal, 2-1 Mbappe, strong`, a line each."""
-    return "".join(f"{one.time_s:.2f} s {one.words}\n" for one in passed)
+    """Return one line per event, such as `1.24 s goal, 2-1 Mbappe, strong`."""
+    return "".join(f"{one.time_s:.2f} s {one.text}\n" for one in passed)
 
 
 def as_records(passed: Sequence[PassedEvent]) -> list[dict[str, object]]:
-    """The same as plain data."""
+    """Return the events as plain data for JSON."""
     return [
         {
             "time_s": round(one.time_s, 4),
@@ -113,30 +113,30 @@ def _json(passed: Sequence[PassedEvent]) -> str:
 
 
 def as_audacity(passed: Sequence[PassedEvent]) -> str:
-    """A label track of Audacity: start, end, text, by tabs."""
-    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.words}\n" for one in passed)
+    """Return an Audacity label track: start, end and text, separated by tabs."""
+    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed)
 
 
 def as_reaper(passed: Sequence[PassedEvent]) -> str:
-    """Markers as REAPER's region and marker manager reads them."""
+    """Return markers for REAPER's region and marker manager."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(["#", "Name", "Start", "End", "Length"])
     for number, one in enumerate(passed, 1):
         minutes, seconds = divmod(round(one.time_s * 1000), 60_000)
-        rows.writerow([f"M{number}", one.words, f"{minutes}:{seconds / 1000:06.3f}", "", ""])
+        rows.writerow([f"M{number}", one.text, f"{minutes}:{seconds / 1000:06.3f}", "", ""])
     return text.getvalue()
 
 
 def as_webvtt(passed: Sequence[PassedEvent]) -> str:
-    """Subtitles: each event until the next, at most 1.5 s."""
+    """Return WebVTT subtitles: each event until the next one, at most 1.5 s."""
     lines = ["WEBVTT", ""]
     for number, one in enumerate(passed):
         end = one.time_s + SHOWN_S
         if number + 1 < len(passed):
             end = min(end, max(passed[number + 1].time_s, one.time_s + 0.001))
-        # an arrow in a cue's text would end it, and these begin markup
-        words = one.words.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
+        # an arrow would end a cue's text, and & and < start markup
+        words = one.text.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
         lines += [f"{_clock(one.time_s)} --> {_clock(end)}", words, ""]
     return "\n".join(lines)
 
@@ -154,29 +154,29 @@ WRITERS: dict[str, Callable[[Sequence[PassedEvent]], str]] = {
     ".csv": as_reaper,
     ".vtt": as_webvtt,
 }
-"""By how a file's name ends: the first that fits."""
+"""Writers by the end of a file name; the first match applies."""
 
 
 def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[PassedEvent]], str]:
-    """What writes a file of that name; InputError if none does."""
+    """Return the writer for a file name; raise InputError for unknown suffixes."""
     for suffix, writer in WRITERS.items():
         if Path(path).name.lower().endswith(suffix):
             return writer
     raise InputError(
-        f"{os.fspath(path)}: a transcript is .txt, .json, .vtt (subtitles), .audacity.txt (labels) "
-        "or .csv (REAPER's markers)"
+        f"{os.fspath(path)}: a transcript must be .txt, .json, .vtt (subtitles), .audacity.txt "
+        "(labels) or .csv (REAPER's markers)"
     )
 
 
 def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str]) -> None:
-    """Write what passed_events, in the format that the file's name asks for."""
+    """Write passed events in the format of the file's suffix."""
     text = writer_of(path)(passed)
     with whole_file(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 MOST = 8
-"""Lines for each way: the strongest events; a match has hundreds of weak ones."""
+"""Default number of lines for the way out and for the recoil."""
 
 
 def transcript(
@@ -186,26 +186,26 @@ def transcript(
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:
-    """The strongest strikes of the way out and of the recoil, in order of time, a line each.
+    """Return one line for each of the strongest strikes of the way out and of the recoil.
 
     Parameters
     ----------
     strikes
-        Of a render; those of the base surface are left out.
+        Strikes of a render; those of the base surface are omitted.
     timeline
-        The one that was rendered: gives kinds, labels and moments.
+        Rendered timeline, with kinds, labels and times.
     engaged
-        The trace's column, one value a frame, or None where there is no trace: says which
-        strikes belong to the recoil; without it all count as one way.
+        Column of the trace that separates the recoil from the way out. None
+        without a trace: all strikes count as the way out.
     sample_rate
-        Hz, of `engaged`.
+        Sample rate of `engaged`, Hz.
     most
-        Lines for each way.
+        Highest number of lines for each direction.
 
     Returns
     -------
     tuple of str
-        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if nothing was
+        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if no event was
         passed.
     """
     passed = passed_events(strikes, timeline)

@@ -7,7 +7,7 @@ import math
 BEST_HZ = (200.0, 300.0)
 """Range of highest sensitivity, Hz."""
 
-DB_AN_OCTAVE = 10.0
+DB_PER_OCTAVE = 10.0
 
 
 def pacinian_db(frequency_hz: float) -> float:
@@ -19,4 +19,4 @@ def pacinian_db(frequency_hz: float) -> float:
     """
     low, high = BEST_HZ
     beyond = max(math.log2(low / frequency_hz), math.log2(frequency_hz / high), 0.0)
-    return -DB_AN_OCTAVE * beyond
+    return -DB_PER_OCTAVE * beyond

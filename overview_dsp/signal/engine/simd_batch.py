@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import runs_as_python
 from overview_dsp.kernels.simd import memory as lane_memory
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.kernels.sources import runs_as_python
 from overview_dsp.signal.engine.coefficients import announce_compile
 from overview_dsp.signal.engine.engine import Engine
 

@@ -94,7 +94,7 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
         layout.C_RISE: (1.0 - found[layout.C_RISE], 2e-3),
         layout.C_DECAY: (1.0 - found[layout.C_DECAY], 12e-3),
         layout.C_PACE: (1.0 - found[layout.C_PACE], 80e-3),
-        layout.C_GRAIN: (1.0 - found[layout.C_GRAIN], 50e-3),
+        layout.C_TEXTURE_LEVEL: (1.0 - found[layout.C_TEXTURE_LEVEL], 50e-3),
         layout.C_FORGET: (found[layout.C_FORGET], 200e-3),
         layout.C_DC_POLE: (found[layout.C_DC_POLE], 1.0 / (2.0 * math.pi * 20.0)),
     }
