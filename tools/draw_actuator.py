@@ -2,7 +2,8 @@
 
 python tools/draw_actuator.py [FOLDER]
 
-The signal is a tone at the resonance for 60 ms. Scipy computes the motion from the profile's resonance.
+The signal is a tone at the resonance for 60 ms. Scipy computes the motion from the profile's
+resonance.
 """
 
 from __future__ import annotations
