@@ -136,10 +136,10 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
     [
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
-        ("[]", "neither AHAP"),
+        ("[]", "must be AHAP"),
         ({"Pattern": 3}, "Pattern = 3 is no list"),
         ({"Pattern": [3]}, r"Pattern\[0\] = 3 is no object"),
-        ({"Pattern": []}, "vibrates at no time"),
+        ({"Pattern": []}, "has no vibration"),
         (
             continuous((-1.0, 1.0, 1.0)),
             r"Pattern\[0\].Event.Time = -1.0 is out of range",

@@ -200,11 +200,11 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--normalize", "3"), "3 LUFS is out of range; it is -60 to 0"),
-        (("--normalize", "nan"), "nan LUFS is out of range"),
+        (("--normalize", "3"), "normalize is 3 LUFS; must be -60 to 0"),
+        (("--normalize", "nan"), "normalize is nan LUFS; must be -60 to 0"),
         (
             ("--measure-loudness", "--sample-rate", "2000"),
-            "loudness is measured at whole rates of 4000 Hz",
+            "loudness needs a whole number from 4000 Hz",
         ),
         (("--transcript", "a.srt"), "a.srt: a transcript is"),
         (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points is for .wav files"),
