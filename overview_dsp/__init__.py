@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from overview_dsp.signal.surface.build import build_surface
     from overview_dsp.signal.surface.model import Surface
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Actuator",

@@ -548,7 +548,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--preset", default="football", help="name or file")
-    parser.add_argument("--observers", type=int, default=2)
+    parser.add_argument("--observers", type=int, default=4)
     parser.add_argument("--random", type=int, default=20, help="matches")
     parser.add_argument("--quick", action="store_true", help="few random matches, one observer")
     parser.add_argument("--write", action="store_true", help=f"also into {PAGE.name}")

@@ -141,8 +141,16 @@ def test_a_broken_block_fails(tmp_path, monkeypatch):
         page.run_up_to(page.blocks[2], runs)
 
 
-def test_the_readme_is_a_door():
-    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 150
+def test_the_readme_is_short_and_shows_a_film_and_a_sound():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    first_screen = "\n".join(text.splitlines()[:20])
+    for folder, name, largest in (
+        ("pictures", "film.gif", 2_000_000),
+        ("sounds", "world-cup-final.mp3", 300_000),
+    ):
+        assert f"(docs/{folder}/{name})" in first_screen
+        assert (ROOT / "docs" / folder / name).stat().st_size <= largest
 
 
 def test_no_page_uses_a_name_that_moved():

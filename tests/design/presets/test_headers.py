@@ -116,9 +116,9 @@ SENTENCES = {
     ("football", "by touch, every third own goal from a goal"): lambda name: (
         np.mean(taken(name, "own_goal", "goal")) == pytest.approx(1 / 3, abs=0.06)
     ),
-    ("football", "in a second or the recoil, every third red card from a yellow"): lambda name: (
+    ("football", "at 1 s every fourth, in the recoil two in five red cards from a"): lambda name: (
         taken(name, "red_card", "yellow_card", "touch", ["1 s", "recoil"])
-        == pytest.approx(1 / 3, abs=0.06)
+        == pytest.approx([1 / 4, 2 / 5], abs=0.05)
         and np.mean(taken(name, "red_card", "yellow_card")) < 1 / 4
     ),
     ("football", "every fifth near miss from a foul"): lambda name: (
@@ -128,9 +128,9 @@ SENTENCES = {
         np.mean(taken(name, "red_card", "yellow_card", "both")) < 0.1
         and np.mean(taken(name, "own_goal", "goal", "both")) < 0.1
     ),
-    ("football", "at 1 s four in five fouls, at 2 s one in four, go unnoticed"): lambda name: (
+    ("football", "at 1 s three in four fouls, at 2 s one in four, go unnoticed"): lambda name: (
         taken(name, "foul", "nothing", "touch", ["1 s", "2 s"])
-        == pytest.approx([4 / 5, 1 / 4], abs=0.05)
+        == pytest.approx([3 / 4, 1 / 4], abs=0.05)
     ),
     # --- its characters
     ("football-stadium", "the strongest of the three characters"): lambda name: all(

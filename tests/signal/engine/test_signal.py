@@ -43,7 +43,9 @@ def test_there_is_no_dc(match, football, gesture):
     result = ov.render(match, football, gesture, trace=False)
     held = round(gesture.duration_s * result.sample_rate)
     for part in (result.samples, result.samples[:held]):
-        assert np.abs(part.astype(float).mean(axis=0)).max() < 1e-4
+        # a window, as a cut through a cycle of the carrier has a mean of its own
+        mean = np.average(part, axis=0, weights=np.hanning(len(part)))
+        assert np.abs(mean).max() < 1e-4
 
 
 @pytest.mark.parametrize("gesture", [ov.sweep(1.0), ov.sweep(4.0), ov.tap(1.0, 1.5)])
