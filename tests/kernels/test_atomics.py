@@ -62,7 +62,7 @@ def test_the_callback_has_arms_barriers():
 
 
 def test_a_push_is_published_after_everything_else_is_written():
-    push = arms_instructions("7shipped4push")
+    push = arms_instructions("12entry_points4push")
     (published,) = np.flatnonzero(those(push, STORES_RELEASE))
     room = np.flatnonzero(those(push, LOADS_ACQUIRE))[0]
     # its time, its angle, whether it touches

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from overview_dsp.kernels.c_abi.precompiled import NAMES
 
 from overview_dsp.kernels import precompiled
+from overview_dsp.kernels.c_abi.entry_points import NAMES
 from overview_dsp.kernels.sources import sources_digest
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -88,9 +88,9 @@ def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatc
     build = ov.export.build_plugin
     with pytest.raises(InputError, match="to is 'au'; must be clap or lv2 or vst3"):
         build(match, football, "au", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 presets, not 0"):
+    with pytest.raises(InputError, match="there are 0 presets; must be 1 to 64"):
         build(match, [], "clap", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 timelines, not 0"):
+    with pytest.raises(InputError, match="there are 0 timelines; must be 1 to 64"):
         build({}, football, "clap", tmp_path)
     with pytest.raises(InputError, match="the same name"):
         build(match, [football, football], "clap", tmp_path)

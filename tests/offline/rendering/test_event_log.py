@@ -61,7 +61,7 @@ def test_json_labels_and_markers_name_the_same_events(passed, tmp_path):
         assert record["kind"] == one.event.kind
         assert record["time_s"] == pytest.approx(one.time_s, abs=1e-4)
         assert float(start) == float(end) == pytest.approx(one.time_s, abs=1e-6)
-        assert words == marker[1] == one.words
+        assert words == marker[1] == one.text
         minutes, seconds = marker[2].split(":")
         assert 60 * int(minutes) + float(seconds) == pytest.approx(one.time_s, abs=6e-4)
 
@@ -94,7 +94,7 @@ def test_words_of_a_label_cannot_break_a_file(match, tmp_path):
 
 
 def test_another_suffix_is_one_line(passed, tmp_path):
-    with pytest.raises(InputError, match=r"a\.srt: a transcript is \.txt, \.json, \.vtt"):
+    with pytest.raises(InputError, match=r"a\.srt: a transcript must be \.txt, \.json, \.vtt"):
         save_transcript(passed, tmp_path / "a.srt")
 
 
@@ -206,7 +206,7 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
             ("--measure-loudness", "--sample-rate", "2000"),
             "loudness needs a whole number from 4000 Hz",
         ),
-        (("--transcript", "a.srt"), "a.srt: a transcript is"),
+        (("--transcript", "a.srt"), "a.srt: a transcript must be"),
         (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points is for .wav files"),
         (("--stems", "--transcript", "nowhere/a.txt"), "nowhere"),
     ],

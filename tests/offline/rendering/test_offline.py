@@ -150,10 +150,10 @@ def test_an_empty_gesture_is_an_empty_result():
 
 @pytest.mark.parametrize("tail", [-1.0, math.nan, math.inf, 1e9, "soon", "", True])
 def test_a_bad_tail_is_one_line_with_the_range(tail):
-    with pytest.raises(ov.InputError, match=r"rest, none or seconds, 0 to 86400"):
+    with pytest.raises(ov.InputError, match=r"rest, none or seconds from 0 to 86400"):
         ov.render(TIMELINE, PRESET, GESTURE, RATE, tail=tail)
     if isinstance(tail, str):
-        with pytest.raises(ov.InputError, match=r"rest, none or seconds, 0 to 86400"):
+        with pytest.raises(ov.InputError, match=r"rest, none or seconds from 0 to 86400"):
             schedule.tail_of(tail)
 
 

@@ -155,7 +155,7 @@ def test_changes_that_find_the_queue_full_change_nothing():
     for n in range(layout.HOST_RING - 1):  # a place is kept for a surface
         engine.set("tactor.gain_db", -1.0 - n % 2, 10_000)
     before = engine.save_state()
-    with pytest.raises(ov.OverviewError, match="1023 parameter changes wait"):
+    with pytest.raises(ov.OverviewError, match="1023 parameter changes are pending"):
         engine.set("tactor.gain_db", -9.0)
     assert engine.save_state() == before
     engine.set("tactor.gain_db", engine.preset.values["tactor.gain_db"])  # nothing to push
@@ -200,7 +200,7 @@ def test_a_block_is_one_frame_or_more():
     run(engine, 3, 1)
     assert engine.sample_time == 3
     engine.prepare(768_000, 1)
-    with pytest.raises(ov.InputError, match="max_block_size = 0"):
+    with pytest.raises(ov.InputError, match="max_block_size is 0; must be at least 1"):
         engine.prepare(RATE, 0)
 
 
@@ -296,7 +296,7 @@ def test_a_channel_that_is_nowhere_takes_no_place_and_the_default_is_0_and_1():
     one.set_channels()
     run(other, 500)
     assert np.array_equal(run(one, 500)[0], run(other, 500)[0])
-    with pytest.raises(ov.InputError, match="channel -1"):
+    with pytest.raises(ov.InputError, match="channel is -1; must be 0 or more"):
         one.set_channels(click=-1)
 
 

@@ -117,7 +117,7 @@ def test_each_source_counts_and_warns_for_itself(engine):
     for source in ("touch", "midi"):
         for _ in range(layout.RING):
             engine.control(1.0, True, None, source)
-        with pytest.warns(ov.OverviewWarning, match=f"of source '{source}' wait"):
+        with pytest.warns(ov.OverviewWarning, match=f"of source '{source}' are pending"):
             engine.control(1.0, True, None, source)
     assert engine.meters.dropped_events == 2
     engine.reset()

@@ -213,7 +213,9 @@ def test_a_width_in_percent_is_the_same_at_any_zoom():
 
 
 def test_a_width_below_what_the_surface_resolves_is_widened_with_a_warning():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default: 1 ms of 100 s") as caught:
+    with pytest.warns(
+        ov.OverviewWarning, match=r"kinds\.default\.width_ms is 1 of 100 s"
+    ) as caught:
         surface = ov.build_surface(timeline_of(50.0), ms_preset(1.0))
     # once: the other kind has no event here
     assert len(caught) == 1

@@ -156,7 +156,7 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         warnings.simplefilter("error")
         warn_of_lockup(preset, "it", math.nextafter(most, 0.0), "that")
     with pytest.warns(
-        ov.OverviewWarning, match=r"it holds .* 31\.4 mN.* with 31\.4 mN.*lower that"
+        ov.OverviewWarning, match=r"it: the disk gets stuck at 31\.4 mN.* with 31\.4 mN.*lower that"
     ):
         warn_of_lockup(preset, "it", most, "that")
 
@@ -166,22 +166,25 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
     [
         # 31.4 mN m is what shaft 2 pulls with; heights are in 1e-3 N m
         (of_model("detent", height=31.0), None),
-        (of_model("detent", height=32.0), r"kinds\.default holds.*32 mN.*lower its height,"),
-        (of_model("end_stop", height=32.0), r"kinds\.default holds.*32 mN"),
+        (
+            of_model("detent", height=32.0),
+            r"kinds\.default: the disk gets stuck at 32 mN.*lower its height,",
+        ),
+        (of_model("end_stop", height=32.0), r"kinds\.default: the disk gets stuck at 32 mN"),
         (of_model("bristle", height=15.0), None),  # twice that until it slides
         (
             of_model("bristle", height=16.0),
-            r"kinds\.default holds.*32 mN.*lower its height or static_ratio,",
+            r"kinds\.default: the disk gets stuck at 32 mN.*lower its height or static_ratio,",
         ),
         (plain_preset(surface__model="bristle", surface__grip=15.0), None),
         (
             plain_preset(surface__model="bristle", surface__grip=16.0),
-            r"^surface\.grip holds.*32 mN.*lower it or surface\.static_ratio,",
+            r"^surface\.grip: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
         ),
         (plain_preset(surface__model="detent", surface__grip=31.0), None),
         (
             plain_preset(surface__model="detent", surface__grip=32.0),
-            r"surface\.grip holds.*32 mN.*lower it,",
+            r"surface\.grip: the disk gets stuck at 32 mN.*lower it,",
         ),
     ],
 )
@@ -199,7 +202,7 @@ def test_detents_hold_where_the_curve_is_highest():
     curve = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 100.0, (), curve)
     preset = plain_preset(surface__model="detent", surface__grip=16.0, surface__ambience=1.0)
-    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip holds.*32 mN"):
+    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip: the disk gets stuck at 32 mN"):
         ov.build_surface(timeline, preset)
 
 

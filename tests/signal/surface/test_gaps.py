@@ -163,7 +163,7 @@ def test_values_inside_a_gap_are_not_felt():
 
 def test_a_gap_too_narrow_for_a_rib_is_a_groove_and_is_named():
     gaps = ((20.0, 20.5), (50.0, 50.001), (70.0, 80.0))
-    with pytest.warns(ov.OverviewWarning, match="2 gaps are too narrow.*narrowest 0.001 s") as got:
+    with pytest.warns(ov.OverviewWarning, match="2 gaps are too narrow.*narrowest: 0.001 s") as got:
         surface = ov.build_surface(with_gaps(*gaps), plain_preset())
     assert len(got) == 1
     place = np.arange(CELLS + 1) / CELLS
