@@ -1,6 +1,6 @@
-"""How many workers run the tests; for `pytest --doctest-modules` a folder for each example.
+"""Number of test workers, and a folder per example for `pytest --doctest-modules`.
 
-The tests of the studies, a distribution of their own, are skipped where it isn't installed.
+The tests of the studies, a distribution of their own, are skipped where it is not installed.
 """
 
 from __future__ import annotations

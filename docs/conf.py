@@ -26,7 +26,6 @@ extensions = [
     "sphinx.ext.autosummary",
     "numpydoc",
     "sphinx_gallery.gen_gallery",
-    "sphinx_click",
     "sphinx_copybutton",
     "sphinx_design",
     "generated_reference",

@@ -2,8 +2,8 @@
 A tap plays everything up to there
 ==================================
 
-A tap is a step of the hand that is released at once (the paper's figure 6): the disk runs over
-every event on its way to where the finger was, and then recoils.
+A tap is a step of the input that is released at once (figure 6 of the paper). The disk runs over
+every event on its way to the tapped position, and then recoils.
 """
 
 import matplotlib.pyplot as plt

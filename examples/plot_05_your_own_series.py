@@ -1,9 +1,10 @@
 """
-Your own series from a CSV file
-===============================
+A series from a CSV file
+========================
 
-For an analyst: a table of times and values, a file or a DataFrame, becomes a timeline; what becomes
-friction is chosen. Gaps stay gaps, and extremes, turning points and large moves become events.
+For an analyst: a table of times and values (a file or a DataFrame) becomes a timeline. An option
+chooses what becomes friction. Gaps stay gaps; extremes, turning points and large moves become
+events.
 """
 
 import tempfile

@@ -2,8 +2,9 @@
 Design a preset, and morph it into another
 ==========================================
 
-For a designer: change a preset's values (they are checked, and presets never change in place), hear
-the difference, measure what a finger gets of each kind, and walk from one preset to another.
+For a designer: change the values of a preset (they are checked, and presets never change in
+place), listen to the difference, measure how strong each event kind feels, and morph one preset
+into another.
 """
 
 import matplotlib.pyplot as plt

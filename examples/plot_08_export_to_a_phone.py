@@ -2,8 +2,8 @@
 Export to a phone
 =================
 
-For an app developer: a gesture as it was felt, as a clip that a phone's own haptics play. Each
-export says how far it is from what was rendered.
+For an app developer: a rendered gesture becomes a clip that the haptics of a phone can play. Each
+export reports its error against the render.
 """
 
 import json

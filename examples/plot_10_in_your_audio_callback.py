@@ -2,9 +2,9 @@
 The engine in your audio callback
 =================================
 
-For an engineer: ``ov.Engine`` has the face of an audio plugin. Control events come at any rate,
-blocks of any size; the same events give the same bits whatever the blocks are.
-``ov.live.OutputStream`` is the ready-made callback; this one is yours.
+For an engineer: ``ov.Engine`` has the interface of an audio plugin. Control events may come at
+any rate, and blocks may have any size: the same events give the same bits.
+``ov.live.OutputStream`` is the ready-made callback; this example is one of your own.
 """
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,7 @@ print(f"latency {engine.latency_samples} samples, tail {engine.tail_seconds:.1f}
 
 
 def callback(out: np.ndarray) -> None:
-    """What a host calls: float32 (frames, channels), overwritten; nothing is allocated."""
+    """Fill one block of the host, float32 (frames, channels), without allocating."""
     engine.process(out)
 
 

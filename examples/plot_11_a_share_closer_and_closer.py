@@ -2,9 +2,9 @@
 A share, closer and closer
 ==========================
 
-For who has a price to watch: the years in one twist of the hand, then the last weeks of them in the
-same twist. This is the paper's second scenario. (A real index is taken where the environment
-variable ``OVERVIEW_TEST_DATA`` names a folder with one; the bundled share is made up.)
+For an investor: one twist of the wrist spans years of a price, then the same twist spans the last
+weeks. This is the second scenario of the paper. (The bundled share is synthetic. A real index is
+used where the environment variable ``OVERVIEW_TEST_DATA`` names a folder with one.)
 """
 
 import os

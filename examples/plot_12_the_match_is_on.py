@@ -2,8 +2,8 @@
 The match is on
 ===============
 
-For anyone: a match in progress, as in the paper's scenario. Somebody meets a friend while the match
-is played, and twists the device now and then to feel whether anything has happened.
+For anyone: a match in progress, as in the first scenario of the paper. A fan meets a friend during
+the match, and twists the device now and then to feel whether the score has changed.
 
 What you should feel: the first twist meets the kick-off and a few soft bumps, and behind them the
 future, smooth and heavy. In the second there is a hard knock, an own goal, and in the third there
@@ -20,10 +20,10 @@ preset = ov.load_preset("football")
 rate = 48_000
 
 # %%
-# The match is told at 60 times its speed, a second of sound a minute of play. In a program of your
-# own the events come from a feed; here they are those of the bundled match, each at its time. A
-# hand that holds the disk keeps the map that it touched: what is new comes to the engine between
-# twists.
+# The match is played at 60 times its speed: one second of sound per minute of play. In a program
+# of your own, the events come from a feed; here they are those of the bundled match, each at its
+# time. A hand that holds the disk keeps the map that it touched: what is new comes to the engine
+# between twists.
 
 live = ov.LiveTimeline(match.title.split(" ", 1)[0], expect_s=match.duration_s)
 engine = ov.Engine(preset, live.snapshot())

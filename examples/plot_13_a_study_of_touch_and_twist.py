@@ -2,10 +2,10 @@
 A study of the paper's own question
 ===================================
 
-For a researcher: the paper says that a disk with friction tells more than a static mapping of the
-same data, and that touch and twist feel the same. Here is the study that asks people, from the file
-to the figure. **The participants are simulated**: they have the abilities written below, so what
-comes out shows what the study could find, and nothing about people.
+For a researcher: the paper claims that a disk with friction conveys more than a static mapping of
+the same data, and that touch and twist feel the same. This is the study that tests both claims,
+from the file to the figure. **The participants are simulated** with the abilities written below:
+the results show what the study could find, and nothing about people.
 """
 
 import json

@@ -1,14 +1,14 @@
 """overView DSP: feel a timeline.
 
-Temporal data becomes a surface with friction; a disk on a spring is pulled over it by the hand;
-its torque is heard as friction clicks and felt as a 250 Hz vibration.
+Temporal data become a surface with friction. The user pulls a disk over it by a spring. The torque
+of the disk is heard as friction clicks and felt as a 250 Hz vibration.
 
-`ov.presets`, `ov.measure`, `ov.export`, `ov.live` and `ov.actuators` hold what designers, sound
-people and performers need besides. What isn't in the reference (the `__all__` of these six) is
-private and may move.
+`ov.presets`, `ov.measure`, `ov.export`, `ov.live` and `ov.actuators` have functions for designers,
+sound engineers and performers. The reference lists all public names (the `__all__` of these six
+modules). Every other name is private and may change.
 
-Importing this package compiles nothing and needs no sound card: each name is imported when it is
-first used.
+The import of this package compiles nothing and needs no sound card. Each name is imported when it
+is first used.
 
 Examples
 --------
@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from overview_dsp.data.readers.native import save_timeline
     from overview_dsp.data.readers.registry import load_timeline
     from overview_dsp.data.timeline.curve_builder import CurveBuilder
+    from overview_dsp.data.timeline.curve_points import RegularTimes
     from overview_dsp.data.timeline.event import Event
     from overview_dsp.data.timeline.intensity import Intensity
     from overview_dsp.data.timeline.model import Timeline
-    from overview_dsp.data.timeline.samples import EvenTimes
     from overview_dsp.design import presets
     from overview_dsp.design.gestures.model import Gesture
     from overview_dsp.design.gestures.scripts import arm, flick, pause, scrub, sweep, tap
@@ -73,7 +73,6 @@ __all__ = [
     "CurveBuilder",
     "Engine",
     "EngineParameter",
-    "EvenTimes",
     "Event",
     "EventKind",
     "Gesture",
@@ -86,6 +85,7 @@ __all__ = [
     "OverviewError",
     "OverviewWarning",
     "Preset",
+    "RegularTimes",
     "RenderFileResult",
     "RenderJob",
     "RenderResult",
@@ -121,7 +121,7 @@ __all__ = [
 ]
 
 
-if not TYPE_CHECKING:  # a type checker knows the names above, and no others
+if not TYPE_CHECKING:  # type checkers know only the names above
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
@@ -130,7 +130,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "CurveBuilder": "data.timeline.curve_builder",
             "Engine": "signal.engine.engine",
             "EngineParameter": "signal.engine.memory_reader",
-            "EvenTimes": "data.timeline.samples",
+            "RegularTimes": "data.timeline.curve_points",
             "Event": "data.timeline.event",
             "EventKind": "design.presets.model",
             "Gesture": "design.gestures.model",
@@ -170,7 +170,7 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "scrub": "design.gestures.scripts",
             "sweep": "design.gestures.scripts",
             "tap": "design.gestures.scripts",
-            # private, but there
+            # private modules
             "engine": "signal.engine:",
             "gestures": "design.gestures:",
             "readers": "data.readers:",

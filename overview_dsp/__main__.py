@@ -1,4 +1,4 @@
-"""`python -m overview_dsp` is `overview`."""
+"""Command `python -m overview_dsp`, the same as `overview`."""
 
 from overview_dsp.cli import main
 

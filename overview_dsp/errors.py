@@ -1,20 +1,20 @@
-"""The errors a person can cause, each a clear line: what, where, what is allowed, what to try.
+"""Errors for users: one line with the location, the problem, the allowed values and a remedy.
 
-A file that no reader claims has a second line with what it comes nearest to.
+If no reader accepts a file, a second line names the nearest format.
 
 ::
 
     Exception                                                     exit code of `overview`
-    └── OverviewError              raised on purpose; catch this one        1
-        ├── InputError             also a ValueError: a file, value or name 2
-        ├── OutputError            a full disk, a place that is read-only   1
-        ├── NotPreparedError       also a RuntimeError: `prepare` first     1
+    └── OverviewError              base of all errors of this package       1
+        ├── InputError             also a ValueError: a wrong argument      2
+        ├── OutputError            the disk is full or read-only            1
+        ├── NotPreparedError       also a RuntimeError: call `prepare`      1
         └── PortLostError          (live) a device was unplugged            1
     UserWarning
-    └── OverviewWarning            a line on standard error                 0
+    └── OverviewWarning            a note on standard error                 0
 
-A wrong option ends `overview` with 2 as well, Ctrl-C with 130. Any other exception but an OSError
-is a fault of this program; with `--debug` it is shown whole.
+The exit code of a wrong option is 2, too, and that of Ctrl-C is 130. Any other exception except
+OSError is a bug of this program; `--debug` shows its traceback.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from types import ModuleType
 
 
 class OverviewError(Exception):
-    """Base of every error this package raises on purpose; `str()` is one line, or two.
+    """Base class of all errors of this package; `str()` is one line, or two.
 
     Parameters
     ----------
     message : str
-        What is wrong, where, what is allowed, what to try.
+        Location, problem, allowed values and remedy.
     fix : str
-        A second line, where what to try needs one.
+        Second line with a longer remedy.
 
     Attributes
     ----------
     exit_code : int
-        What the command line ends with.
+        Exit code of the command line.
 
     Examples
     --------
@@ -57,17 +57,17 @@ class OverviewError(Exception):
 
 
 class InputError(OverviewError, ValueError):
-    """Something given (a file, a value, a name) can't be used; nothing was changed.
+    """A file, value or name can't be used; nothing was changed.
 
     Parameters
     ----------
     message : str
-        What is wrong, where, what is allowed, what to try.
+        Location, problem, allowed values and remedy.
     fix : str
-        A second line, where what to try needs one.
+        Second line with a longer remedy.
     line, column, value, note : int or None, str, object, str
-        Of a cell in a table: its line (or row), the column's header, what it holds, and what is
-        wrong with that. None and empty for any other error.
+        Location of a cell in a table: line (or row), header of the column, value, and the problem
+        with it. None and empty for any other error.
 
     Examples
     --------
@@ -93,14 +93,14 @@ class InputError(OverviewError, ValueError):
 
 
 class OutputError(OverviewError):
-    """An output could not be written (a full disk, say); no partial file is left.
+    """An output can't be written (a full disk, say); no partial file is left.
 
     Parameters
     ----------
     message : str
-        What could not be written, and why.
+        Output and reason.
     fix : str
-        A second line, where what to try needs one.
+        Second line with a longer remedy.
 
     Examples
     --------
@@ -112,14 +112,14 @@ class OutputError(OverviewError):
 
 
 class NotPreparedError(OverviewError, RuntimeError):
-    """The engine was used before `prepare`, or with a larger block than prepared.
+    """The engine is not prepared, or a block is larger than prepared.
 
     Parameters
     ----------
     message : str
-        What to call.
+        Method to call first.
     fix : str
-        A second line, where what to try needs one.
+        Second line with a longer remedy.
 
     Examples
     --------
@@ -130,51 +130,59 @@ class NotPreparedError(OverviewError, RuntimeError):
 
 
 class OverviewWarning(UserWarning):
-    """Something a person should know: an unknown event kind, a clamped value.
+    """A problem that stops nothing: an unknown event kind, a clamped value.
 
     Examples
     --------
     >>> import warnings
-    >>> warnings.simplefilter("error", ov.OverviewWarning)  # to stop at them
+    >>> warnings.simplefilter("error", ov.OverviewWarning)  # makes them errors
     >>> warnings.simplefilter("default", ov.OverviewWarning)
     """
 
+
+MAX_HINTS = 3
+"""Most names in the hint of an unknown name."""
+
+HINT_RANGE = 0.1
+"""Names this much less similar than the nearest one are in the hint, too (difflib's ratio)."""
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """A hint with the nearest known name, or all of them when they are few."""
+    """Return the nearest known names as a hint, or all names if there are few."""
     import difflib
 
     names = list(known)
-    near = difflib.get_close_matches(name, names, 1, 0.6)
+    near = difflib.get_close_matches(name, names, MAX_HINTS, 0.6)
+    ratios = [difflib.SequenceMatcher(None, one, name).ratio() for one in near]
+    near = [one for one, ratio in zip(near, ratios, strict=True) if ratio > ratios[0] - HINT_RANGE]
     if near:
-        return f"; did you mean {near[0]!r}?"
+        return f"; did you mean {' or '.join(map(repr, near))}?"
     return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
 
 
 def shown(value: object) -> str:
-    """A value as an error line shows it: short, on one line, whatever it is."""
+    """Return any value as a short text in one line, for an error message."""
     if isinstance(value, Real) and not isinstance(value, Rational):
-        value = float(value)  # numpy's too, without their type
+        value = float(value)  # also of numpy, whose repr has a type
     try:
         return _SHORT.repr(value)
-    except (ValueError, RecursionError):  # an int of thousands of digits, a bottomless list
+    except (ValueError, RecursionError):  # an int with thousands of digits, a recursive list
         return f"a {type(value).__name__} too large to show"
 
 
 def require_internals(module: ModuleType, names: Iterable[str], requirement: str) -> None:
-    """Check that a module has the parts of its inside that are used here.
+    """Check that a module has the private attributes that this package uses.
 
-    `names` are attributes, `a.b` that of one. `requirement` is what pip is to install: the versions
-    that are known to work.
+    `names` are attributes; `a.b` is the attribute `b` of `a`. `requirement` has the versions that
+    are known to work, for pip.
 
     Raises
     ------
     OverviewError
-        One is missing: this version has changed what no version promises to keep.
+        An attribute is missing in the installed version.
     """
     for name in names:
         found: object = module
@@ -182,9 +190,8 @@ def require_internals(module: ModuleType, names: Iterable[str], requirement: str
             if not hasattr(found, part):
                 package = module.__name__.partition(".")[0]
                 raise OverviewError(
-                    f"{package} {_version(package)} is installed, which has no "
-                    f"{module.__name__}.{name}; known to work is {requirement}: "
-                    f"pip install '{requirement}'"
+                    f"{package} {_version(package)} has no {module.__name__}.{name}; install a "
+                    f"version that is known to work: pip install '{requirement}'"
                 )
             found = getattr(found, part)
 

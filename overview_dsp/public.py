@@ -1,4 +1,4 @@
-"""Shared parts of public names: lazy imports (PEP 562), short reprs, DataFrames, drawing."""
+"""Helpers of public classes: lazy imports (PEP 562), short reprs, DataFrames, plots."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import MISSING, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from overview_dsp.errors import InputError
+from overview_dsp.installation import require_package
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ _SHORT.maxtuple = 3
 
 
 def lazy_names(
-    package: str, places: Mapping[str, str]
+    package: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Make the `__getattr__` and the `__dir__` of a package.
 
@@ -31,10 +31,10 @@ def lazy_names(
     ----------
     package : str
         The package's own name.
-    places : mapping of str to str
-        Each public name, and the module in the package that holds it (`"render"` is in
-        `"offline.rendering.offline"`); `"offline.rendering.offline:render"` where it has another
-        name there, and `"design.presets:"` for that module itself.
+    modules : mapping of str to str
+        Module in the package, by public name (`"render"`: `"offline.rendering.offline"`).
+        `"offline.rendering.offline:render"` has another name in its module, and
+        `"design.presets:"` is the module itself.
 
     Returns
     -------
@@ -43,9 +43,9 @@ def lazy_names(
     """
 
     def get(name: str) -> Any:
-        if name not in places:
+        if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, colon, own_name = places[name].partition(":")
+        module, colon, own_name = modules[name].partition(":")
         value: Any = import_module(f"{package}.{module}")
         if not colon or own_name:
             value = getattr(value, own_name or name)
@@ -59,45 +59,42 @@ def lazy_names(
 
 
 def short(value: object) -> str:
-    """Write a value's repr with at most some 60 characters."""
+    """Return the repr of a value, cut to about 60 characters."""
     return _SHORT.repr(value)
 
 
 def counted(count: int, what: str) -> str:
-    """Write how many there are: `1 event`, `2 events`."""
+    """Return a number with its noun: `1 event`, `2 events`."""
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def changed_fields(instance: Any, **shown: str) -> str:
-    """Write a dataclass as it is made, without the fields that have their default.
+def changed_fields(instance: Any, **replacements: str) -> str:
+    """Return the repr of a dataclass, without the fields that have their default.
 
     Parameters
     ----------
     instance : dataclass
-        What is written.
-    **shown : str
-        What is written for a field in place of its value.
+        Object to describe.
+    **replacements : str
+        Texts that replace the values of fields.
     """
-    given = []
+    texts = []
     for field in fields(instance):
         value = getattr(instance, field.name)
         if field.default is MISSING or value != field.default:
-            given.append(f"{field.name}={shown.get(field.name) or short(value)}")
-    return f"{type(instance).__name__}({', '.join(given)})"
+            texts.append(f"{field.name}={replacements.get(field.name) or short(value)}")
+    return f"{type(instance).__name__}({', '.join(texts)})"
 
 
 def dataframe(columns: Mapping[str, Any]) -> DataFrame:
-    """Make a DataFrame of columns of equal length; InputError says how to install pandas."""
-    try:
-        from pandas import DataFrame
-    except ImportError as error:
-        raise InputError(
-            'a DataFrame needs pandas: pip install "overview-dsp[dataframes]"'
-        ) from error
-    return DataFrame(dict(columns))
+    """Return a DataFrame of columns of equal length; InputError if pandas is missing."""
+    frame: DataFrame = require_package("pandas", "a DataFrame", "dataframes").DataFrame(
+        dict(columns)
+    )
+    return frame
 
 
-def drawn(module: str, name: str, *arguments: Any) -> Figure:
-    """Call a function that draws, of a module that is imported when it is needed."""
+def plot_with(module: str, name: str, *arguments: Any) -> Figure:
+    """Import a module of this package and call its plot function `name`."""
     figure: Figure = getattr(import_module(f"{PACKAGE}.{module}"), name)(*arguments)
     return figure

@@ -1,4 +1,4 @@
-"""Argument checks: each returns the value, or fails with one line that names it and its range."""
+"""Argument checks: each returns the value, or raises an error with its name and range."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from overview_dsp.errors import InputError, shown
 
 KIND_MAX_LENGTH = 64
-"""Longest event kind, characters: a kind is a name a preset looks up, not a sentence."""
+"""Maximum length of an event kind, characters."""
 
 TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
-"""How an error line about a time ends."""
+"""End of an error message about a time."""
 
 T = TypeVar("T")
 
@@ -28,14 +28,14 @@ _KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
 
 
 @contextlib.contextmanager
-def located(place: str) -> Iterator[None]:
-    """Put `place` (with its own punctuation) before any InputError raised inside."""
+def located(location: str) -> Iterator[None]:
+    """Prefix the message of any InputError raised inside with a location and its punctuation."""
     try:
         yield
     except InputError as error:
         what, _, fix = str(error).partition("\n")
         raise InputError(
-            f"{place}{what}",
+            f"{location}{what}",
             fix,
             line=error.line,
             column=error.column,
@@ -50,19 +50,19 @@ def number(value: object, what: str, hint: str = "give a finite number") -> floa
     Parameters
     ----------
     value
-        Any object; Python and numpy ints and floats pass, booleans and text don't.
+        Any object; only ints and floats of Python and numpy are allowed.
     what
-        The name the error line begins with.
+        Name of the value, at the start of the message.
     hint
-        What is allowed and what to try, the end of the error line.
+        Allowed values and remedy, at the end of the message.
 
     Raises
     ------
     InputError
-        Not a number, NaN, infinite or beyond the range of a float.
+        The value isn't a number, isn't finite, or exceeds the range of a float.
     """
     if type(value) is float and math.isfinite(value):
-        return value  # nearly always
+        return value  # the usual case
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"{what} is {shown(value)}, not a number; {hint}")
     try:
@@ -83,15 +83,15 @@ def positive(value: object, what: str, hint: str = "give a finite number above 0
 
 
 def text(value: object, what: str) -> str:
-    """Return `value` if it is text that can be written to a file; InputError otherwise."""
+    """Return `value` if it is text that can be encoded as UTF-8; InputError otherwise."""
     if not isinstance(value, str):
         raise InputError(f"{what} is {shown(value)}, not text; give a string")
     try:
         value.encode()
     except UnicodeEncodeError as error:
         raise InputError(
-            f"{what} holds half a character (a lone surrogate) at position {error.start}: "
-            f"{shown(value)}; write valid Unicode text"
+            f"{what} has a lone surrogate at position {error.start}: {shown(value)}; "
+            "must be valid Unicode text"
         ) from error
     return value
 
@@ -109,7 +109,7 @@ def kind(value: object, what: str = "kind") -> str:
 
 
 def moment(value: object, duration_s: float, what: str = "start") -> None:
-    """Refuse a start that is no calendar moment or whose end lies outside the calendar."""
+    """Check that a start is a date and time, and that its end is a valid date."""
     if value is None:
         return
     if not isinstance(value, datetime):
@@ -124,59 +124,59 @@ def moment(value: object, duration_s: float, what: str = "start") -> None:
 
 
 def until(value: object, duration_s: float) -> float | None:
-    """Return up to where a timeline has happened, s; None for the whole; InputError otherwise."""
+    """Return the time until which a timeline is known, s; None for all of it; InputError."""
     if value is None:
         return None
-    hint = f"it is up to where the timeline has happened, 0 to duration_s ({duration_s!r})"
-    result = number(value, "until_s", hint)
+    hint = f"must be from 0 to duration_s ({duration_s!r})"
+    result = number(value, "known_until_s", hint)
     if not 0.0 <= result <= duration_s:
-        raise InputError(f"until_s is {result!r}; {hint}")
+        raise InputError(f"known_until_s is {result!r}; {hint}")
     return result if result < duration_s else None
 
 
 def instance(value: object, kind: type[T], what: str, hint: str) -> T:
-    """Return `value` if it is of a kind; InputError with the hint if not."""
+    """Return `value` if it is an instance of `kind`; InputError with the hint otherwise."""
     if not isinstance(value, kind):
         raise InputError(f"{what} is {shown(value)}, not a {kind.__name__}; {hint}")
     return value
 
 
 def instances(values: object, kind: type[T], what: str, hint: str) -> list[T]:
-    """Return several of a kind as a list; InputError names the first that isn't one."""
+    """Return instances of `kind` as a list; InputError names the first other value."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         raise InputError(f"{what} is {shown(values)}; give a list, and {hint}")
     return [instance(value, kind, f"{what}[{i}]", hint) for i, value in enumerate(values)]
 
 
 def real(value: object, what: str) -> float:
-    """Return a number as a float: NaN and infinities too, which fail where a range is checked."""
+    """Return a number as a float; NaN and infinities are allowed, for a later range check."""
     if not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(f"{what} is {shown(value)}, not a number; give one")
     try:
         return float(value)
-    except OverflowError:  # an int of hundreds of digits
+    except OverflowError:  # an int with hundreds of digits
         return float("inf")
 
 
 def whole(value: object, what: str, least: int | None = None, most: int | None = None) -> int:
-    """Return a whole number as an int; InputError for another kind, or one out of a range."""
+    """Return a whole number as an int; InputError for another type, or out of range."""
     if not isinstance(value, int | np.integer):
         raise InputError(f"{what} is {shown(value)}; give a whole number")
     if (least is not None and value < least) or (most is not None and value > most):
         up = "up" if most is None else f"to {most}"
-        raise InputError(f"{what} is {shown(value)}; it is a whole number from {least} {up}")
+        raise InputError(f"{what} is {shown(value)}; must be a whole number from {least} {up}")
     return int(value)
 
 
 def path(value: object, what: str) -> Path:
-    """Return a path; InputError if it is none."""
+    """Return a path; InputError if `value` isn't a path."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"{what} is {shown(value)}; give a path")
     return Path(value)
 
 
 def numbers(value: object, what: str) -> NDArray[np.float64]:
-    """Return numbers as float64 of any shape; InputError for what holds others."""
+    """Return numbers as a float64 array of any shape; InputError for other values."""
     try:
         found = np.asarray(value)
     except ValueError:  # rows of different lengths
@@ -187,7 +187,7 @@ def numbers(value: object, what: str) -> NDArray[np.float64]:
 
 
 def floats(value: object, what: str) -> NDArray[np.float64]:
-    """Return a row of numbers as float64 (n,); InputError for another shape or no numbers."""
+    """Return a row of numbers as float64 (n,); InputError for another shape or other values."""
     found = numbers(value, what)
     if found.ndim != 1:
         raise InputError(f"{what} has {found.ndim} dimensions; give a row of numbers, (n,)")
@@ -195,7 +195,7 @@ def floats(value: object, what: str) -> NDArray[np.float64]:
 
 
 def block(value: object, what: str) -> tuple[int, int]:
-    """Return frames and channels of a buffer that samples can be written to; InputError if none."""
+    """Return frames and channels of a writable sample buffer; InputError for any other."""
     if (
         not isinstance(value, np.ndarray)
         or value.dtype != np.float32
@@ -209,12 +209,12 @@ def block(value: object, what: str) -> tuple[int, int]:
 
 
 def equally_long(what: str, *rows: Sequence[Any] | NDArray[Any]) -> None:
-    """InputError unless these rows have as many values."""
+    """Check that rows have the same length; InputError otherwise."""
     if len({len(row) for row in rows}) > 1:
         lengths = ", ".join(str(len(row)) for row in rows)
-        raise InputError(f"{what} must be equally long; they have {lengths} values")
+        raise InputError(f"{what} must have the same length; they have {lengths} values")
 
 
 def random(seed: object) -> np.random.Generator:
-    """Return the random numbers of a seed, a whole number from 0 up; InputError for any other."""
+    """Return the random generator of a seed, a whole number from 0; InputError for any other."""
     return np.random.default_rng(whole(seed, "seed", 0))

@@ -83,7 +83,7 @@ def test_what_a_function_returns_is_described_unless_it_is_nothing(name):
 @pytest.mark.parametrize("name", CALLABLES)
 def test_numpydoc_finds_nothing_wrong(name):
     if importlib.util.find_spec("numpydoc") is None:
-        pytest.skip("needs numpydoc: pip install 'overview-dsp[dev]'")
+        pytest.skip("needs numpydoc: pip install '.[dev]'")
     from numpydoc.validate import validate
 
     allowed = set()

@@ -72,8 +72,8 @@ def test_decorators_become_assignments_and_caches_go(mutate):
 def test_a_mutants_name_says_its_module_and_function(mutate):
     module = "overview_dsp/signal/surface/build.py"
     dotted = "overview_dsp.signal.surface.build"
-    assert mutate.place_of(f"{dotted}.x__place__mutmut_12") == (module, "_place")
-    assert mutate.place_of(f"{dotted}.xǁ_Placedǁof__mutmut_1") == (
+    assert mutate.module_and_function(f"{dotted}.x__place__mutmut_12") == (module, "_place")
+    assert mutate.module_and_function(f"{dotted}.xǁ_Placedǁof__mutmut_1") == (
         module,
         "_Placed.of",
     )

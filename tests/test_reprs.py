@@ -55,7 +55,7 @@ def objects(match, football, tmp_path_factory):
         *(report, report.strokes[0], report.strokes[0].kinds[0], c2, builder, to_file),
         *(arm, arm.strokes[0], *felt, *shown.values()),
         *(exported, exported.error, clip, ov.live.OutputSettings(actuator=c2), stream),
-        *(stream.meters, ov.live.SignalSettings(3, gain_db=-6.0), ov.EvenTimes(1000, 0.001)),
+        *(stream.meters, ov.live.SignalSettings(3, gain_db=-6.0), ov.RegularTimes(1000, 0.001)),
         ov.LiveTimeline("A name as long as titles are, and longer still"),
         *football.kinds.values(),
         *football.kinds["goal"].modes,

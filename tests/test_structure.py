@@ -14,6 +14,7 @@ ROOT_FILES = {
     "__main__.py",
     "errors.py",
     "public.py",
+    "installation.py",
     "units.py",
     "validation.py",
     "py.typed",

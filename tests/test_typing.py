@@ -113,7 +113,7 @@ def python_blocks(path):
 def checked(tmp_path_factory):
     """A function that gives mypy's lines about a program, as a user has it."""
     if importlib.util.find_spec("mypy") is None:
-        pytest.skip("needs mypy: pip install 'overview-dsp[dev]'")
+        pytest.skip("needs mypy: pip install '.[dev]'")
     folder = tmp_path_factory.mktemp("user")
 
     def check(program):

@@ -62,7 +62,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         ),
         "Event": (ov.Event, {"time_s": 1.0, "kind": "goal", "label": "", "weight": 1.0}),
         "Intensity": (ov.Intensity, {"time_s": two, "value": two, "unit": "m"}),
-        "EvenTimes": (ov.EvenTimes, {"count": 4, "step_s": 1.0, "first_s": 0.0}),
+        "RegularTimes": (ov.RegularTimes, {"count": 4, "step_s": 1.0, "first_s": 0.0}),
         "Timeline": (
             ov.Timeline,
             {

@@ -2,7 +2,7 @@
 
 python tools/draw_terminal.py [OUT.svg]
 
-Notes beside the screen's parts, in another hand than its own, say what a newcomer sees.
+Notes in italics beside the parts of the screen explain them to a newcomer.
 """
 
 from __future__ import annotations

@@ -32,13 +32,13 @@ def cpu_s() -> float:
 
 def stimuli(count: int, workers: int) -> None:
     """Half-second stimuli with their manifest, by processes of this machine."""
-    from overview_dsp.batch import load_study, run_study
+    from overview_dsp.batch import load_jobs, run_batch
 
     with tempfile.TemporaryDirectory() as folder:
         jobs = Path(folder) / "jobs.toml"
         jobs.write_text(JOBS.format(seeds=max(1, count // 500)))
         started, used = time.perf_counter(), cpu_s()
-        outcome = run_study(load_study(jobs), workers=workers)
+        outcome = run_batch(load_jobs(jobs), workers=workers)
         taken, used = time.perf_counter() - started, cpu_s() - used
         assert not outcome.failed
         each = 1e3 * used / outcome.rendered

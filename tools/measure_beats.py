@@ -60,8 +60,8 @@ def ours(samples: Signal) -> Signal:
     return find_beats(Samples("x", RATE, samples.astype(np.float32)), "ECG", gaps=False).beats
 
 
-def kept(samples: Signal) -> tuple[Signal, Signal]:
-    """Our beats outside of the gaps, and which samples lie outside."""
+def outside_gaps(samples: Signal) -> tuple[Signal, Signal]:
+    """Return our beats outside of the gaps, and which samples lie outside."""
     found = find_beats(Samples("x", RATE, samples.astype(np.float32)), "ECG")
     clear = np.ones(len(samples), np.bool_)
     for first, end in found.noisy:
@@ -137,7 +137,7 @@ def main() -> None:
     for snr in SNRS:
         scores = []
         for samples, beats in data[snr]:
-            found, clear = kept(samples)
+            found, clear = outside_gaps(samples)
             told = beats[clear[beats]]
             both = (
                 agreement(found / RATE, told / RATE, 0.15) if len(told) and len(found) else (1, 1)

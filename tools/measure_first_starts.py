@@ -1,10 +1,10 @@
-"""What the first start of a command costs where nothing is compiled or kept yet.
+"""Measure the first start of each command, with nothing compiled or cached.
 
 python tools/measure_first_starts.py [--json] [COMMAND ...]
 
-Each command runs in a process, a folder and caches of its own. Told is processor time: of its
-imports, from there to the first sound (for `serve`, to the first page that has got its sound), and
-to the end of those that end by themselves.
+Each command runs in a process, a folder and caches of its own. The figures are processor time: of
+its imports, from there to the first sound (for `serve`, to the first page with sound), and to the
+end of those that end by themselves.
 """
 
 from __future__ import annotations
@@ -36,25 +36,25 @@ tail = "none"
 """
 LOOK_EVERY_S = 0.01
 LONGEST_S = 600.0
-TOLD = "told.json"
-HEARD = "heard"
+TIMES = "times.json"
+FIRST_SOUND = "first-sound"
 
 # of each: its arguments, the file that its first sound is in, whether it ends by itself
 COMMANDS: dict[str, tuple[list[str], str, bool]] = {
     "demo": (["demo"], "overview-demo/*.wav", True),
     "play": (
         ["play", MATCH, "--device", "none", "--replay", "sweep:1", "--screen", "json"],
-        HEARD,
+        FIRST_SOUND,
         False,
     ),
     "batch": (["batch", "jobs.toml"], "study/sounds/**/*.wav", True),
-    "serve": (["serve", MATCH, "--port", "0", "--json"], HEARD, False),
+    "serve": (["serve", MATCH, "--port", "0", "--json"], FIRST_SOUND, False),
 }
 
 
 @dataclass(frozen=True)
 class Start:
-    """Processor time, s; `whole_s` is None for what plays on."""
+    """Processor time, s; `whole_s` is None for commands that run until they are stopped."""
 
     command: str
     imports_s: float
@@ -63,7 +63,7 @@ class Start:
 
 
 class Imports:
-    """Processor time that modules take to be imported, whoever does it."""
+    """Processor time of all imports, in any thread."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
@@ -72,32 +72,32 @@ class Imports:
         self._found = bootstrap._find_and_load
         bootstrap._find_and_load = self._timed
 
-    def _timed(self, *given: Any) -> Any:
+    def _timed(self, *arguments: Any) -> Any:
         if getattr(self._local, "inside", False):
-            return self._found(*given)
+            return self._found(*arguments)
         self._local.inside, began = True, time.thread_time()
         try:
-            return self._found(*given)
+            return self._found(*arguments)
         finally:
             self._local.inside = False
             self.seconds += time.thread_time() - began
 
 
 def run(name: str) -> None:
-    """The command in this process and folder; writes what it cost to `TOLD`."""
+    """Run the command in this process and folder, and write its times to `TIMES`."""
     imports = Imports()
     arguments, first, ends = COMMANDS[name]
-    told: dict[str, float] = {}
+    times: dict[str, float] = {}
 
     def since_imports() -> float:
-        """Of this process, and of its processes that have ended."""
+        """Return the processor time of this process and its ended children, s."""
         ended = os.times()
         return time.process_time() + ended[2] + ended[3] - imports.seconds
 
     def watch() -> None:
         while not any(Path().glob(first)):
             time.sleep(LOOK_EVERY_S)
-        told.update(imports_s=imports.seconds, first_sound_s=since_imports())
+        times.update(imports_s=imports.seconds, first_sound_s=since_imports())
         if not ends:
             os.kill(os.getpid(), signal.SIGINT)
 
@@ -113,12 +113,12 @@ def run(name: str) -> None:
     finally:
         watching.join(1.0)
         if ends:
-            told["whole_s"] = since_imports()
-        Path(TOLD).write_text(json.dumps(told))
+            times["whole_s"] = since_imports()
+        Path(TIMES).write_text(json.dumps(times))
 
 
 def mark_first_block() -> None:
-    """Have the first block that an output without a device plays write `HEARD`."""
+    """Have the first block that an output without a device plays write `FIRST_SOUND`."""
     from overview_dsp.live.output import silent_stream
 
     play: Callable[..., bool] = silent_stream.run_block
@@ -127,7 +127,7 @@ def mark_first_block() -> None:
         over = play(engine, out)
         if len(out):
             silent_stream.run_block = play
-            Path(HEARD).touch()
+            Path(FIRST_SOUND).touch()
         return over
 
     silent_stream.run_block = marked
@@ -159,16 +159,16 @@ def measured(name: str) -> Start:
         assert process.stdout is not None
         if name == "serve":
             hear_served(json.loads(process.stdout.readline())["address"])
-            (Path(folder) / HEARD).touch()
+            (Path(folder) / FIRST_SOUND).touch()
         _, complaint = process.communicate(timeout=LONGEST_S)
-        told = json.loads((Path(folder) / TOLD).read_text())
-        if "first_sound_s" not in told:
+        times = json.loads((Path(folder) / TIMES).read_text())
+        if "first_sound_s" not in times:
             sys.exit(f"{name}: no sound: {complaint.strip()[-500:]}")
-        return Start(name, told["imports_s"], told["first_sound_s"], told.get("whole_s"))
+        return Start(name, times["imports_s"], times["first_sound_s"], times.get("whole_s"))
 
 
 def report(commands: list[str]) -> dict[str, Any]:
-    """What `--json` prints."""
+    """Return the object that `--json` prints."""
     from datetime import date
 
     sys.path.insert(0, str(ROOT))
@@ -196,9 +196,9 @@ if __name__ == "__main__":
         run(asked.run)
     if unknown := set(asked.commands) - set(COMMANDS):
         sys.exit(f"no such command: {', '.join(unknown)}; known: {', '.join(COMMANDS)}")
-    told = report(asked.commands or list(COMMANDS))
+    times = report(asked.commands or list(COMMANDS))
     if asked.json:
-        print(json.dumps(told))
+        print(json.dumps(times))
     else:
-        print(f"{told['date']}, {told['machine']}")
-        print("\n".join(lines([Start(**one) for one in told["first_starts"]])))
+        print(f"{times['date']}, {times['machine']}")
+        print("\n".join(lines([Start(**one) for one in times["first_starts"]])))

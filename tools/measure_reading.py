@@ -1,8 +1,8 @@
 """Processor time of reading tables, beside polars': `python tools/measure_reading.py [ROUNDS]`.
 
 A table of 2,000 rows x 5,007 columns and one of 2 million rows, read in turns, each in a process of
-its own; imports aren't counted. polars finds times by itself (`try_parse_dates`), is told how they
-are written (`str.to_datetime`), or leaves them as text, which is less than is asked for here.
+its own; imports aren't counted. polars detects times (`try_parse_dates`), is given their format
+(`str.to_datetime`), or leaves them as text, which is less work than ours.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How long a stored trial takes when many take part at once: `python tools/measure_study.py`.
+"""Measure how long a trial takes to be stored: `python tools/measure_study.py`.
 
 Builds a small study, serves it by `overview study serve` in a process of its own, and lets 24
-participants answer, each as soon as it has thought for a second. A time is from the request
-to the answer that says it is on the disk.
+participants answer, each one second after the last answer. A time is from the request to the
+response that confirms storage on disk.
 """
 
 from __future__ import annotations
@@ -41,12 +41,16 @@ TAKE = {"sample_rate": 48_000, "samples": 96_000,
 
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--people", type=int, default=24)
-    options.add_argument("--trials", type=int, default=20, help="of each kind, for each person")
+    options.add_argument("--participants", type=int, default=24)
+    options.add_argument(
+        "--trials", type=int, default=20, help="trials per event kind and participant"
+    )
     asked = options.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder, "study.toml")
-        file.write_text(STUDY.format(people=asked.people, trials=asked.trials), encoding="utf-8")
+        file.write_text(
+            STUDY.format(people=asked.participants, trials=asked.trials), encoding="utf-8"
+        )
         overview = [sys.executable, "-m", "overview_dsp", "study"]
         subprocess.run([*overview, "build", file, "-o", f"{folder}/page"], check=True)
         server = subprocess.Popen(
@@ -57,14 +61,16 @@ def main() -> None:
         try:
             assert server.stdout is not None
             address = urlsplit(json.loads(server.stdout.readline())["address"])
-            times = take_part(address.port, address.fragment.removeprefix("token="), asked.people)
+            times = take_part(
+                address.port, address.fragment.removeprefix("token="), asked.participants
+            )
         finally:
             server.terminate()
             server.wait()
     median, late = 1e3 * np.percentile(times, [50, 99])
     load = os.getloadavg()[0]
     print(
-        f"{len(times)} trials of {asked.people} participants at once, each with a take of 240 "
+        f"{len(times)} trials of {asked.participants} participants at once, each with 240 "
         f"events: median {median:.1f} ms, p99 {late:.1f} ms; load {load:.1f}"
     )
 

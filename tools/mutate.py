@@ -165,8 +165,8 @@ def run(work: Path, part: dict, children: int, names: list[str]) -> dict[str, in
     return codes
 
 
-def place_of(name: str) -> tuple[str, str]:
-    """Module and function of a mutant's name: a.b.xǁClassǁmethod__mutmut_3, a.b.x_function__..."""
+def module_and_function(name: str) -> tuple[str, str]:
+    """Return module and function of a mutant such as a.b.xǁClassǁmethod__mutmut_3."""
     module, _, mangled = name.partition("__mutmut_")[0].rpartition(".")
     function = mangled[1:].strip("ǁ").replace("ǁ", ".") if "ǁ" in mangled else mangled[2:]
     return module.replace(".", "/") + ".py", function
@@ -182,14 +182,16 @@ def described(work: Path, name: str) -> tuple[str, str, str, str]:
         " ".join(line[1:].strip() for line in shown if line[:1] == sign and line[:3] != 3 * sign)
         for sign in "-+"
     )
-    return *place_of(name), was, now
+    return *module_and_function(name), was, now
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="*", help="by name; all, if none is given")
-    parser.add_argument("--sample", type=int, default=0, metavar="N", help="so many of each part")
-    parser.add_argument("--seed", type=int, default=0, help="of the sample")
+    parser.add_argument("parts", nargs="*", help="names of parts; all, if none is named")
+    parser.add_argument(
+        "--sample", type=int, default=0, metavar="N", help="number of mutants per part"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the sample")
     parser.add_argument("--children", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="work there, and leave it")
     asked = parser.parse_args()

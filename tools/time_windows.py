@@ -16,7 +16,7 @@ import numpy as np
 
 import overview_dsp as ov
 from overview_dsp.data.analysis.extrema import Thinner
-from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series
+from overview_dsp.data.analysis.series_events import Calendar, Series, WindowRules
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.minmax_pyramid import CHUNK
 
@@ -40,7 +40,7 @@ def long_timeline(count: int) -> ov.Timeline:
     )
     curve, begin = builder.finish(STEP_S, unit="°C"), datetime(2020, 1, 1)
     series = Series(*thinner.finish(), False, "°C", Calendar(begin, False), every=False)
-    rules = PartRules(series, 0.0, duration_s, curve)
+    rules = WindowRules(series, 0.0, duration_s, curve)
     return ov.Timeline("a long series", duration_s, events, curve, start=begin, rules=rules)
 
 

@@ -1,7 +1,7 @@
-"""Pages that the package itself writes: public names, commands, parameters, presets, a live page.
+"""Generated pages of the reference: public names, parameters, presets, and a live page.
 
-They are made before Sphinx reads its sources, into folders that version control ignores, so the
-reference can't fall behind: a public name that stands in no group below is listed all the same.
+They are written before Sphinx reads its sources, into folders that version control ignores. Public
+names in no group below are listed under "More".
 """
 
 from __future__ import annotations
@@ -13,12 +13,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import click
 from sphinx.application import Sphinx
 from sphinx.config import Config
 
 import overview_dsp as ov
-from overview_dsp.cli import COMMANDS, INSTALLED_APART, added_commands, app
 from overview_dsp.design.presets.describe import describe
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.design.presets.reference import reference
@@ -58,12 +56,12 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "OverviewWarning",
     ),
 }
-FACES = {
-    "presets": "reading, writing, blending",
-    "measure": "what a finger or an ear gets",
+MODULES = {
+    "presets": "reading, writing, morphing",
+    "measure": "what is felt and heard",
     "export": "haptic clips",
     "live": "audio outputs",
-    "actuators": "what the tactor's signal drives",
+    "actuators": "profiles of output devices",
 }
 
 
@@ -72,7 +70,7 @@ def _title(text: str, line: str = "=") -> str:
 
 
 def _summary(module: str, names: list[str], heading: str) -> str:
-    """An autosummary of classes, functions and exceptions; data as their first lines."""
+    """Return the autosummary of classes, functions and exceptions, and entries of data."""
     found = getattr(ov, module.partition(".")[2]) if "." in module else ov
     objects = [
         n for n in names if inspect.isclass(getattr(found, n)) or callable(getattr(found, n))
@@ -94,7 +92,7 @@ def _summary(module: str, names: list[str], heading: str) -> str:
 
 
 def _data_line(value: Any) -> str:
-    """What a table or a list holds, without printing all of it."""
+    """Return a summary of a table or a list."""
     if isinstance(value, dict):
         return f"A table of {len(value)} entries by name, ``{next(iter(value))}`` the first."
     if isinstance(value, (tuple, list)) and all(isinstance(item, str) for item in value):
@@ -103,54 +101,36 @@ def _data_line(value: Any) -> str:
 
 
 def api_pages(folder: Path) -> None:
-    """The public names in groups, and a page for each face."""
+    """Write the page of public names in groups, and a page for each public module."""
     listed = {name for names in GROUPS.values() for name in names}
     rest = [n for n in ov.__all__ if n not in listed and not inspect.ismodule(getattr(ov, n))]
     groups = {title: [n for n in names if n in ov.__all__] for title, names in GROUPS.items()}
     groups["More"] = rest
     text = _title("overview_dsp")
-    text += "``import overview_dsp as ov``. What is not on these pages is private and may move.\n\n"
+    text += "``import overview_dsp as ov``. Names that are not on these pages are private.\n\n"
     text += "".join(_summary("overview_dsp", n, title) for title, n in groups.items() if n)
-    text += _title("Faces", "-") + ".. toctree::\n   :maxdepth: 1\n\n"
-    text += "".join(f"   {face}\n" for face in FACES)
+    text += _title("Modules", "-") + ".. toctree::\n   :maxdepth: 1\n\n"
+    text += "".join(f"   {module_name}\n" for module_name in MODULES)
     (folder / "index.rst").write_text(text, encoding="utf-8")
-    for face, words in FACES.items():
-        module = getattr(ov, face)
-        # a name of `ov`, not a module's: autodoc imports what it documents
-        sys.modules.setdefault(f"overview_dsp.{face}", module)
+    for module_name, title in MODULES.items():
+        module = getattr(ov, module_name)
+        # autodoc imports modules by name; this one is an attribute of `ov`
+        sys.modules.setdefault(f"overview_dsp.{module_name}", module)
         public = list(getattr(module, "__all__", ()))
         shared = [n for n in public if n in ov.__all__ and getattr(module, n) is getattr(ov, n)]
         own = [n for n in public if n not in shared]
-        page = _title(f"ov.{face}: {words}") + f"{inspect.getdoc(module) or ''}\n\n"
+        page = _title(f"ov.{module_name}: {title}") + f"{inspect.getdoc(module) or ''}\n\n"
         if own:
-            page += _summary(f"overview_dsp.{face}", own, "")
+            page += _summary(f"overview_dsp.{module_name}", own, "")
         if shared:
             names = ", ".join(f":py:obj:`ov.{n} <overview_dsp.{n}>`" for n in shared)
-            page += f"Here too, as in ``ov`` itself: {names}.\n"
-        (folder / f"{face}.rst").write_text(page, encoding="utf-8")
-
-
-def command_pages(folder: Path) -> None:
-    """A page a command, in the order of ``overview --help``."""
-    text = _title("Command line")
-    text += (
-        "``overview COMMAND --help`` says the same. Exit codes: 0 done, 1 failed, 2 bad input.\n\n"
-    )
-    places = {name: f"overview_dsp.cli.{module}:command" for name, (module, _) in COMMANDS.items()}
-    context = click.Context(app)
-    for name in (*COMMANDS, *INSTALLED_APART):  # one that isn't installed prints how to install it
-        assert app.get_command(context, name) is not None
-    places |= {name: added_commands()[name].value for name in INSTALLED_APART}
-    text += ".. toctree::\n   :maxdepth: 1\n\n" + "".join(f"   {name}\n" for name in places)
-    (folder / "index.rst").write_text(text, encoding="utf-8")
-    for name, place in places.items():
-        page = f".. click:: {place}\n   :prog: overview {name}\n   :nested: full\n"
-        (folder / f"{name}.rst").write_text(page, encoding="utf-8")
+            page += f"Also available from ``ov``: {names}.\n"
+        (folder / f"{module_name}.rst").write_text(page, encoding="utf-8")
 
 
 def preset_pages(folder: Path) -> None:
-    """A page of all bundled presets: their headers, and every value folded away."""
-    text = "# Bundled presets\n\nWhat each file says of itself, and every value.\n"
+    """Write the page of all bundled presets, with their headers and values."""
+    text = "# Bundled presets\n\nThe header and all values of each file.\n"
     for name in ov.bundled_presets():
         lines = preset_path(name).read_text(encoding="utf-8").splitlines()
         header = []
@@ -177,11 +157,7 @@ def shorten(
     arguments: str | None,
     returned: str | None,
 ) -> tuple[str | None, str | None] | None:
-    """Array types as they are written in the sources, not as numpy spells them out.
-
-    A constructor whose defaults are arrays is left out: its attributes are documented, and nobody
-    calls it.
-    """
+    """Shorten array types in signatures, and remove signatures with arrays as defaults."""
     if arguments and "array(" in arguments:
         return "", None
     arguments = (arguments or "").replace("<factory>", "...")
@@ -191,14 +167,12 @@ def shorten(
 
 
 def generate(application: Sphinx, config: Config) -> None:
-    """All of them."""
+    """Write all pages."""
     generated = Path(application.srcdir) / "reference" / "generated"
-    # or pages of names that are gone stay
+    # delete pages of removed names
     shutil.rmtree(generated, ignore_errors=True)
-    for part in ("api", "cli"):
-        (generated / part).mkdir(parents=True, exist_ok=True)
+    (generated / "api").mkdir(parents=True, exist_ok=True)
     api_pages(generated / "api")
-    command_pages(generated / "cli")
     preset_pages(generated)
     (generated / "parameters.md").write_text(reference(), encoding="utf-8")
     made = Path(application.srcdir) / "_generated"
@@ -210,8 +184,8 @@ def generate(application: Sphinx, config: Config) -> None:
 
 
 def setup(application: Sphinx) -> dict[str, bool]:
-    """Sphinx's entry."""
-    # before Sphinx looks for its sources
+    """Register the extension."""
+    # before Sphinx reads its sources
     application.connect("config-inited", generate)
     application.connect("autodoc-process-signature", shorten)
     return {"parallel_read_safe": True}

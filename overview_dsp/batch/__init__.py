@@ -1,7 +1,7 @@
-"""Studies: a grid of renders to files, on one machine or a cluster, with a manifest of measures."""
+"""Render grids to sound files, on one machine or a cluster, with a manifest of measurements."""
 
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.jobs_file import load_study
-from overview_dsp.batch.running import Outcome, run_study
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.jobs_file import load_jobs
+from overview_dsp.batch.running import BatchResult, run_batch
 
-__all__ = ["Outcome", "Study", "load_study", "run_study"]
+__all__ = ["BatchResult", "RenderGrid", "load_jobs", "run_batch"]

@@ -1,7 +1,6 @@
-"""What a case is made of, as a key: the same contents give the same key on every machine.
+"""Cache keys of cases: the same inputs give the same key on every machine.
 
-A changed file, value or program gives another key, so what is finished is never mistaken for what
-is asked.
+A changed file, value or program version gives another key.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import __version__
-from overview_dsp.batch.grid import Case, Study
+from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.sources import sources_digest
@@ -22,79 +21,79 @@ from overview_dsp.kernels.sources import sources_digest
 KEY_DIGITS = 24
 
 PROGRAM = f"{__version__}+{sources_digest()}"
-"""What makes the bits: this program's version and its kernels."""
+"""Version of this program and of its kernels, which determine the samples."""
 
 
 def digest(*values: Any) -> str:
-    """Hexadecimal digest of plain values, arrays and dataclasses, by their contents."""
-    found = hashlib.sha256()
+    """Return the hexadecimal digest of the content of plain values, arrays and dataclasses."""
+    result = hashlib.sha256()
     for value in values:
-        _feed(found, value)
-    return found.hexdigest()
+        _update(result, value)
+    return result.hexdigest()
 
 
-def _feed(found: Any, value: Any) -> None:
+def _update(result: Any, value: Any) -> None:
     if isinstance(value, np.ndarray):
-        found.update(f"array{value.dtype.str}{value.shape}".encode())
-        found.update(np.ascontiguousarray(value).data)
+        result.update(f"array{value.dtype.str}{value.shape}".encode())
+        result.update(np.ascontiguousarray(value).data)
     elif is_dataclass(value):
-        found.update(type(value).__name__.encode())
+        result.update(type(value).__name__.encode())
         for part in fields(value):
             if part.init:
-                _feed(found, getattr(value, part.name))
+                _update(result, getattr(value, part.name))
     elif isinstance(value, Mapping):
-        found.update(f"mapping{len(value)}".encode())
+        result.update(f"mapping{len(value)}".encode())
         for key in value:
-            _feed(found, key)
-            _feed(found, value[key])
+            _update(result, key)
+            _update(result, value[key])
     elif isinstance(value, tuple | list):
-        found.update(f"list{len(value)}".encode())
+        result.update(f"list{len(value)}".encode())
         for item in value:
-            _feed(found, item)
+            _update(result, item)
     elif value is None or isinstance(value, bool | int | float | str):
         text = repr(value).encode()
-        found.update(f"{len(text)}:".encode() + text)
+        result.update(f"{len(text)}:".encode() + text)
     else:
         raise TypeError(f"no digest of a {type(value).__name__}")
 
 
 def _of_timeline(timeline: Timeline) -> str:
-    """Words for a person (title, provenance, notes) make no other sound."""
+    """Return the digest of a timeline without its texts (title, provenance, notes)."""
     return digest(
         timeline.duration_s, timeline.events, timeline.details, timeline.intensity, timeline.gaps
     )
 
 
 def preset_digest(preset: Preset) -> str:
-    """Of all that is felt and heard of a preset: how a timeline grows under a hand is no sound."""
-    felt = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
-    return digest(felt, preset.kinds)
+    """Return the digest of a preset without `follow`, which doesn't change a render."""
+    values = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
+    return digest(values, preset.kinds)
 
 
 class Keys:
-    """The keys of a study's cases."""
+    """Cache keys of the cases of a render grid."""
 
-    def __init__(self, study: Study) -> None:
-        """Digest the study's inputs, once."""
-        self._timelines = [_of_timeline(timeline) for timeline in study.timelines.values()]
-        self._presets = [preset_digest(preset) for preset in study.presets.values()]
-        self._gestures = [digest(gesture) for gesture in study.gestures.values()]
-        self._ids = tuple(study.parameters)
-        self._common = digest(PROGRAM, study.settings)
+    def __init__(self, grid: RenderGrid) -> None:
+        """Compute the digests of the inputs, once."""
+        self._timelines = [_of_timeline(timeline) for timeline in grid.timelines.values()]
+        self._presets = [preset_digest(preset) for preset in grid.presets.values()]
+        self._gestures = [digest(gesture) for gesture in grid.gestures.values()]
+        self._ids = tuple(grid.parameters)
+        self._common = digest(PROGRAM, grid.settings)
         self._before_seed: dict[Any, Any] = {}
 
     def key(self, case: Case) -> str:
-        """The key of a case: `KEY_DIGITS` hexadecimal digits, the name of its file."""
+        """Return the key of a case, `KEY_DIGITS` hexadecimal digits: the name of its file."""
         parts = (case.timeline, case.preset, case.gesture, case.values)
-        # seeds change fastest: what comes before them is hashed once
+        # seeds change fastest: the digest of all other parts is reused
         if parts not in self._before_seed:
-            found = hashlib.sha256()
-            _feed(found, self._common)
-            _feed(found, self._timelines[case.timeline])
-            _feed(found, self._presets[case.preset])
-            _feed(found, self._gestures[case.gesture])
-            _feed(found, sorted(zip(self._ids, case.values, strict=True)))
-            self._before_seed = {parts: found}
-        found = self._before_seed[parts].copy()
-        _feed(found, case.seed)
-        return str(found.hexdigest())[:KEY_DIGITS]
+            result = hashlib.sha256()
+            _update(result, self._common)
+            _update(result, self._timelines[case.timeline])
+            _update(result, self._presets[case.preset])
+            _update(result, self._gestures[case.gesture])
+            _update(result, sorted(zip(self._ids, case.values, strict=True)))
+            self._before_seed = {parts: result}
+        result = self._before_seed[parts].copy()
+        _update(result, case.seed)
+        return str(result.hexdigest())[:KEY_DIGITS]

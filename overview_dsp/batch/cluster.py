@@ -1,7 +1,7 @@
-"""A study's work on a Dask cluster (the extra `cluster`).
+"""Workers of a Dask cluster (the extra `cluster`).
 
-The study goes to the scheduler once, as a task's result that can be made again when the workers
-that hold it are gone. A worker keeps its surfaces and memory from task to task.
+The scheduler gets the grid once, as the result of a task, which it repeats if the workers that hold
+it are lost. A worker reuses its surfaces and memory for all tasks.
 """
 
 from __future__ import annotations
@@ -13,23 +13,22 @@ from functools import lru_cache
 from typing import Any
 
 from overview_dsp.batch.cache_keys import PROGRAM
-from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.task import Done, Job, Worker
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError
+from overview_dsp.installation import require_package
 
-MOST_RETRIES = 10
-"""So often a task is given out anew after its worker has died."""
+MAX_RETRIES = 10
+"""Retries of a task whose worker died."""
 
 CONNECT_S = 10.0
 
 WAITING = 2000
-"""Tasks with the scheduler at a time."""
+"""Tasks that the scheduler holds at a time."""
 
 
 @lru_cache(maxsize=4)
 def _worker_of(packed: bytes) -> Worker:
-    # a study of before is let go; its threads' memory with it
     return Worker(pickle.loads(packed))
 
 
@@ -37,21 +36,21 @@ def _same(packed: bytes) -> bytes:
     return packed
 
 
-def _run(packed: bytes, program: str, jobs: Sequence[Job]) -> Done:
+def _run(packed: bytes, program: str, jobs: Sequence[Job]) -> TaskResult:
     if program != PROGRAM:
         raise OverviewError(
-            f"a worker has another version of this program or of numba ({PROGRAM}, here "
-            f"{program}); install the same everywhere"
+            f"a worker has another version of this program or of numba ({PROGRAM}; this machine: "
+            f"{program}); install the same version on all machines"
         )
     return _worker_of(packed).run(jobs)
 
 
 class Cluster:
-    """A connection to a scheduler."""
+    """Connection to a scheduler."""
 
     def __init__(self, address: str) -> None:
-        """Connect; OverviewError if nothing answers at the address."""
-        distributed = library("distributed", "cluster")
+        """Connect to the scheduler at `address`; OverviewError if nothing answers there."""
+        distributed = require_package("distributed", "a cluster", "cluster")
         try:
             self._client = distributed.Client(address, set_as_default=False, timeout=CONNECT_S)
         except (OSError, ValueError, TimeoutError) as error:
@@ -62,31 +61,31 @@ class Cluster:
         self._as_completed = distributed.as_completed
 
     def close(self) -> None:
-        """Let go of the scheduler."""
+        """Disconnect from the scheduler."""
         self._client.close()
 
     @property
     def threads(self) -> int:
-        """How many tasks run at a time; 1 while there is no worker."""
+        """Number of tasks that run at a time; 1 while there is no worker."""
         threads: int = sum(self._client.nthreads().values())
         return max(1, threads)
 
-    def run(self, study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
-        """Run tasks on the cluster's workers; results come as they are there.
+    def run(self, grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
+        """Run tasks on the workers of the cluster, and yield each result when it is finished.
 
         Raises
         ------
         OverviewError
-            A worker can't do its task: its process died again and again, or lacks this program.
+            A worker can't run its task: its process died repeatedly, or lacks this program.
         """
         client = self._client
-        packed = client.submit(_same, pickle.dumps(study), pure=False)
+        packed = client.submit(_same, pickle.dumps(grid), pure=False)
         numbers = iter(tasks)
 
         def more(count: int) -> list[Any]:
-            # `retries` are for workers that die; what a case does wrong is in its result
+            # `retries` count workers that die; a failed case is part of its result
             return [
-                client.submit(_run, packed, PROGRAM, jobs, pure=False, retries=MOST_RETRIES)
+                client.submit(_run, packed, PROGRAM, jobs, pure=False, retries=MAX_RETRIES)
                 for jobs in itertools.islice(numbers, count)
             ]
 
@@ -94,13 +93,13 @@ class Cluster:
         try:
             for future in waiting:
                 try:
-                    done: Done = future.result()
+                    done: TaskResult = future.result()
                 except OverviewError:
                     raise
                 except Exception as error:
                     raise OverviewError(
-                        f"a worker can't do its task ({type(error).__name__}: {error}); what is "
-                        "finished is kept, run it again"
+                        f"a worker can't run its task ({type(error).__name__}: {error}); finished "
+                        "cases are kept; run the command again"
                     ) from None
                 yield done
                 future.release()

@@ -1,4 +1,4 @@
-"""A study: what is combined with what, and the numbering of its cases."""
+"""Render grid: combinations of timelines, presets, gestures, parameters and seeds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from overview_dsp.offline.rendering.schedule import Tail
 
 @dataclass(frozen=True)
 class Settings:
-    """What is the same for every case: how long its sound is, and how it is stored."""
+    """Settings that all cases share: duration and format of the sound files."""
 
     sample_rate: float = 48_000.0
     tail: Tail = "rest"
@@ -25,7 +25,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Case:
-    """One render of a study: places in its lists, the values of its parameters, a seed."""
+    """One render of a grid: indices into its lists, parameter values and a seed."""
 
     index: int
     timeline: int
@@ -36,14 +36,15 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Study:
-    """A grid of renders, and where they go.
+class RenderGrid:
+    """A grid of renders, and their folder.
 
     Attributes
     ----------
     out : str
-        A folder, or an address of one (`s3://bucket/study`, `memory://study`).
-    timelines, presets, gestures : mapping of name to what it names
+        A folder, or its URL (`s3://bucket/study`, `memory://study`).
+    timelines, presets, gestures : mapping
+        Objects by name.
     parameters : mapping of id to values
         `tactor.gain_db`, `kinds.goal.height`; each is combined with all others.
     seeds : tuple of int
@@ -66,14 +67,14 @@ class Study:
         return math.prod(self._sizes()) * len(self.seeds)
 
     def case(self, index: int) -> Case:
-        """Case `index` of `len(study)`: seeds change fastest, timelines slowest."""
+        """Return case `index` of `len(self)`: seeds change fastest, timelines slowest."""
         rest, seed = divmod(index, len(self.seeds))
-        places = []
+        indices = []
         for size in reversed(self._sizes()):
-            rest, place = divmod(rest, size)
-            places.append(place)
-        timeline, preset, gesture, *chosen = reversed(places)
+            rest, index_in_list = divmod(rest, size)
+            indices.append(index_in_list)
+        timeline, preset, gesture, *chosen = reversed(indices)
         values = tuple(
-            of[place] for of, place in zip(self.parameters.values(), chosen, strict=True)
+            options[i] for options, i in zip(self.parameters.values(), chosen, strict=True)
         )
         return Case(index, timeline, preset, gesture, values, self.seeds[seed])

@@ -1,78 +1,129 @@
-"""A jobs file: TOML that names a study's timelines, presets, gestures, parameters and seeds.
+"""Jobs file: the TOML description of a render grid.
 
 ::
 
-    out = "study"                       a folder beside this file, or an address; required
+    out = "study"                       folder beside this file, or a URL; required
     timelines = ["world-cup-final-2018", "data/*.json",
                  {file = "AAPL.csv", value = "Close", window = ["end-6w", "end"]}]    required
-    presets = ["football", "mine.toml"] the one that fits the first timeline if left out
+    presets = ["football", "mine.toml"] default: the preset that fits the first timeline
     gestures = ["sweep:0.5", "tap:0.8:0.5", "takes/one.csv"]      required
     seeds = 100                         0 to 99; or a list
-    sample_rate = 48000
+    sample_rate = 48000                 Hz
     tail = "none"                       rest, none, or seconds
-    format = "wav"                      what a sound file's name ends with
+    format = "wav"                      suffix of the sound files
     subtype = "PCM_16"                  as `overview render --subtype`
 
     [parameters]                        each combined with all others
     "tactor.gain_db" = [-12.0, -6.0, 0.0]
     "kinds.goal.height" = {from = 2.0, to = 32.0, steps = 5, scale = "log"}
 
-A timeline's table takes `window` or `zoom_to`, and the options of `load_timeline`. Paths and
-addresses are relative to the file.
+The table of a timeline takes `window` or `zoom_to`, and the options of `load_timeline`. Paths and
+URLs are relative to the file.
 """
 
 from __future__ import annotations
 
 import glob
-import math
 import os
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
-from typing import Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Settings, Study
-from overview_dsp.batch.storage import is_address, local_copy, read_text
+from pydantic import Field
+
+from overview_dsp.batch.grid import RenderGrid, Settings
+from overview_dsp.batch.storage import fsspec, is_url, local_copy, read_text
 from overview_dsp.data.readers import load_timeline
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.registry import BUNDLED
-from overview_dsp.data.readers.source import LoadOptions
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.moments import window_of, zoom_window
+from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
 from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.design.presets.library import fitting_preset, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.files.schema import Allowed, Path, Strict, checked
 from overview_dsp.files.sound import check_sound
 from overview_dsp.files.toml import SUFFIX, line_of, parse_toml
 from overview_dsp.offline.rendering.schedule import Tail, checked_tail, tail_of
 
-KEYS = (
-    "out", "timelines", "presets", "gestures", "seeds",
-    "sample_rate", "tail", "format", "subtype", "parameters",
-)  # fmt: skip
-MOST_CASES = 100_000_000
-MOST_STEPS = 100_000
+MAX_CASES = 100_000_000
+MAX_STEPS = 100_000
 _LOAD_KEYS = tuple(part.name for part in fields(LoadOptions) if part.name != "progress")
 _TAKE = ".csv"
+_RANGE = 'a range {from = 1.0, to = 8.0, steps = 4, scale = "linear"}, where "log" is above 0'
 
 T = TypeVar("T")
+_Names = Annotated[list[str], Field(min_length=1)]
+_Seed = Annotated[int, Field(ge=-(2**63), lt=2**63)]
+
+
+class Jobs(Strict):
+    """Keys of a jobs file."""
+
+    out: (
+        Annotated[str, Field(min_length=1), Allowed("a folder or a URL (s3://bucket/study)")] | None
+    ) = None
+    timelines: Annotated[
+        list[str | dict[str, Any]],
+        Field(min_length=1),
+        Allowed("a list of names, files (with * too), URLs, or tables with a file"),
+    ] = Field(default_factory=list)
+    presets: Annotated[_Names, Allowed("a list of names or .toml files")] | None = None
+    gestures: Annotated[
+        _Names, Allowed("a list of gestures (sweep:0.5, tap:0.8:0.5, or the file of a take)")
+    ] = Field(default_factory=list)
+    seeds: Annotated[
+        Annotated[int, Field(ge=1, le=MAX_CASES)] | Annotated[list[_Seed], Field(min_length=1)],
+        Allowed("a number of seeds (100: 0 to 99), or a list of whole numbers"),
+    ] = 1
+    sample_rate: float = 48_000.0
+    tail: Annotated[str | float, Allowed("rest, none or seconds")] = "rest"
+    format: Annotated[
+        str, Field(pattern="^[A-Za-z0-9]{1,8}$"), Allowed("the suffix of a sound file: wav, flac")
+    ] = "wav"
+    subtype: str | None = None
+    parameters: Annotated[dict[str, Any], Allowed('a table: "tactor.gain_db" = [-6.0, 0.0]')] = (
+        Field(default_factory=dict)
+    )
+
+
+class Range(Strict):
+    """Values of a parameter between two ends."""
+
+    first: float = Field(alias="from")
+    last: float = Field(alias="to")
+    steps: int = Field(ge=2, le=MAX_STEPS)
+    scale: Literal["linear", "log"] = "linear"
+
+    def values(self) -> list[float]:
+        """Return the values; the ends are those that the file holds."""
+        first, last = self.first, self.last
+        parts = [i / (self.steps - 1) for i in range(1, self.steps - 1)]
+        if self.scale == "log":
+            return [first, *(first * (last / first) ** part for part in parts), last]
+        return [first, *(first + (last - first) * part for part in parts), last]
+
+
+KEYS = tuple(Jobs.model_fields)
 
 
 class JobsTable:
-    """A jobs file's data; what is wrong names the file, the line and the key.
+    """Data of a jobs file, whose errors name file, line and key.
 
     Parameters
     ----------
     where
-        The file, a path or an address.
+        Path or URL of the file.
     text
-        All of it.
+        Content of the file.
     data
-        The table with the jobs' keys, and `within` where it stands in the file.
+        Table with the keys of the jobs.
+    within
+        Keys that lead to that table.
     keys
-        Those it may have.
+        Allowed keys.
     """
 
     def __init__(
@@ -87,63 +138,70 @@ class JobsTable:
         self._text, self._within = text, within
         for key in data:
             if key not in keys:
-                raise self.wrong(key, f"no such key{did_you_mean(key, keys)}")
+                raise self.error(f"{self._name((key,))}: no such key{did_you_mean(key, keys)}", key)
 
-    def wrong(self, key: str, what: object, *path: str | int) -> InputError:
-        """The error about a key."""
-        line = line_of(self._text, (*self._within, key, *path))
-        at = f"{self.where}, line {line}" if line is not None else self.where
-        return InputError(f"{at}: {'.'.join((*self._within, key))}: {what}")
+    def error(self, message: str, *path: str | int) -> InputError:
+        """Return an error with the file and the line of a key."""
+        line = line_of(self._text, (*self._within, *path))
+        return InputError(f"{self.where}:{line}: {message}" if line else f"{self.where}: {message}")
 
-    def resolved(self, text: str) -> str:
-        """A path or address, relative to where the file is."""
-        if is_address(text) or os.path.isabs(text):
+    def _name(self, path: Path) -> str:
+        return ".".join(map(str, (*self._within, *path)))
+
+    def jobs(self) -> Jobs:
+        """Return the checked data; InputError for the first value that isn't allowed."""
+        found = checked(Jobs, self.data, self._name)
+        if isinstance(found, Jobs):
+            return found
+        raise self.error(found[0].message, *found[0].path)
+
+    def resolve(self, text: str) -> str:
+        """Return a path or URL that is relative to the folder of the file."""
+        if is_url(text) or os.path.isabs(text):
             return text
-        if is_address(self.where):
+        if is_url(self.where):
             return f"{self.where.rpartition('/')[0]}/{text}"
         return os.path.join(os.path.dirname(self.where), text)
 
-    def entries(self, key: str, kinds: tuple[type, ...], allowed: str) -> list[Any]:
-        """A list that must not be empty."""
-        found = self.data.get(key)
-        if not isinstance(found, list) or not found:
-            raise self.wrong(key, f"is a list of {allowed}")
-        for entry in found:
-            if not isinstance(entry, kinds) or isinstance(entry, bool):
-                raise self.wrong(key, f"{shown(entry)}: is a list of {allowed}")
-        return found
-
-    def collected(self, key: str, named: Iterable[tuple[str, Callable[[], T]]]) -> dict[str, T]:
-        """What a list names, by names; each may be there once."""
+    def load_all(self, key: str, loaders: Iterable[tuple[str, Callable[[], T]]]) -> dict[str, T]:
+        """Return the loaded entries of a list by name; each name may occur once."""
         found: dict[str, T] = {}
-        for name, load in named:
-            if name in found:
-                raise self.wrong(key, f"{name!r} is there twice; leave it in once")
-            try:
-                found[name] = load()
-            except InputError as error:
-                raise self.wrong(key, error) from None
+        name = self._name((key,))
+        try:
+            for entry, load in loaders:
+                if entry in found:
+                    raise InputError(f"{entry!r} occurs twice; remove one")
+                found[entry] = load()
+        except InputError as error:
+            raise self.error(f"{name}: {error}", key) from None
+        if not found:
+            raise self.error(f"{name} is missing; must be {_allowed(key)}", key)
         return found
 
 
-def load_study(where: str | os.PathLike[str], out: str | None = None) -> Study:
-    """The study of a jobs file (a path or an address), its inputs loaded.
+def _allowed(key: str) -> str:
+    found = [one for one in Jobs.model_fields[key].metadata if isinstance(one, Allowed)]
+    return found[0].text
 
-    `out` is taken in place of the file's.
+
+def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGrid:
+    """Load the render grid of a jobs file (a path or a URL) with all of its inputs.
+
+    `out` replaces that of the file.
 
     Raises
     ------
     InputError
-        What is wrong, with file, line and key.
+        The message names file, line and key.
     """
     name = os.fspath(where)
     text = read_text(name)
     file = JobsTable(name, text, parse_toml(text, name))
     if out is None:
-        out = file.data.get("out")
-        if not isinstance(out, str) or not out:
-            raise file.wrong("out", "is a folder or an address (s3://bucket/study)")
-        out = file.resolved(out)
+        given = file.jobs().out
+        if given is None:
+            raise file.error("out is missing; must be a folder or a URL (s3://bucket/study)")
+        out = file.resolve(given)
     return read_grid(file, out)
 
 
@@ -152,65 +210,67 @@ def read_grid(
     out: str,
     timelines: Mapping[str, Timeline] | None = None,
     gestures: Mapping[str, Gesture] | None = None,
-) -> Study:
-    """The study of a table, its inputs loaded; given timelines and gestures come before its own.
+) -> RenderGrid:
+    """Load the render grid of a table; `timelines` and `gestures` come before those of the table.
 
     Raises
     ------
     InputError
-        What is wrong, with file, line and key.
+        The message names file, line and key.
     """
-    timelines = dict(timelines or {})
-    if "timelines" in file.data or not timelines:
-        timelines |= file.collected("timelines", _timelines(file))
-    presets = file.collected("presets", _presets(file, timelines))
-    gestures = dict(gestures or {})
-    if "gestures" in file.data or not gestures:
-        gestures |= file.collected("gestures", _gestures(file))
-    parameters = _parameters(file, presets)
-    study = Study(out, timelines, presets, gestures, parameters, _seeds(file), _settings(file))
-    if len(study) > MOST_CASES:
-        raise InputError(f"{file.where}: {len(study):,} renders; a study has up to {MOST_CASES:,}")
-    return study
+    jobs = file.jobs()
+    timelines, gestures = dict(timelines or {}), dict(gestures or {})
+    if jobs.timelines or not timelines:
+        timelines |= file.load_all("timelines", _timelines(file, jobs.timelines))
+    names = jobs.presets
+    if names is None:
+        names = [fitting_preset(next(iter(timelines.values())))]
+    presets = file.load_all("presets", ((name, lambda n=name: _preset(file, n)) for name in names))  # type: ignore[misc]
+    if jobs.gestures or not gestures:
+        loaders = ((spec, lambda s=spec: _gesture(file, s)) for spec in jobs.gestures)
+        gestures |= file.load_all("gestures", loaders)
+    parameters = _parameters(file, jobs.parameters, presets)
+    seeds = tuple(range(jobs.seeds) if isinstance(jobs.seeds, int) else jobs.seeds)
+    if len(set(seeds)) < len(seeds):
+        raise file.error("seeds: a seed occurs twice; remove one", "seeds")
+    settings = _settings(file, jobs)
+    grid = RenderGrid(out, timelines, presets, gestures, parameters, seeds, settings)
+    if len(grid) > MAX_CASES:
+        raise InputError(
+            f"{file.where}: {len(grid):,} renders; a grid must have {MAX_CASES:,} or fewer"
+        )
+    return grid
 
 
-# --- what is combined -----------------------------------------------------------------------------
+def _timelines(
+    file: JobsTable, entries: list[str | dict[str, Any]]
+) -> Iterator[tuple[str, Callable[[], Timeline]]]:
+    for entry in entries:
+        options = dict(entry) if isinstance(entry, dict) else {}
+        name = options.pop("file", None) if isinstance(entry, dict) else entry
+        if not isinstance(name, str):
+            raise InputError(f"{shown(entry)} has no file; add file = ...")
+        texts = (
+            f"{key}={' to '.join(map(str, value)) if isinstance(value, list) else value}"
+            for key, value in options.items()
+        )
+        label = f" ({', '.join(texts)})" if options else ""
+        for one in [name] if name in BUNDLED else _expand(file, name):
+            yield one + label, lambda one=one, options=options: _timeline(file, one, options)  # type: ignore[misc]
 
 
-def _timelines(file: JobsTable) -> Iterable[tuple[str, Callable[[], Timeline]]]:
-    allowed = "names, files (with * too), addresses, or tables with a file"
-    for entry in file.entries("timelines", (str, dict), allowed):
-        options: dict[str, Any] = {}
-        name = entry
-        if isinstance(entry, dict):
-            options = dict(entry)
-            name = options.pop("file", None)
-            if not isinstance(name, str):
-                raise file.wrong("timelines", "a table has a file = ...")
-        for one in _matching(file, name) if name not in BUNDLED else [name]:
-            label = one
-            if options:
-                pairs = (f"{key}={_plain(value)}" for key, value in options.items())
-                label = f"{label} ({', '.join(pairs)})"
-            yield label, lambda one=one, options=options: _timeline(file, one, options)  # type: ignore[misc]
-
-
-def _plain(value: Any) -> str:
-    return " to ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def _matching(file: JobsTable, name: str) -> list[str]:
-    """The files of a name with wildcards, sorted; a name without them as it is."""
-    path = file.resolved(name)
+def _expand(file: JobsTable, name: str) -> list[str]:
+    """Return the files that match a name with wildcards, sorted; or the name without wildcards."""
     if not glob.has_magic(name):
         return [name]
-    if is_address(path):
-        fs, root = library("fsspec").core.url_to_fs(path)
+    path = file.resolve(name)
+    if is_url(path):
+        fs, root = fsspec().core.url_to_fs(path)
         found = [fs.unstrip_protocol(one) for one in fs.glob(root)]
     else:
         found = glob.glob(name, root_dir=os.path.dirname(file.where) or ".")
     if not found:
-        raise file.wrong("timelines", f"no file is like {name!r}")
+        raise InputError(f"no file matches {name!r}")
     return sorted(found)
 
 
@@ -219,55 +279,34 @@ def _timeline(file: JobsTable, name: str, options: Mapping[str, Any]) -> Timelin
     for key in load:
         if key not in _LOAD_KEYS:
             raise InputError(
-                f"{name}: no option {key!r}; there are window, zoom_to, {', '.join(_LOAD_KEYS)}"
+                f"{name}: no option {key!r}; options are window, zoom_to, {', '.join(_LOAD_KEYS)}"
             )
     if name in BUNDLED:
         timeline = load_timeline(name, **load)
     else:
-        with local_copy(file.resolved(name)) as path:
+        with local_copy(file.resolve(name)) as path:
             timeline = load_timeline(path, **load)
     window, zoom_to = options.get("window"), options.get("zoom_to")
     if window is not None and zoom_to is not None:
-        raise InputError(f"{name}: window and zoom_to both name a part; give one of them")
-    if window is not None:
-        if not isinstance(window, list) or len(window) != 2:
-            raise InputError(f"{name}: window = {shown(window)}; it is a list: start and end")
-        return timeline.window(*window_of(timeline, str(window[0]), str(window[1])))
+        raise InputError(f"{name}: window and zoom_to both select a window; remove one of them")
     if zoom_to is not None:
         return timeline.window(*zoom_window(timeline, str(zoom_to)))
-    return timeline
-
-
-def _presets(
-    file: JobsTable, timelines: Mapping[str, Timeline]
-) -> Iterable[tuple[str, Callable[[], Preset]]]:
-    if "presets" not in file.data:
-        name = fitting_preset(next(iter(timelines.values())))
-        return [(name, lambda: load_preset(name))]
-    allowed = "names or .toml files"
-    return [
-        (name, lambda name=name: _preset(file, name))  # type: ignore[misc]
-        for name in file.entries("presets", (str,), allowed)
-    ]
+    if window is None:
+        return timeline
+    if not isinstance(window, list) or len(window) != 2:
+        raise InputError(f"{name}: window = {shown(window)}; must be a list of start and end")
+    return timeline.window(*window_of(timeline, str(window[0]), str(window[1])))
 
 
 def _preset(file: JobsTable, name: str) -> Preset:
     if not name.endswith(SUFFIX):
         return load_preset(name)
-    with local_copy(file.resolved(name)) as path:
+    with local_copy(file.resolve(name)) as path:
         return load_preset(path)
 
 
-def _gestures(file: JobsTable) -> Iterable[tuple[str, Callable[[], Gesture]]]:
-    allowed = "gestures (sweep:0.5, tap:0.8:0.5, a take's file)"
-    return [
-        (spec, lambda spec=spec: _gesture(file, spec))  # type: ignore[misc]
-        for spec in file.entries("gestures", (str,), allowed)
-    ]
-
-
 def _gesture(file: JobsTable, spec: str) -> Gesture:
-    whole = file.resolved(spec)
+    whole = file.resolve(spec)
     if spec.lower().endswith(_TAKE) and ("+" not in spec or os.path.exists(whole)):
         with local_copy(whole) as path:
             return load_gesture(path)
@@ -278,97 +317,51 @@ def _gesture(file: JobsTable, spec: str) -> Gesture:
     return sum(parts[1:], parts[0])
 
 
-def _parameters(file: JobsTable, presets: Mapping[str, Preset]) -> dict[str, tuple[Value, ...]]:
-    table = file.data.get("parameters", {})
-    if not isinstance(table, dict):
-        raise file.wrong("parameters", 'is a table: "tactor.gain_db" = [-6.0, 0.0]')
+def _parameters(
+    file: JobsTable, table: Mapping[str, Any], presets: Mapping[str, Preset]
+) -> dict[str, tuple[Value, ...]]:
     found: dict[str, tuple[Value, ...]] = {}
-    for id, given in _flat(table):
+    for id, given in _flatten(table):
         try:
             values = _range(given) if isinstance(given, dict) else given
             if not isinstance(values, list) or not values:
-                raise InputError(
-                    "is a list of values, or {from = ..., to = ..., steps = ..., scale = ...}"
-                )
-            checked = []
+                raise InputError(f"{shown(given)}; must be a list of values, or {_RANGE}")
             for value in values:
                 for preset in presets.values():
                     preset.with_value(id, value)
-                checked.append(float(value) if type(value) is int else value)
+            found[id] = tuple(float(value) if type(value) is int else value for value in values)
+            if len(set(found[id])) < len(values):
+                raise InputError("a value occurs twice; remove one")
         except InputError as error:
-            raise file.wrong("parameters", f"{id}: {error}", id) from None
-        if len(set(checked)) < len(checked):
-            raise file.wrong("parameters", f"{id}: a value is there twice", id)
-        found[id] = tuple(checked)
+            raise file.error(f"parameters: {id}: {error}", "parameters", id) from None
     return found
 
 
-_RANGE_KEYS = {"from", "to", "steps", "scale"}
-
-
-def _flat(table: Mapping[str, Any], before: str = "") -> Iterable[tuple[str, Any]]:
-    """Ids with their values, whether written with quotes or as nested tables."""
+def _flatten(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield ids with their values, for quoted keys and for nested tables."""
     for key, value in table.items():
-        if isinstance(value, dict) and not value.keys() & _RANGE_KEYS:
-            yield from _flat(value, f"{before}{key}.")
+        if isinstance(value, dict) and not value.keys() & {"from", "to", "steps", "scale"}:
+            yield from _flatten(value, f"{prefix}{key}.")
         else:
-            yield f"{before}{key}", value
+            yield f"{prefix}{key}", value
 
 
-def _range(given: Mapping[str, Any]) -> list[float]:
-    allowed = 'a range is {from = 1.0, to = 8.0, steps = 4, scale = "linear" or "log"}'
-    if not {"from", "to", "steps"} <= given.keys() <= _RANGE_KEYS:
-        raise InputError(f"{shown(dict(given))}; {allowed}")
-    first, last, steps = given["from"], given["to"], given["steps"]
-    scale = given.get("scale", "linear")
-    numbers = all(type(value) in (int, float) and math.isfinite(value) for value in (first, last))
-    if not numbers or type(steps) is not int or not 2 <= steps <= MOST_STEPS:
-        raise InputError(f"{shown(dict(given))}; {allowed}, with 2 to {MOST_STEPS:,} steps")
-    if scale not in ("linear", "log") or (scale == "log" and not (first > 0.0 and last > 0.0)):
-        raise InputError(f"{shown(dict(given))}; {allowed}, and log above 0")
-    part = [i / (steps - 1) for i in range(steps)]
-    if scale == "log":
-        inside = [first * (last / first) ** p for p in part]
-    else:
-        inside = [first + (last - first) * p for p in part]
-    # the ends as they are written
-    return [float(first), *inside[1:-1], float(last)]
+def _range(table: dict[str, Any]) -> list[float]:
+    found = checked(Range, table)
+    if not isinstance(found, Range):
+        raise InputError(f"{found[0].message}; must be {_RANGE}, with 2 to {MAX_STEPS:,} steps")
+    if found.scale == "log" and not (found.first > 0.0 and found.last > 0.0):
+        raise InputError(f"{shown(table)}; must be {_RANGE}")
+    return found.values()
 
 
-def _seeds(file: JobsTable) -> tuple[int, ...]:
-    given = file.data.get("seeds", [0])
-    if type(given) is int and 1 <= given <= MOST_CASES:
-        return tuple(range(given))
-    if (
-        isinstance(given, list)
-        and given
-        and all(type(seed) is int and -(2**63) <= seed < 2**63 for seed in given)
-    ):
-        if len(set(given)) == len(given):
-            return tuple(given)
-        raise file.wrong("seeds", "a seed is there twice")
-    raise file.wrong("seeds", "is a number of seeds (100: 0 to 99), or a list of whole numbers")
-
-
-# --- how it is rendered ---------------------------------------------------------------------------
-
-
-def _settings(file: JobsTable) -> Settings:
-    rate = file.data.get("sample_rate", 48_000)
-    if type(rate) not in (int, float):
-        raise file.wrong("sample_rate", f"{shown(rate)} is not a number of Hz")
-    given = file.data.get("tail", "rest")
-    form, subtype = file.data.get("format", "wav"), file.data.get("subtype")
-    if not isinstance(form, str) or not re.fullmatch(r"[A-Za-z0-9]{1,8}", form):
-        raise file.wrong("format", f"{shown(form)} is no format; it is wav, flac, ...")
-    if subtype is not None and not isinstance(subtype, str):
-        raise file.wrong("subtype", f"{shown(subtype)} is not a text")
+def _settings(file: JobsTable, jobs: Jobs) -> Settings:
     try:
-        tail: Tail = tail_of(given) if isinstance(given, str) else checked_tail(given)
-    except (InputError, TypeError) as error:
-        raise file.wrong("tail", error) from None
-    try:
-        check_sound(f"sound.{form}", float(rate), subtype)
+        tail: Tail = tail_of(jobs.tail) if isinstance(jobs.tail, str) else checked_tail(jobs.tail)
     except InputError as error:
-        raise file.wrong("format", error) from None
-    return Settings(float(rate), tail, form, subtype)
+        raise file.error(f"tail: {error}", "tail") from None
+    try:
+        check_sound(f"sound.{jobs.format}", jobs.sample_rate, jobs.subtype)
+    except InputError as error:
+        raise file.error(f"format: {error}", "format") from None
+    return Settings(jobs.sample_rate, tail, jobs.format, jobs.subtype)

@@ -1,7 +1,7 @@
-"""A study's work in processes of this machine.
+"""Worker processes on this machine.
 
-A process that dies (out of memory, say) takes its task with it: the task is given to a new one.
-Processes end with the one that started them, however that ends.
+The task of a process that dies (out of memory, say) is repeated in a new process. Workers end when
+their parent process ends.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import connection, get_context, parent_process
 
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.task import Done, Job, Worker
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError, OverviewWarning
 
-MOST_DEATHS = 3
-"""So often a task may lose its process before the study gives up."""
+MAX_DEATHS = 3
+"""Deaths of processes after which the batch ends."""
 
 WAITING = 4
-"""Tasks a process that are handed out before their turn."""
+"""Queued tasks per process."""
 
 _worker: Worker | None = None
 _notes: list[str] = []
@@ -36,15 +36,15 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def _begin(study: Study) -> None:
+def _begin(grid: RenderGrid) -> None:
     global _worker
-    # Ctrl-C is the parent's to answer
+    # the parent handles Ctrl-C
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    # notes are the parent's to show, once
+    # the parent shows each warning, once
     warnings.simplefilter("always", OverviewWarning)
     warnings.showwarning = _note  # type: ignore[assignment]
-    _worker = Worker(study)
+    _worker = Worker(grid)
 
 
 def _note(message: Warning | str, category: type[Warning], *where: object) -> None:
@@ -52,7 +52,7 @@ def _note(message: Warning | str, category: type[Warning], *where: object) -> No
         _notes.append(str(message))
 
 
-def _run(jobs: Sequence[Job]) -> tuple[Done, list[str]]:
+def _run(jobs: Sequence[Job]) -> tuple[TaskResult, list[str]]:
     assert _worker is not None
     done = _worker.run(jobs)
     notes = list(dict.fromkeys(_notes))
@@ -60,29 +60,29 @@ def _run(jobs: Sequence[Job]) -> tuple[Done, list[str]]:
     return done, notes
 
 
-def run_here(study: Study, tasks: Sequence[Sequence[Job]]) -> Iterator[Done]:
-    """Run tasks in this process, one after another."""
-    worker = Worker(study)
+def run_here(grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
+    """Run tasks in this process, one after another, and yield their results."""
+    worker = Worker(grid)
     for jobs in tasks:
         yield worker.run(jobs)
 
 
 def run_in_processes(
-    study: Study, tasks: Sequence[Sequence[Job]], processes: int
-) -> Iterator[Done]:
-    """Run tasks in `processes` processes; results come as they are there.
+    grid: RenderGrid, tasks: Sequence[Sequence[Job]], processes: int
+) -> Iterator[TaskResult]:
+    """Run tasks in `processes` processes, and yield each result when it is finished.
 
     Raises
     ------
     OverviewError
-        A task's process died again and again.
+        Processes died repeatedly.
     """
     left = dict(enumerate(tasks))
     deaths = 0
     warned: set[str] = set()
     while left:
         try:
-            for number, (done, notes) in _run_once(study, dict(left), processes):
+            for number, (done, notes) in _run_once(grid, dict(left), processes):
                 del left[number]
                 for note in notes:
                     if note not in warned:
@@ -91,24 +91,24 @@ def run_in_processes(
                 yield done
         except BrokenProcessPool:
             deaths += 1
-            if deaths >= MOST_DEATHS:
+            if deaths >= MAX_DEATHS:
                 raise OverviewError(
-                    f"processes died {deaths} times (out of memory?); what is finished is kept, "
-                    "run it again with fewer --workers"
+                    f"processes died {deaths} times (out of memory?); finished cases are kept; "
+                    "run the command again with fewer --workers"
                 ) from None
 
 
 def _run_once(
-    study: Study, left: dict[int, Sequence[Job]], processes: int
-) -> Iterator[tuple[int, tuple[Done, list[str]]]]:
+    grid: RenderGrid, left: dict[int, Sequence[Job]], processes: int
+) -> Iterator[tuple[int, tuple[TaskResult, list[str]]]]:
     pool = ProcessPoolExecutor(
         min(processes, len(left)),
-        # not forked: threads of libraries don't survive that
+        # not forked: threads of libraries would be lost
         mp_context=get_context("spawn"),
         initializer=_begin,
-        initargs=(study,),
+        initargs=(grid,),
     )
-    waiting: dict[Future[tuple[Done, list[str]]], int] = {}
+    waiting: dict[Future[tuple[TaskResult, list[str]]], int] = {}
     numbers = iter(list(left))
     try:
         while True:
@@ -128,7 +128,7 @@ def _run_once(
 
 
 def _end(pool: ProcessPoolExecutor) -> None:
-    """Stop at once: what isn't finished will be done again."""
+    """Stop at once; the next run repeats unfinished cases."""
     for process in list((pool._processes or {}).values()):
         process.terminate()
     pool.shutdown(wait=True, cancel_futures=True)

@@ -1,9 +1,9 @@
-"""What is known of a study's renders: parts while it runs, one Parquet manifest in the end.
+"""Results of a batch: parts while it runs, and one Parquet manifest at the end.
 
-A part holds a row for each case, by its key: the measures, or why it failed; JSON lines, which cost
-a worker no library. The manifest has a row for each case of the study in the order of the grid:
-what was combined, every parameter, the measures. Its metadata hold the presets whole
-(`overview_study`, JSON). The same study gives the same bytes.
+A part is a file of JSON lines, which a worker writes without a library. It has one row per case:
+the key, and the measurements or an error. The manifest has one row per case in the order of the
+grid: names, every parameter, measurements. Its metadata (`overview_study`, JSON) hold the complete
+presets. The same grid gives the same bytes.
 """
 
 from __future__ import annotations
@@ -17,36 +17,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import __version__
-from overview_dsp.batch.extra import library
-from overview_dsp.batch.grid import Study
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import require_package
 
 SOUNDS = "sounds"
 PARTS = "parts"
 MANIFEST = "manifest.parquet"
 
 MEASURES: Mapping[str, str] = {
-    "file": "in the study's place",
-    "frames": "length",
+    "file": "path in the output folder",
+    "frames": "length, frames",
     "duration_s": "length, s",
-    "peak_click_dbfs": "none for silence",
-    "peak_tactor_dbfs": "none for silence",
-    "loudness_lufs": "of the clicks, BS.1770 integrated; -70 is silence, none below 4000 Hz",
+    "peak_click_dbfs": "peak of the click, dBFS; none for silence",
+    "peak_tactor_dbfs": "peak of the tactor, dBFS; none for silence",
+    "loudness_lufs": "integrated loudness of the clicks, BS.1770; -70: silence; none below 4000 Hz",
     "strikes": "events passed and slips",
     "felt": "each event passed: its number, kind, and highest level over 10 ms of the tactor, dB",
     "bytes": "size of the file",
-    "sha256": "of the file",
-    "samples_sha256": "of the samples before they were stored, as little-endian float32",
-    "error": "why there is no render, else none",
+    "sha256": "hash of the file",
+    "samples_sha256": "hash of the samples as little-endian float32, before they are stored",
+    "error": "reason of a failure; none for a finished render",
 }
-"""The columns of a part, beside the key."""
+"""Columns of a part beside the key, with their meanings."""
+
+
+def _pyarrow(module: str = "") -> Any:
+    return require_package(f"pyarrow{module}", "overview batch", "batch")
 
 
 def _schema() -> Any:
-    arrow = library("pyarrow")
+    arrow = _pyarrow()
     felt = arrow.struct(
         [("event", arrow.int32()), ("kind", arrow.string()), ("level_db", arrow.float64())]
     )
@@ -59,59 +63,59 @@ def _schema() -> Any:
 
 def _encoded(table: Any) -> bytes:
     file = io.BytesIO()
-    library("pyarrow.parquet").write_table(table, file)
+    _pyarrow(".parquet").write_table(table, file)
     return file.getvalue()
 
 
 def encode_part(rows: Sequence[Mapping[str, Any]]) -> bytes:
-    """Rows (a key and measures; what is left out is none) as JSON lines."""
+    """Return rows (a key and measurements) as JSON lines; a missing measurement becomes null."""
     return "".join(json.dumps(row) + "\n" for row in rows).encode()
 
 
 def _decoded(name: str, data: bytes) -> Any:
-    """The table of a part or of a manifest: the columns of `_schema`."""
+    """Return the table of a part or of a manifest, with the columns of `_schema`."""
     schema, file = _schema(), io.BytesIO(data)
     if name == MANIFEST:
-        found = library("pyarrow.parquet").read_table(file, columns=schema.names)
+        found = _pyarrow(".parquet").read_table(file, columns=schema.names)
     else:
-        read = library("pyarrow.json")
+        read = _pyarrow(".json")
         found = read.read_json(
             file,
-            # a row that spans two blocks is refused
+            # pyarrow rejects a row that spans two blocks
             read.ReadOptions(use_threads=False, block_size=len(data) + 1),
             read.ParseOptions(explicit_schema=schema, unexpected_field_behavior="error"),
         )
     return found.select(schema.names).cast(schema).replace_schema_metadata(None)
 
 
-def read_rows(place: Place) -> tuple[Any, list[str]]:
-    """What is known of a place: a table of parts' columns, and the names of the parts.
+def read_rows(storage: Storage) -> tuple[Any, list[str]]:
+    """Read all finished rows of an output folder, and the names of its parts.
 
     Raises
     ------
     InputError
-        A file there isn't what it should be.
+        A manifest or part can't be decoded.
     """
-    arrow = library("pyarrow")
-    parts = sorted(place.sizes(PARTS))
+    arrow = _pyarrow()
+    parts = sorted(storage.sizes(PARTS))
     tables = [_schema().empty_table()]
     for name in (MANIFEST, *parts):
         try:
-            data = place.get(name)
+            data = storage.get(name)
         except FileNotFoundError:
             continue
         try:
             tables.append(_decoded(name, data))
         except (arrow.ArrowException, KeyError, ValueError) as error:
             raise InputError(
-                f"{place.where}/{name}: not what a study left here ({error}); remove it, "
-                "or choose another place"
+                f"{storage.where}/{name}: not a file of a batch ({error}); remove it, "
+                "or choose another output folder"
             ) from None
     return arrow.concat_tables(tables), parts
 
 
 def finished_rows(table: Any, sizes: Mapping[str, int]) -> dict[str, int]:
-    """Where in the table each finished key is: rendered, and its file there in full size."""
+    """Return the table row of each finished key: its file exists in full size."""
     columns = (table.column(name).to_pylist() for name in ("key", "file", "bytes", "error"))
     return {
         key: row
@@ -121,11 +125,14 @@ def finished_rows(table: Any, sizes: Mapping[str, int]) -> dict[str, int]:
 
 
 def rows_of(
-    place: Place, table: Any, finished: Mapping[str, int], keys: Sequence[str]
+    storage: Storage, table: Any, finished: Mapping[str, int], keys: Sequence[str]
 ) -> NDArray[np.int64]:
-    """The table's row of each key: the finished one, else the last that failed.
+    """Return the table row of each key: the finished one, else the last failed one.
 
-    OverviewError if a key has neither: its file was taken away meanwhile.
+    Raises
+    ------
+    OverviewError
+        A key has neither, as its file was deleted during the run.
     """
     failed = {
         key: row
@@ -137,47 +144,47 @@ def rows_of(
     rows = [finished.get(key, failed.get(key, -1)) for key in keys]
     if -1 in rows:
         raise OverviewError(
-            f"{place.where}: {rows.count(-1)} sounds have vanished while others were made; "
-            "run it again"
+            f"{storage.where}: {rows.count(-1)} sounds were deleted during the run; "
+            "run the command again"
         )
     return np.array(rows, np.int64)
 
 
-def encode_manifest(study: Study, table: Any, rows: NDArray[np.int64]) -> bytes:
-    """The study's manifest; case `i` has the measures of row `rows[i]` of the table."""
-    arrow = library("pyarrow")
-    count = len(study)
-    lists = [study.timelines, study.presets, study.gestures, *study.parameters.values()]
-    sizes = (*map(len, lists), len(study.seeds))
-    places = np.unravel_index(np.arange(count), sizes)
+def encode_manifest(grid: RenderGrid, table: Any, rows: NDArray[np.int64]) -> bytes:
+    """Return the manifest; case `i` has the measurements in row `rows[i]` of the table."""
+    arrow = _pyarrow()
+    count = len(grid)
+    lists = [grid.timelines, grid.presets, grid.gestures, *grid.parameters.values()]
+    sizes = (*map(len, lists), len(grid.seeds))
+    indices = np.unravel_index(np.arange(count), sizes)
 
     def chosen(values: Sequence[Any], at: NDArray[np.int64]) -> Any:
-        # each value once: of a dictionary with twins Parquet writes bytes left over in memory
+        # each value once: with duplicates, Parquet writes uninitialised bytes
         unique = list(dict.fromkeys(values))
         code = np.array([unique.index(value) for value in values], np.int32)
         return arrow.DictionaryArray.from_arrays(arrow.array(code[at]), arrow.array(unique))
 
     columns: dict[str, Any] = {
         "index": arrow.array(np.arange(count)),
-        "timeline": chosen(list(study.timelines), places[0]),
-        "preset": chosen(list(study.presets), places[1]),
-        "gesture": chosen(list(study.gestures), places[2]),
-        "seed": arrow.array(np.array(study.seeds, np.int64)[places[-1]]),
+        "timeline": chosen(list(grid.timelines), indices[0]),
+        "preset": chosen(list(grid.presets), indices[1]),
+        "gesture": chosen(list(grid.gestures), indices[2]),
+        "seed": arrow.array(np.array(grid.seeds, np.int64)[indices[-1]]),
     }
-    varied = dict(zip(study.parameters, places[3:-1], strict=True))
+    varied = dict(zip(grid.parameters, indices[3:-1], strict=True))
     for id in (*PARAMETERS, *(id for id in varied if id not in PARAMETERS)):
         if id in varied:
-            columns[id] = chosen(study.parameters[id], varied[id])
+            columns[id] = chosen(grid.parameters[id], varied[id])
         else:
-            values = [preset.values[id] for preset in study.presets.values()]
-            columns[id] = chosen(values, places[1])
+            values = [preset.values[id] for preset in grid.presets.values()]
+            columns[id] = chosen(values, indices[1])
     measured = table.take(arrow.array(rows))
     columns |= {name: measured.column(name) for name in measured.schema.names}
     about = {
         "overview_dsp": __version__,
-        "sample_rate": study.settings.sample_rate,
-        "tail": study.settings.tail,
-        "presets": {name: preset_to_dict(preset) for name, preset in study.presets.items()},
+        "sample_rate": grid.settings.sample_rate,
+        "tail": grid.settings.tail,
+        "presets": {name: preset_to_dict(preset) for name, preset in grid.presets.items()},
         "columns": MEASURES,
     }
     metadata = {"overview_study": json.dumps(about, ensure_ascii=False)}

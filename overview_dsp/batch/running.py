@@ -1,4 +1,4 @@
-"""Run a study: what isn't finished yet, anywhere, then the manifest."""
+"""Run a batch: render the unfinished cases of a grid, then write the manifest."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
 from overview_dsp.batch.cache_keys import Keys
-from overview_dsp.batch.grid import Study
+from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.local import run_here, run_in_processes
-from overview_dsp.batch.storage import Place, is_address
-from overview_dsp.batch.task import Done, Job
+from overview_dsp.batch.storage import Storage, is_url
+from overview_dsp.batch.task import Job, TaskResult
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import pause
 from overview_dsp.design.presets.library import load_preset
@@ -22,121 +22,120 @@ from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.offline.rendering.many import RenderJob, render_many, usable_cores
 
-TASKS_A_WORKER = 16
-MOST_A_TASK = 256
-"""Cases of a task: few enough that all workers end together, enough that handing out is cheap."""
+TASKS_PER_WORKER = 16
+MAX_CASES_PER_TASK = 256
+"""Cases per task: few, so that all workers end together; many, so that scheduling is cheap."""
 
 Progress = Callable[[int, int], None]
-"""Receives how many cases are finished, of how many."""
+"""Receives the numbers of finished cases and of all cases."""
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What became of a study.
+class BatchResult:
+    """Result of a batch.
 
     Attributes
     ----------
-    cases, found, rendered : int
-        All; those that were finished before; those that were rendered now.
-    failed : tuple of (case, why)
+    cases, cached, rendered : int
+        Numbers of all cases, of those that earlier runs finished, and of new renders.
+    failed : tuple of (index, error)
+        Failed cases.
     manifest : str
-        The manifest's path or address.
+        Path or URL of the manifest.
     """
 
     cases: int
-    found: int
+    cached: int
     rendered: int
     failed: tuple[tuple[int, str], ...]
     manifest: str
 
 
-def run_study(
-    study: Study,
+def run_batch(
+    grid: RenderGrid,
     *,
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Progress | None = None,
-) -> Outcome:
-    """Render what isn't finished of a study, then write its manifest.
+) -> BatchResult:
+    """Render the unfinished cases of a grid, then write its manifest.
 
-    Stopped or killed at any moment, it goes on where it was when it is run again. Files, hashes and
-    manifest are the same wherever and in however many pieces it ran. One run at a time in a place.
+    A batch that was stopped or killed resumes when it runs again. Files, hashes and manifest don't
+    depend on the machine or on the number of runs. Only one run may use an output folder at a time.
 
     Parameters
     ----------
-    study : Study
+    grid : RenderGrid
     workers : int or None
-        Processes of this machine; None is one a core, 1 works in this one.
+        Processes on this machine; None: one per core; 1: this process.
     scheduler : str or None
-        A Dask scheduler's address, to work on its cluster instead.
-    progress : callable
+        Address of a Dask scheduler, whose cluster renders instead.
+    progress : callable or None
+        See `Progress`.
 
     Raises
     ------
     InputError, OutputError
-        The place can't be read or written. A case that can't be rendered is in `failed` instead.
+        The output folder can't be read or written. A case that fails is in `failed` instead.
     OverviewError
-        Workers died again and again, or no scheduler answers.
+        Workers died repeatedly, or no scheduler answers.
     """
-    if not is_address(study.out):
-        # a cluster's workers stand in other folders
-        study = replace(study, out=os.path.abspath(study.out))
-    place = Place(study.out)
+    if not is_url(grid.out):
+        # workers of a cluster run in other folders
+        grid = replace(grid, out=os.path.abspath(grid.out))
+    storage = Storage(grid.out)
     if workers is not None and workers < 1:
-        raise InputError(f"workers = {workers}; it is 1 or more")
-    if place.of_one_process and (workers != 1 or scheduler is not None):
-        raise InputError(f"{study.out}: only one process sees it; use workers = 1")
-    keys = _keys(study)
-    place.clean()
-    table, _ = manifest.read_rows(place)
-    finished = manifest.finished_rows(table, place.sizes(manifest.SOUNDS))
-    # equal contents under two names are one render
+        raise InputError(f"workers is {workers}; must be 1 or more")
+    if storage.of_one_process and (workers != 1 or scheduler is not None):
+        raise InputError(f"{grid.out}: other processes can't read it; use workers = 1")
+    key_of = Keys(grid).key
+    keys = [key_of(grid.case(index)) for index in range(len(grid))]
+    storage.clean()
+    table, _ = manifest.read_rows(storage)
+    finished = manifest.finished_rows(table, storage.sizes(manifest.SOUNDS))
+    # equal inputs with two names need one render
     missing = {key: index for index, key in enumerate(keys) if key not in finished}
-    found = sum(key in finished for key in keys)
+    cached = sum(key in finished for key in keys)
     failed: list[tuple[int, str]] = []
     if progress:
-        progress(found, len(keys))
+        progress(cached, len(keys))
     if missing:
-        count = found
+        count = cached
         jobs = [(index, key) for key, index in missing.items()]
         try:
-            with _runner(study, workers, scheduler) as (run, at_a_time):
-                for done in run(study, _tasks(jobs, at_a_time)):
+            with _runner(grid, workers, scheduler) as (run, at_a_time):
+                for done in run(grid, _tasks(jobs, at_a_time)):
                     count += done.finished + len(done.failed)
                     failed += done.failed
                     if progress:
                         progress(min(count, len(keys)), len(keys))
         except BaseException:
-            place.clean()  # of what was being written
+            storage.clean()  # deletes incomplete files
             raise
-    table, parts = manifest.read_rows(place)
-    finished = manifest.finished_rows(table, place.sizes(manifest.SOUNDS))
-    rows = manifest.rows_of(place, table, finished, keys)
-    place.put(manifest.MANIFEST, manifest.encode_manifest(study, table, rows))
-    # what they hold is in the manifest now
-    place.remove(parts)
-    place.clean()
-    at = f"{study.out.rstrip('/')}/{manifest.MANIFEST}"
+    table, parts = manifest.read_rows(storage)
+    finished = manifest.finished_rows(table, storage.sizes(manifest.SOUNDS))
+    rows = manifest.rows_of(storage, table, finished, keys)
+    storage.put(manifest.MANIFEST, manifest.encode_manifest(grid, table, rows))
+    storage.remove(parts)
+    storage.clean()
+    at = f"{grid.out.rstrip('/')}/{manifest.MANIFEST}"
     rendered = len(missing) - len(failed)
-    return Outcome(len(keys), found, rendered, tuple(sorted(failed)), at)
-
-
-def _keys(study: Study) -> list[str]:
-    keys = Keys(study)
-    return [keys.key(study.case(index)) for index in range(len(study))]
+    return BatchResult(len(keys), cached, rendered, tuple(sorted(failed)), at)
 
 
 def _tasks(jobs: Sequence[Job], at_a_time: int) -> list[Sequence[Job]]:
-    size = min(max(1, math.ceil(len(jobs) / (at_a_time * TASKS_A_WORKER))), MOST_A_TASK)
+    size = min(max(1, math.ceil(len(jobs) / (at_a_time * TASKS_PER_WORKER))), MAX_CASES_PER_TASK)
     return [jobs[first : first + size] for first in range(0, len(jobs), size)]
 
 
-Run = Callable[[Study, Sequence[Sequence[Job]]], Iterator[Done]]
+Run = Callable[[RenderGrid, Sequence[Sequence[Job]]], Iterator[TaskResult]]
 
 
 @contextmanager
-def _runner(study: Study, workers: int | None, scheduler: str | None) -> Iterator[tuple[Run, int]]:
-    """Where the work is done, and how many tasks at a time."""
+def _runner(
+    grid: RenderGrid, workers: int | None, scheduler: str | None
+) -> Iterator[tuple[Run, int]]:
+    """Yield the function that runs tasks, and the number of tasks that run at a time."""
     if scheduler is not None:
         from overview_dsp.batch.cluster import Cluster
 
@@ -150,12 +149,12 @@ def _runner(study: Study, workers: int | None, scheduler: str | None) -> Iterato
     if processes == 1:
         yield run_here, 1
         return
-    _compile()
-    yield lambda study, tasks: run_in_processes(study, tasks, processes), processes
+    _compile_kernels()
+    yield lambda grid, tasks: run_in_processes(grid, tasks, processes), processes
 
 
-def _compile() -> None:
-    """Have the kernels compiled once, and said so, before processes need them."""
+def _compile_kernels() -> None:
+    """Compile the kernels once, with a message, before worker processes need them."""
     if not (is_compiled() and is_compiled("process_lanes")):
         voice = RenderJob(bundled_timeline(), load_preset("football"), pause(0.001))
         for _ in render_many([voice] * SIMD_WIDTH, tail="none", threads=1):

@@ -1,7 +1,7 @@
-"""A place for files: a folder, or anything that fsspec opens (`s3://...`, `memory://...`).
+"""Output folder: a local one, or a URL that fsspec opens (`s3://...`, `memory://...`).
 
-What is put appears whole or not at all. In a folder that takes a temporary file and a rename;
-object stores do it by themselves.
+A written file appears complete or not at all. A local folder needs a temporary file and a rename
+for that; an object store does it by itself.
 """
 
 from __future__ import annotations
@@ -15,51 +15,57 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.batch.extra import library
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import output_error
+from overview_dsp.installation import require_package
 
 UNFINISHED = ".unfinished"
-"""The folder of files that are being written; what lies there after a crash is thrown away."""
+"""Folder of incomplete files, which the next run deletes after a crash."""
 
 
-def is_address(text: str) -> bool:
-    """Whether a text is an address (`scheme://...`) and no path."""
+def is_url(text: str) -> bool:
+    """Return whether `text` is a URL (`scheme://...`)."""
     return "://" in text
 
 
-class Place:
-    """A folder or an address, from any process that reaches it."""
+def fsspec() -> Any:
+    """Import fsspec; InputError if it is missing."""
+    return require_package("fsspec", "overview batch", "batch")
+
+
+class Storage:
+    """A folder or a URL, for any process that can open it."""
 
     def __init__(self, where: str) -> None:
-        """`where` is a path or an address; nothing is touched yet."""
+        """Prepare a path or a URL; nothing is created yet."""
         self.where = where
-        self._path = None if is_address(where) else Path(where)
+        self._path = None if is_url(where) else Path(where)
         self._fs: Any = None
         self._root = where
         if self._path is None:
-            fsspec = library("fsspec")
             try:
-                self._fs, self._root = fsspec.core.url_to_fs(where)
+                self._fs, self._root = fsspec().core.url_to_fs(where)
+            except InputError:
+                raise
             except (ValueError, ImportError, OSError) as error:
                 raise InputError(f"{where}: can't be opened ({error})") from None
         self._made: set[str] = set()
 
     @property
     def of_one_process(self) -> bool:
-        """Whether other processes see nothing of it."""
+        """True for storage in memory, which other processes can't read."""
         return self._path is None and self.where.startswith("memory://")
 
     def _remote(self, name: str) -> str:
         return f"{self._root.rstrip('/')}/{name}"
 
     def put(self, name: str, data: bytes) -> None:
-        """Write a file of the place, whole.
+        """Write a file, complete or not at all.
 
         Raises
         ------
         InputError, OutputError
-            It can't be written there; the disk is full.
+            The file can't be written, or the disk is full.
         """
         folder = name.rpartition("/")[0]
         try:
@@ -74,7 +80,7 @@ class Place:
                     self._make_folders(folder)
                     self._put_in_folder(name, data)
                     return
-                except FileNotFoundError:  # somebody has deleted what this process made
+                except FileNotFoundError:  # another process deleted a folder of this one
                     if last:
                         raise
                     self._made.clear()
@@ -90,7 +96,7 @@ class Place:
 
     def _put_in_folder(self, name: str, data: bytes) -> None:
         assert self._path is not None
-        # paths as text: a study has many files
+        # paths as text: a grid has many files
         temporary = os.path.join(self._path, UNFINISHED, uuid.uuid4().hex)
         try:
             with open(temporary, "wb") as file:
@@ -102,14 +108,14 @@ class Place:
             raise
 
     def get(self, name: str) -> bytes:
-        """A file's bytes.
+        """Read a file.
 
         Raises
         ------
         FileNotFoundError
-            It isn't there.
+            The file doesn't exist.
         InputError
-            It can't be read.
+            The file can't be read.
         """
         try:
             if self._path is None:
@@ -119,16 +125,10 @@ class Place:
         except FileNotFoundError:
             raise
         except OSError as error:
-            raise self._unreadable(name, error) from None
-
-    def _unreadable(self, name: str, error: OSError) -> InputError:
-        return InputError(f"{self.where}/{name}: can't be read ({error.strerror or error})")
+            raise _unreadable(f"{self.where}/{name}", error) from None
 
     def sizes(self, folder: str) -> dict[str, int]:
-        """The files in a folder of the place and those below it: name in the place to bytes.
-
-        InputError if they can't be read.
-        """
+        """Return the sizes (bytes) of all files below `folder`, by name; InputError."""
         if self._path is None:
             root = self._root.rstrip("/") + "/"
             try:
@@ -144,10 +144,10 @@ class Place:
         try:
             return {file.path[start:].replace(os.sep, "/"): file.stat().st_size for file in found}
         except OSError as error:
-            raise self._unreadable(folder, error) from None
+            raise _unreadable(f"{self.where}/{folder}", error) from None
 
     def remove(self, names: list[str]) -> None:
-        """Delete files; those that aren't there are left alone."""
+        """Delete files; missing files are ignored."""
         for name in names:
             with contextlib.suppress(FileNotFoundError):
                 if self._path is None:
@@ -156,13 +156,13 @@ class Place:
                     (self._path / name).unlink()
 
     def clean(self) -> None:
-        """Throw away what a crash left unfinished."""
+        """Delete the incomplete files of a crash."""
         if self._path is not None:
             shutil.rmtree(self._path / UNFINISHED, ignore_errors=True)
 
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:
-    """The files in a folder, if there is one, and in those below it."""
+    """Yield the files in a folder and below it; none if the folder doesn't exist."""
     with (
         contextlib.suppress(FileNotFoundError, NotADirectoryError),
         os.scandir(folder) as entries,
@@ -175,10 +175,10 @@ def _files(folder: str) -> Iterator[os.DirEntry[str]]:
 
 
 def read_text(where: str) -> str:
-    """The text of a file or an address; InputError if it can't be read or is no text."""
+    """Read the text of a file or a URL; InputError if it can't be read or isn't UTF-8."""
     try:
-        if is_address(where):
-            with library("fsspec").open(where, "rb") as file:
+        if is_url(where):
+            with fsspec().open(where, "rb") as file:
                 data: bytes = file.read()
         else:
             data = Path(where).read_bytes()
@@ -186,24 +186,28 @@ def read_text(where: str) -> str:
     except UnicodeDecodeError as error:
         raise InputError(f"{where}: not UTF-8 text (byte {error.start})") from None
     except (OSError, ValueError, ImportError) as error:
-        reason = getattr(error, "strerror", None) or error or type(error).__name__
-        raise InputError(f"{where}: can't be read ({reason})") from None
+        raise _unreadable(where, error) from None
+
+
+def _unreadable(where: str, error: Exception) -> InputError:
+    if isinstance(error, InputError):
+        return error
+    reason = getattr(error, "strerror", None) or error or type(error).__name__
+    return InputError(f"{where}: can't be read ({reason})")
 
 
 @contextlib.contextmanager
 def local_copy(where: str) -> Iterator[str]:
-    """A path to a file: itself, or a copy of an address with those of the same stem beside it."""
-    if not is_address(where):
+    """Yield a local path: the path itself, or a copy of a URL and of the files with its stem."""
+    if not is_url(where):
         yield where
         return
-    fsspec = library("fsspec")
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
         try:
-            fs, path = fsspec.core.url_to_fs(where)
+            fs, path = fsspec().core.url_to_fs(where)
             stem = path.rpartition(".")[0] or path
             for one in sorted({path, *fs.glob(f"{stem}.*")}):
                 fs.get_file(one, os.path.join(folder, one.rpartition("/")[2]))
         except (OSError, ValueError, ImportError) as error:
-            reason = getattr(error, "strerror", None) or error or type(error).__name__
-            raise InputError(f"{where}: can't be read ({reason})") from None
+            raise _unreadable(where, error) from None
         yield os.path.join(folder, path.rpartition("/")[2])

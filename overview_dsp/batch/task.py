@@ -1,6 +1,6 @@
-"""A worker's part: some cases of a study to sounds, and what was measured to parts.
+"""Tasks of a worker: render some cases, store the sounds, and write the measurements to parts.
 
-A part is written when its sounds are there, so whatever is in a part is finished.
+A part is written after its sounds, so each case in a part is finished.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.batch.grid import Case, Study
+from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
-from overview_dsp.batch.measuring import MEASURED_COLUMNS, measures
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.measurements import MEASURED_COLUMNS, measure_render
+from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import OutputError, OverviewError
@@ -24,43 +24,43 @@ from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.signal.surface.cache import SurfaceCache
 
 PART_S = 2.0
-"""A part is written at least so often: what a crash takes with it is no more."""
+"""Longest time between parts, s: a crash loses no more work."""
 
 Job = tuple[int, str]
-"""A case's index and key."""
+"""Index and key of a case."""
 
 
 @dataclass(frozen=True)
-class Done:
-    """What a worker reports of its cases: how many were finished, and which failed why."""
+class TaskResult:
+    """Results of one task: number of finished cases; index and error of each failed case."""
 
     finished: int
     failed: tuple[tuple[int, str], ...]
 
 
 def sound_name(key: str, format: str) -> str:
-    """The name of a case's sound in the study's place."""
+    """Return the name of the sound file of a case."""
     return f"{SOUNDS}/{key[:2]}/{key}.{format}"
 
 
 class Worker:
-    """What one worker keeps between its tasks. Thread: any; a memory block a thread."""
+    """Renderer of cases that reuses surfaces and memory. Thread: any; one memory block each."""
 
-    def __init__(self, study: Study) -> None:
-        """Open the study's place; nothing is rendered yet."""
-        self.study = study
-        self.place = Place(study.out)
+    def __init__(self, grid: RenderGrid) -> None:
+        """Open the output folder; nothing is rendered yet."""
+        self.grid = grid
+        self.storage = Storage(grid.out)
         self._surfaces = SurfaceCache()
         self._own = threading.local()
         self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
 
-    def run(self, jobs: Sequence[Job]) -> Done:
-        """Render, measure and store some cases; those that can't be rendered are reported.
+    def run(self, jobs: Sequence[Job]) -> TaskResult:
+        """Render, measure and store some cases; the result lists failed cases.
 
         Raises
         ------
         InputError, OutputError
-            The study's place can't be written: no case can.
+            The output folder can't be written.
         """
         rows: list[dict[str, Any]] = []
         failed: list[tuple[int, str]] = []
@@ -75,13 +75,13 @@ class Worker:
         def voices() -> Iterator[tuple[int, RenderJob]]:
             for number, (index, _) in enumerate(jobs):
                 try:
-                    voice = self._voice(self.study.case(index))
+                    voice = self._voice(self.grid.case(index))
                 except Exception as error:
                     fail(number, error)
                 else:
                     yield number, voice
 
-        tail = self.study.settings.tail
+        tail = self.grid.settings.tail
         for number, result in self._renderer().render(voices(), tail, MEASURED_COLUMNS):
             try:
                 if isinstance(result, Exception):
@@ -92,46 +92,46 @@ class Worker:
             except Exception as error:
                 fail(number, error)
             else:
-                self.place.put(name, data)
+                self.storage.put(name, data)
                 rows.append(row)
             if time.monotonic() - written > PART_S:
-                self._keep(rows)
+                self._write_part(rows)
                 written = time.monotonic()
-        self._keep(rows)
-        return Done(len(jobs) - len(failed), tuple(failed))
+        self._write_part(rows)
+        return TaskResult(len(jobs) - len(failed), tuple(failed))
 
-    def _keep(self, rows: list[dict[str, Any]]) -> None:
+    def _write_part(self, rows: list[dict[str, Any]]) -> None:
         if rows:
             name = f"{PARTS}/{rows[0]['key']}-{len(rows)}.jsonl"
-            self.place.put(name, encode_part(rows))
+            self.storage.put(name, encode_part(rows))
             rows.clear()
 
     def _voice(self, case: Case) -> RenderJob:
-        timeline = list(self.study.timelines.values())[case.timeline]
-        gesture = list(self.study.gestures.values())[case.gesture]
+        timeline = list(self.grid.timelines.values())[case.timeline]
+        gesture = list(self.grid.gestures.values())[case.gesture]
         return RenderJob(timeline, self._preset(case), gesture, case.seed)
 
     def _measured(
         self, result: RenderedJob[Trace | None], key: str
     ) -> tuple[str, bytes, dict[str, Any]]:
-        settings = self.study.settings
+        settings = self.grid.settings
         name = sound_name(key, settings.format)
         data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
-        return name, data, {"key": key, "file": name, **measures(result, data)}
+        return name, data, {"key": key, "file": name, **measure_render(result, data)}
 
     def _preset(self, case: Case) -> Preset:
         at = (case.preset, case.values)
-        # seeds change fastest: the last one is the next
+        # seeds change fastest: the preset of the last case fits the next one
         preset = self._last_preset.get(at)
         if preset is None:
-            preset = list(self.study.presets.values())[case.preset]
-            for id, value in zip(self.study.parameters, case.values, strict=True):
+            preset = list(self.grid.presets.values())[case.preset]
+            for id, value in zip(self.grid.parameters, case.values, strict=True):
                 preset = preset.with_value(id, value)
             self._last_preset = {at: preset}
         return preset
 
     def _renderer(self) -> VoiceRenderer:
         if not hasattr(self._own, "renderer"):
-            self._own.renderer = VoiceRenderer(self.study.settings.sample_rate, self._surfaces)
+            self._own.renderer = VoiceRenderer(self.grid.settings.sample_rate, self._surfaces)
         renderer: VoiceRenderer = self._own.renderer
         return renderer

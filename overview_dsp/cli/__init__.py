@@ -1,6 +1,6 @@
-"""The command line: one command a file, each imported only when it is called.
+"""Command line: one module per command, imported when the command runs.
 
-Other distributions add theirs by the entry-point group `overview_dsp.commands` (`extensions`).
+Other distributions add commands by the entry-point group `overview_dsp.commands` (`extensions`).
 """
 
 from __future__ import annotations
@@ -24,57 +24,56 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 GROUP = "overview_dsp.commands"
-"""The entry points that name commands of other distributions."""
+"""Entry-point group of commands in other distributions."""
 
-# name: (module, the line in the list of commands)
+# name: (module, summary)
 COMMANDS = {
-    "demo": ("demo", "The bundled match: sounds, pictures, and what to listen for."),
-    "render": ("render", "Play a gesture over a timeline into a sound file."),
-    "play": ("play", "Play a timeline live, with the mouse, the keys or a recorded hand."),
-    "serve": ("serve", "The page: a phone or a browser as the hand."),
-    "feed": ("feed", "Tell a recorded match as a feed, at any speed, for --follow."),
-    "timeline": ("timeline", "Show what was understood from a file, and convert it."),
-    "export": ("export", "Bake a gesture to the haptic clips of phones and controllers."),
+    "demo": ("demo", "Render sounds and figures of the bundled match."),
+    "render": ("render", "Render a gesture over a timeline to a sound file."),
+    "play": ("play", "Play a timeline live, by mouse, keys, sensors or a take."),
+    "serve": ("serve", "Serve a page to play a timeline on a phone or in a browser."),
+    "feed": ("feed", "Replay a timeline as a live feed for --follow, at any speed."),
+    "timeline": ("timeline", "Show how a file was interpreted, and convert it."),
+    "export": ("export", "Export haptic clips, a page or C source."),
     "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
-    "batch": ("batch", "Render a study: a grid of many, here or on a cluster."),
-    "presets": ("presets", "List, show and check presets."),
-    "actuators": ("actuators", "Show, measure and calibrate what the tactor's signal drives."),
-    "osc": ("osc", "Learn what the messages of other programs and apps do."),
-    "midi": ("midi", "Learn what the controls of a MIDI controller do."),
-    "sensor": ("sensor", "Learn what a sensor sends, by turning it."),
-    "figures": ("figures", "Draw the paper's figures 4, 5 and 6 from this program."),
-    "devices": ("devices", "List audio outputs, serial and MIDI ports, pads, and what is missing."),
-    "bench": ("bench", "Measure how fast the engine runs here."),
+    "batch": ("batch", "Render a grid of many sounds, locally or on a cluster."),
+    "presets": ("presets", "List, make, compare and measure presets."),
+    "actuators": ("actuators", "List, measure and calibrate actuators."),
+    "osc": ("osc", "Assign OSC messages of other programs to controls."),
+    "midi": ("midi", "Assign the controls of a MIDI controller."),
+    "sensor": ("sensor", "Set up a sensor, or get firmware for a board."),
+    "figures": ("figures", "Draw figures 4, 5 and 6 of the paper."),
+    "devices": ("devices", "List audio outputs, serial and MIDI ports, and game pads."),
+    "bench": ("bench", "Measure the speed of the engine on this machine."),
 }
 
-INSTALLED_APART = {
-    "study": "studies with people are a distribution of their own, overview-dsp-studies; "
-    "install it from a clone of the project: pip install ./studies"
+SEPARATE_COMMANDS = {
+    "study": "not installed; install it in a clone of the project: pip install ./studies"
 }
-"""Commands of this project's other distributions, and how to install each."""
+"""Commands in other distributions of this project, with the way to install each."""
 
 
 def added_commands() -> dict[str, EntryPoint]:
-    """Return the entry points of other distributions' commands, by the command's name."""
-    from importlib.metadata import entry_points  # not before a command of another is meant
+    """Return the entry points of commands in other distributions, by name."""
+    from importlib.metadata import entry_points  # late: it is slow
 
     return {point.name: point for point in entry_points(group=GROUP)}
 
 
 class Commands(click.Group):
-    """The group of all commands, which imports one only when it is used."""
+    """Group of all commands, which imports a command when it runs."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """List the table's, the main job first; then those of other distributions."""
+        """Return the names in the order of `COMMANDS`, then those of other distributions."""
         return list(dict.fromkeys([*COMMANDS, *added_commands()]))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import and return the command; None if there is none of that name.
+        """Import and return the command; None if it is unknown.
 
         Raises
         ------
         InputError
-            It belongs to a distribution that isn't installed, or that fails to give it.
+            Its distribution isn't installed, or doesn't provide it.
         """
         if cmd_name in COMMANDS:
             command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
@@ -88,8 +87,8 @@ class Commands(click.Group):
                     f"{_added_by(point)} is a {type(command).__name__}, not a click.Command; "
                     "report it to its authors"
                 )
-        elif cmd_name in INSTALLED_APART:
-            raise InputError(f"overview {cmd_name}: {INSTALLED_APART[cmd_name]}")
+        elif cmd_name in SEPARATE_COMMANDS:
+            raise InputError(f"overview {cmd_name}: {SEPARATE_COMMANDS[cmd_name]}")
         else:
             return None
         assert isinstance(command, click.Command)
@@ -98,11 +97,11 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does, with the nearest name where there is none of that name."""
-        # click's own hint knows only commands that are imported
+        """Resolve a command; the error for an unknown name lists the nearest names."""
+        # the hint of click would need all commands
         name = args[0]
         if name not in COMMANDS and not ctx.resilient_parsing:
-            known = {**COMMANDS, **added_commands(), **INSTALLED_APART}
+            known = {**COMMANDS, **added_commands(), **SEPARATE_COMMANDS}
             near = did_you_mean(name, known) if name not in known else ""
             if near:
                 ctx.fail(f"No such command {name!r}{near}")
@@ -113,8 +112,8 @@ class Commands(click.Group):
         rows = {name: text for name, (_, text) in COMMANDS.items()}
         for name, point in added_commands().items():
             rows.setdefault(name, _summary(point))
-        for name in INSTALLED_APART:
-            rows.setdefault(name, f"Not installed; overview {name} prints how to install it.")
+        for name in SEPARATE_COMMANDS:
+            rows.setdefault(name, f"Not installed: overview {name} shows how to install it.")
         with formatter.section("Commands"):
             formatter.write_dl([*rows.items()])
 
@@ -137,25 +136,25 @@ def _added_by(point: EntryPoint) -> str:
 @click.version_option(__version__, message="overview %(version)s")
 @click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
 def app(debug: bool) -> None:
-    """Feel a timeline: any temporal data as friction, heard as clicks and felt as vibration."""
+    """Feel a timeline: any temporal data become friction, which is heard and felt."""
 
 
-def _file_meant(error: click.UsageError) -> str:
-    """How a file is named whose name begins as an option does, if there is one."""
+def _file_hint(error: click.UsageError) -> str:
+    """Return a hint if an unknown option is an existing file."""
     if not isinstance(error, click.exceptions.NoSuchOption):
         return ""
     files = [one for one in sys.argv[1:] if one.startswith("-") and os.path.exists(one)]
-    return f" Or, for the file: ./{files[0]}" if files else ""
+    return f" For the file, use ./{files[0]}" if files else ""
 
 
 def _fail(message: str, code: int) -> NoReturn:
     words = sys.argv[1:]
     if "--json" in words or "--screen=json" in words or ("--screen", "json") in pairwise(words):
         line = " ".join(message.split())
-        said = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
+        text = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
     else:
-        said = f"error: {message}"
-    click.echo(said, err=True)
+        text = f"error: {message}"
+    click.echo(text, err=True)
     sys.exit(code)
 
 
@@ -168,13 +167,13 @@ def _note(
     line: str | None = None,
 ) -> None:
     if issubclass(category, OverviewWarning):
-        from overview_dsp.cli.common import note  # not before there is something to say
+        from overview_dsp.cli.common import note  # late: it is slow
 
         note(str(message))
 
 
 def main() -> NoReturn:
-    """Run the command line; a person's mistake is one line and exit code 2, never a traceback."""
+    """Run the command line; a wrong input is one line and exit code 2, without a traceback."""
     debug = "--debug" in sys.argv[1:2]
     warnings.simplefilter("always", OverviewWarning)
     warnings.showwarning = _note
@@ -186,19 +185,19 @@ def main() -> NoReturn:
             raise
         _fail(str(error), error.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
-        # a group without a command: its help, as it is
+        # a group without a command
         click.echo(error.format_message(), err=True)
         sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
         _fail(
-            f"{' '.join(error.format_message().split())}{_file_meant(error)} (see {path} --help)", 2
+            f"{' '.join(error.format_message().split())}{_file_hint(error)} (see {path} --help)", 2
         )
     except click.ClickException as error:
         _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
         remove_temporaries()
-        _fail("stopped; nothing was left behind", stop_code())
+        _fail("stopped; no partial output is left", stop_code())
     except BrokenPipeError:
         sys.exit(0)
     except OSError as error:
@@ -210,8 +209,8 @@ def main() -> NoReturn:
         if debug:
             raise
         _fail(
-            f"{type(error).__name__}: {error} (a fault of this program, please report it; "
-            "overview --debug ... shows where)",
+            f"{type(error).__name__}: {error} (a bug of this program; please report it with the "
+            "traceback of overview --debug ...)",
             1,
         )
     sys.exit(code if isinstance(code, int) else 0)

@@ -1,4 +1,4 @@
-"""`overview batch`: a study's grid of renders, to files with a manifest."""
+"""The command `overview batch`."""
 
 from __future__ import annotations
 
@@ -9,37 +9,39 @@ from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.signals import stop_code
 from overview_dsp.errors import OverviewError
 
-SHOWN_FAILURES = 10
+MAX_SHOWN_FAILURES = 10
 
 
 @cli_command("batch jobs.toml --workers 2", name="batch")
 def command(
     jobs: str,
     *,
-    output: str | None = option("Folder or address (s3://...), in place of the file's."),
+    output: str | None = option("Folder or URL (s3://...), which replaces `out` of JOBS."),
     workers: int | None = option(
-        "Processes of this machine.  [default: one per core]", type=click.IntRange(1, 1000)
+        "Processes on this machine.  [default: one per core]", type=click.IntRange(1, 1000)
     ),
-    scheduler: str | None = option("Work on a Dask cluster: tcp://host:8786.", metavar="ADDRESS"),
-    dry_run: bool = option("Only report how many renders there are."),
+    scheduler: str | None = option(
+        "Dask scheduler whose cluster renders: tcp://host:8786.", metavar="ADDRESS"
+    ),
+    dry_run: bool = option("Only report the number of renders."),
     as_json: bool = JSON,
 ) -> None:
-    """Render the study of JOBS (a TOML file) to sounds and one manifest.parquet.
+    """Render the grid of JOBS (a TOML file) to sound files and one manifest.parquet.
 
-    That is every combination of its timelines, presets, gestures, parameters and seeds; the
-    manifest has all parameters and measures (felt levels, loudness, length, peaks, hashes).
+    The grid has every combination of timelines, presets, gestures, parameters and seeds. The
+    manifest lists their parameters and measurements (felt levels, loudness, length, peaks, hashes).
 
-    Stopped or killed, it goes on where it was when it is called again. A render that fails is
-    listed, the others are made; then it ends with 1.
+    A batch that was stopped or killed resumes when it runs again. If a render fails, the others
+    continue, and the exit code is 1.
     """
-    from overview_dsp.batch import load_study, run_study
+    from overview_dsp.batch import load_jobs, run_batch
 
     if workers is not None and scheduler is not None:
-        raise click.UsageError("--workers are of this machine, --scheduler has its own; give one")
-    study = load_study(jobs, output)
+        raise click.UsageError("--workers and --scheduler exclude each other; remove one")
+    grid = load_jobs(jobs, output)
     if dry_run:
-        report = {"out": study.out, "cases": len(study)}
-        show(as_json, report, f"{study.out}: {len(study)} renders")
+        report = {"out": grid.out, "cases": len(grid)}
+        show(as_json, report, f"{grid.out}: {len(grid)} renders")
         return
     count = 0
 
@@ -49,27 +51,27 @@ def command(
         bar(finished / of)
 
     try:
-        with progress_bar(f"rendering {len(study)}") as bar:
-            outcome = run_study(study, workers=workers, scheduler=scheduler, progress=progress)
+        with progress_bar(f"rendering {len(grid)}") as bar:
+            result = run_batch(grid, workers=workers, scheduler=scheduler, progress=progress)
     except KeyboardInterrupt:
         error = OverviewError(
-            f"stopped with {count} of {len(study)} finished; run it again to go on"
+            f"stopped with {count} of {len(grid)} finished; run the command again to resume"
         )
         error.exit_code = stop_code()
         raise error from None
     report = {
-        "cases": outcome.cases,
-        "found": outcome.found,
-        "rendered": outcome.rendered,
-        "failed": [{"index": index, "error": why} for index, why in outcome.failed],
-        "manifest": outcome.manifest,
+        "cases": result.cases,
+        "cached": result.cached,
+        "rendered": result.rendered,
+        "failed": [{"index": index, "error": why} for index, why in result.failed],
+        "manifest": result.manifest,
     }
-    before = f", {outcome.found} were there" if outcome.found else ""
-    show(as_json, report, f"{outcome.manifest}: {outcome.rendered} rendered{before}")
-    for index, why in outcome.failed[:SHOWN_FAILURES]:
+    before = f", {result.cached} cached" if result.cached else ""
+    show(as_json, report, f"{result.manifest}: {result.rendered} rendered{before}")
+    for index, why in result.failed[:MAX_SHOWN_FAILURES]:
         click.echo(f"failed: render {index}: {why}", err=True)
-    if outcome.failed:
-        count = len(outcome.failed)
+    if result.failed:
+        count = len(result.failed)
         raise OverviewError(
-            f"{count} of {outcome.cases} renders failed (column error of the manifest)"
+            f"{count} of {result.cases} renders failed (column error of the manifest)"
         )

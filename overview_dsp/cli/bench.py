@@ -1,4 +1,4 @@
-"""`overview bench`: how fast the engine runs here."""
+"""The command `overview bench`."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ LIVE_SECONDS = 60.0
 def command(
     *,
     rounds: int | None = option(
-        f"Rounds of each row.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
+        f"Repeats of each measurement.  [default: {SPEED_ROUNDS}; with --live {LIVE_ROUNDS}]",
         type=click.IntRange(1, 1000),
     ),
-    live: bool = option("Play: callback times, frames lost, control latency."),
+    live: bool = option("Measure live play: callback times, lost frames, control latency."),
     device: str | None = DEVICE,
     seconds: float | None = option(
-        f"Duration of each run of --live.  [default: {LIVE_SECONDS:g}]",
+        f"Duration of each run of --live, s.  [default: {LIVE_SECONDS:g}]",
         type=click.FloatRange(1.0, 3600.0),
     ),
     as_json: bool = JSON,
 ) -> None:
-    """Measure seconds of sound that the engine makes in one second, on one core.
+    """Measure the speed of the engine on one core: seconds of sound per second.
 
-    With --live: how the native and the Python callback hold, idle and under load, how soon a tap
-    is answered, and what processor time and terminal traffic a session costs. That takes four runs
-    a round and two more, 22 minutes by default (--rounds 1 --seconds 6: one), and sounds.
+    --live measures the native and the Python callback, idle and under load; the latency of a tap;
+    and processor time and terminal traffic of a session. It plays sounds for 22 minutes by default
+    (one minute with --rounds 1 --seconds 6).
 
-    In a clone of the project, python -m tools.bench measures the same beside versions in C, Faust,
-    Csound, scipy and plain Python, and what a second costs as the work grows.
+    In a clone of the project, python -m tools.bench compares versions in C, Faust, Csound, scipy
+    and plain Python.
     """
     if live:
         from overview_dsp.measure.bench.live.table import lines as live_lines
@@ -52,7 +52,7 @@ def command(
             )
         show_report(played, live_lines(played), as_json)
         return
-    refuse_options("belongs to --live; add --live", "device", "seconds")
+    refuse_options("needs --live; add it", "device", "seconds")
     from overview_dsp.measure.bench.speeds import lines, measure
 
     announce_compile("disk_alone")
@@ -62,7 +62,7 @@ def command(
 
 
 def show_report(report: Any, lines: Iterable[str], as_json: bool) -> None:
-    """Show a report with the machine and the day, without which no figure means anything."""
+    """Print a report with machine and date."""
     from dataclasses import asdict
     from datetime import date
 

@@ -1,4 +1,4 @@
-"""What several commands share: notes, the compile notice, the progress bar, reports as JSON."""
+"""Shared output of commands: notes, compile message, progress bar, reports."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import keep, release, whole_file
+from overview_dsp.files.atomic import atomic_file, protect_input, unprotect_inputs
 
 if TYPE_CHECKING:
     from overview_dsp.design.gestures import Gesture
@@ -25,22 +25,22 @@ T = TypeVar("T")
 
 
 def note(message: str) -> None:
-    """A line for the person."""
+    """Print a note on standard error."""
     say(f"note: {message}")
 
 
 def say(line: str) -> None:
-    """A line on standard error, if there is one still: it may be a terminal that was closed."""
+    """Print a line on standard error, unless its terminal was closed."""
     try:
         click.echo(line, err=True)
     except OSError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, STANDARD_ERROR)  # else its end would fail again
+        os.dup2(nowhere, STANDARD_ERROR)  # else Python would fail at exit
         os.close(nowhere)
 
 
 def announce_compile(*kernels: str) -> None:
-    """Say so when the first use of the kernels on this machine is about to compile them."""
+    """Print a message if the kernels must be compiled first on this machine."""
     from overview_dsp.signal.engine.coefficients import announce_compile
 
     announce_compile("process", *kernels)
@@ -48,7 +48,7 @@ def announce_compile(*kernels: str) -> None:
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A bar on stderr for work longer than a second; yields its setter of the part done, 0 to 1."""
+    """Show a bar for work longer than a second; yields the setter of its progress, 0 to 1."""
     started = time.monotonic()
     bar: Any = None
     shown = 0
@@ -72,32 +72,33 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a whole text file, or nothing; OutputError."""
-    with whole_file(path) as temporary:
+    """Write a text file, complete or not at all; OutputError."""
+    with atomic_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def keep_input(path: str) -> None:
-    """Let no output of the command take the place of a file that it reads."""
-    keep(path)
-    click.get_current_context().call_on_close(release)
+def protect_inputs(*paths: str) -> None:
+    """Refuse outputs of the command that would overwrite one of its inputs."""
+    for path in paths:
+        protect_input(path)
+    click.get_current_context().call_on_close(unprotect_inputs)
 
 
 def read_gesture(text: str) -> Gesture:
-    """A gesture as a person gave it, whose takes no output replaces; errors as `parse_gesture`."""
+    """Parse a gesture, and protect its takes; errors as `parse_gesture`."""
     for part in text.split("+"):
-        keep_input(part)
-        keep_input(os.path.splitext(part)[0] + ".json")  # what lies beside a recorded take
+        # a recorded take has a JSON file
+        protect_inputs(part, os.path.splitext(part)[0] + ".json")
     return ov.parse_gesture(text)
 
 
 def print_json(report: Any) -> None:
-    """A report as JSON on standard output."""
+    """Print a report as JSON."""
     click.echo(json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False))
 
 
 def show(as_json: bool, report: Any, *lines: object) -> None:
-    """A report as JSON, or as lines for a person."""
+    """Print a report as JSON, or as lines of text."""
     if as_json:
         print_json(report)
         return
@@ -112,14 +113,14 @@ def list_profiles(
     as_json: bool,
     remark: Callable[[T], str] = lambda profile: "",
 ) -> None:
-    """Those that load, with name, title and description in a line; what is wrong with the others.
+    """List profiles with name, title and description; print errors of invalid files as notes.
 
     Parameters
     ----------
     described : callable
-        What JSON says of one, with these three keys.
+        Returns the JSON report of a profile, with these three keys.
     remark : callable
-        What the line ends with.
+        Returns the end of its line.
     """
     found, faults = [], []
     for name in names:
@@ -135,4 +136,4 @@ def list_profiles(
     )
     show(as_json, rows, *lines)
     for fault in faults:
-        note(f"left out: {fault}")
+        note(f"not listed: {fault}")

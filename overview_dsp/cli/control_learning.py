@@ -1,4 +1,4 @@
-"""What commands that learn from a device share: options, waiting, the file."""
+"""Shared parts of commands that learn from a device: options, waiting, the control list."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ Learned = TypeVar("Learned")
 
 @dataclass(frozen=True)
 class Learning:
-    """Options of both commands: the file, the ends of the range, how long to wait."""
+    """Options of `osc learn` and `midi learn`: file, range and timeout."""
 
     heading: ClassVar[str] = GENERAL
 
     output: str = option(
-        "The list to write it into; made if it isn't there.",
+        "Control list to extend; created if missing.",
         type=click.Path(dir_okay=False),
         required=True,
     )
     low: float | None = option(
-        "Value at the control's lower end: a position (0 to 1), or a parameter's value."
+        "Value at the lower end of the control: a position (0 to 1), or of the parameter."
     )
-    high: float | None = option("Value at its upper end.")
+    high: float | None = option("Value at the upper end of the control.")
     timeout: float = option(
         "Give up after S seconds.", type=click.FloatRange(0.1, 3600.0), default=30.0, metavar="S"
     )
@@ -42,7 +42,7 @@ class Learning:
 
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
-    """Raise InputError unless it is one of `known` or a parameter's id."""
+    """Check that a target is one of `known` or the id of a parameter; InputError otherwise."""
     from overview_dsp.devices.controllers.parameters import find_parameter
 
     if target not in known and not target.startswith("kinds."):
@@ -50,45 +50,46 @@ def require_target(target: str, known: tuple[str, ...]) -> None:
             find_parameter(ov.load_preset("football"), target)
         except InputError as error:
             raise InputError(
-                f"{error}; TARGET is {', '.join(known)} or a parameter's id (`overview presets "
-                "docs`)"
+                f"{error}; TARGET must be {', '.join(known)} or the id of a parameter "
+                "(overview presets reference)"
             ) from None
 
 
 def listen(
     port: Port,
-    ask: Callable[[], str],
-    hear: Callable[[list[bytes], float], Learned | None],
+    prompt: Callable[[], str],
+    decode: Callable[[list[bytes], float], Learned | None],
     timeout: float,
-    otherwise: Callable[[], str],
+    failure: Callable[[], str],
 ) -> Learned:
-    """Return what `hear` makes of a port's messages, which is closed then.
+    """Read messages of a port until `decode` returns a result; then close the port.
 
-    `ask` is what the user is to do, printed when it changes.
+    `prompt` returns the instruction for the user, which is printed when it changes.
 
     Raises
     ------
     InputError
-        Nothing after `timeout` (s), with `otherwise`; or as `hear`, where the line names the port.
+        No result after `timeout` (s), with the reason of `failure`; or an error of `decode`. The
+        message names the port.
     """
-    asked = ""
+    printed = ""
     try:
         until = time.monotonic() + timeout
         while time.monotonic() < until:
-            if asked != ask():
-                asked = ask()
-                click.echo(f"{port.name}: {asked}", err=True)
+            if printed != prompt():
+                printed = prompt()
+                click.echo(f"{port.name}: {printed}", err=True)
             with located(f"{port.name}: "):
-                found = hear(port.receive(WAIT_S), time.monotonic())
+                found = decode(port.receive(WAIT_S), time.monotonic())
             if found is not None:
                 return found
     finally:
         port.close()
-    raise InputError(f"{port.name}: in {timeout:g} s {otherwise()}")
+    raise InputError(f"{port.name}: {failure()} within {timeout:g} s")
 
 
-def save_learned(learning: Learning, text: str, report: dict[str, Any], words: str) -> None:
-    """Write the list, and report what was learned."""
+def save_learned(learning: Learning, text: str, report: dict[str, Any], summary: str) -> None:
+    """Write the control list, and report the new control."""
     write_text(learning.output, text)
     report["file"] = learning.output
-    show(learning.as_json, report, f"{Path(learning.output)}: {words}")
+    show(learning.as_json, report, f"{Path(learning.output)}: {summary}")

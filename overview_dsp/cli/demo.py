@@ -1,4 +1,4 @@
-"""`overview demo`: the main job on the bundled match."""
+"""The command `overview demo`."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.files.atomic import make_folder
 
 LISTEN = {
-    "fast sweep": "the whole match in a second: each goal is a knock that stands out of a strong, "
-    "even hum; on release the match runs back under your finger",
-    "slow sweep": "the same match in four seconds: the hum is weaker, the disk sticks at each goal "
-    "and snaps free; fouls are soft bumps between",
-    "tap": "one touch at the end: everything up to there unfolds in two seconds, then held still "
-    "it is silent, and on release it all comes back, slower and last goal first",
+    "fast sweep": "the whole match in one second: each goal is a strike above a strong, even hum; "
+    "on release the disk springs back over the match",
+    "slow sweep": "the same match in four seconds: the hum is weaker; the disk sticks at each goal "
+    "and snaps free; fouls are soft bumps",
+    "tap": "one touch at the end: the match up to there unfolds in two seconds; while the disk is "
+    "held still, it is silent; on release the match returns slower, the last goal first",
 }
 
 
@@ -25,10 +25,11 @@ def command(
     output: str = option("Folder for the files.", default="overview-demo"),
     as_json: bool = JSON,
 ) -> None:
-    """Play the bundled match (World Cup final 2018) three ways, and draw it.
+    """Render the bundled match (World Cup final 2018) in three ways, and draw the figures.
 
-    Writes a fast sweep, a slow sweep and a tap as WAV files (left = clicks for the ear, right =
-    the vibration for a tactor; headphones held in the hand work too) and the paper's figures.
+    The command writes a fast sweep, a slow sweep and a tap as WAV files, and the figures of the
+    paper. Left has the clicks for the ear, right the vibration for a tactor (or for headphones that
+    you hold).
     """
     from overview_dsp.data.readers import bundled_timeline
     from overview_dsp.offline.plots.paper import draw, renders
@@ -63,5 +64,5 @@ def command(
         return
     click.echo("pictures: " + ", ".join(str(path) for path in pictures if path.suffix == ".png"))
     click.echo(
-        f"{timeline.title}. Crowd curve and most fouls are made up; goals and cards are not."
+        f"{timeline.title}. Goals and cards are real; the crowd curve and most fouls are invented."
     )

@@ -1,4 +1,4 @@
-"""`overview devices`: audio outputs and input devices of this machine, and what is missing."""
+"""The command `overview devices`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-BAUD = option("Speed of serial ports, bit/s.", type=click.IntRange(300, 4_000_000), default=115_200)
+BAUD = option(
+    "Bit rate of serial ports, bit/s.", type=click.IntRange(300, 4_000_000), default=115_200
+)
 
 
 @cli_command("devices --json", name="devices")
@@ -26,22 +28,22 @@ def command(
     *,
     as_json: bool = JSON,
     listen: float = option(
-        "Listen to serial ports for S seconds; 0: not at all.",
+        "Listen to serial ports for S seconds; 0: don't listen.",
         type=click.FloatRange(0.0, 60.0),
         default=2.0,
         metavar="S",
     ),
     baud: int = BAUD,
     serial: tuple[str, ...] = option(
-        "Another serial port to list. May be repeated.", metavar="PORT"
+        "Additional serial port to list. May be repeated.", metavar="PORT"
     ),
     device: str | None = DEVICE,
     settings: tuple[str, ...] = SET,
 ) -> None:
     """List audio outputs with their channels and latency, serial and MIDI ports, game pads.
 
-    Each serial port is listened to, to detect its format: many boards restart when theirs is
-    opened. With --set, the settings of --device (or the default output) are changed first.
+    Each serial port is opened to detect its format, which restarts many boards. --set changes
+    the settings of --device (or of the default output) first.
     """
     from overview_dsp.live.output.devices import devices, no_output_hint
     from overview_dsp.live.ports.midi import midi_ports
@@ -54,7 +56,7 @@ def command(
     missing: dict[str, str] = {}
 
     def listed(name: str, search: Callable[[], list[_T]]) -> list[_T]:
-        """What a search finds; nothing where it fails, with the reason in `missing`."""
+        """Return the results of a search; after an error none, with the reason in `missing`."""
         try:
             return search()
         except OverviewError as error:
@@ -67,7 +69,7 @@ def command(
     found_ports += [PortInfo(port, "", "") for port in serial if port not in known]
     heard = hear([port.device for port in found_ports], listen, baud) if listen else {}
     midi = listed("midi_ports", midi_ports)
-    there = listed("pads", pads)
+    found_pads = listed("pads", pads)
     if as_json:
         print_json(
             {
@@ -76,14 +78,14 @@ def command(
                     {**vars(port), "speaks": heard.get(port.device)} for port in found_ports
                 ],
                 "midi_ports": midi,
-                "pads": [{"kind": pad.kind, "name": pad.name} for pad in there],
+                "pads": [{"kind": pad.kind, "name": pad.name} for pad in found_pads],
                 "missing": missing,
             }
         )
         return
     if not found:
-        why = missing.get("outputs") or f"PortAudio sees none: {no_output_hint()}"
-        click.echo(f"no audio output: {why}; rendering to files needs none")
+        why = missing.get("outputs") or f"PortAudio finds none: {no_output_hint()}"
+        click.echo(f"no audio output: {why}; rendering to files works without")
     for output in found:
         star = "*" if output.default else " "
         click.echo(
@@ -98,25 +100,25 @@ def command(
         if port.device in heard:
             click.echo(f"       {heard[port.device]}")
     if not found_ports:
-        click.echo("no serial port with a device (tools/simulated_knob.py makes one to try with)")
+        click.echo("no serial port with a device (tools/simulated_knob.py simulates one)")
     for name in midi:
         click.echo(f"  midi:{name}")
     if not midi:
         click.echo(f"no MIDI port: {missing.get('midi_ports', 'no controller is plugged in')}")
-    for pad in there:
+    for pad in found_pads:
         click.echo(f"  pad:{pad.kind} {pad.name}")
-    if not there:
+    if not found_pads:
         click.echo(f"no game pad: {missing.get('pads', 'none is plugged in or paired')}")
 
 
 def _remember(device: str | None, texts: tuple[str, ...]) -> None:
-    """Change what is remembered for a device, but its actuator; InputError."""
+    """Change the saved settings of a device, except its actuator; InputError."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import SILENT, device_named
     from overview_dsp.live.output.saved_settings import resolve_output, save_settings
 
     if not texts:
-        raise InputError("--device is for --set KEY=VALUE; give that too")
+        raise InputError("--device needs --set KEY=VALUE; add it")
     if device == SILENT:
         raise InputError(f"--device {device} has no settings; name an output")
     found = find_device(device_named(device))
@@ -126,7 +128,7 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
 
 
 def _plays(output: OutputDevice) -> str | None:
-    """What `play` gives an output where that isn't the usual: as remembered, or as a pad's."""
+    """Return the channels and actuator of an output if they aren't the default."""
     from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
     from overview_dsp.live.output.settings import OutputSettings
 

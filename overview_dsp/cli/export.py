@@ -1,4 +1,4 @@
-"""`overview export`: a gesture baked to haptic formats, or a timeline to a page or to C."""
+"""The command `overview export`: haptic clips, a page or C source."""
 
 from __future__ import annotations
 
@@ -38,50 +38,51 @@ if TYPE_CHECKING:
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"
-"""The format of a gesture that an actuator is driven by."""
+"""Format that an actuator profile changes."""
 
 SITE, SOURCE = "web", "c"
-"""The timeline itself, as a folder: for a browser, or for a C compiler."""
+"""Formats of a timeline in a folder: a web page, or C source."""
 
 CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
 FIGURES = (
-    "(median error of the felt level, and how much of the clip is within a step of 2.3 dB, strikes "
+    "(median error of the perceived level; part of the clip with an error below 2.3 dB, strikes "
     "included)"
 )
 
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
 
 
-@cli_command("export match.json --gesture sweep:4 --to ahap -o match.ahap", name="export")
+@cli_command(
+    "export match.json --gesture sweep:4 --to ahap -o match.ahap",
+    name="export",
+    first="formats output gesture preset window zoom_to points_per_second actuator as_json",
+)
 def command(
     timelines: tuple[str, ...] = argument(metavar="TIMELINE...", required=True),
     *,
     preset: str | None = PRESET_OPTION,
     gesture: str = GESTURE,
     formats: tuple[str, ...] = option(
-        "Format; may be repeated. web is a folder with a page, c with C source.",
+        "Format. May be repeated. web: a folder with a page; c: one with C source.",
         "--to",
         required=True,
         type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
     ),
-    output: str | None = option(
-        "Of one format: its file or folder. Of several: a name without suffix."
-    ),
+    output: str | None = option("File or folder; for several formats a name without suffix."),
     points_per_second: float = option(
         "Amplitude points per second.", default=50.0, type=click.FloatRange(1.0, 1000.0)
     ),
     tail: str = TAIL,
     seed: int = SEED,
     zoom_levels: int = option(
-        "Of a page: how often it can zoom in, by 3 each; of a match 0.4, 1.5, 5, 10, 23, 60 MB.",
+        "Zoom levels of a page, each by 3. 0 to 5 levels of a match: 0.4, 1.5, 5, 10, 23, 60 MB.",
         default=3,
         type=click.IntRange(0, 5),
     ),
     base_url: str | None = option(
-        "Of a page: where its folder will be (https://example.org/match/), for its picture "
-        "where the link is shared."
+        "Final URL of a page (https://example.org/match/), for the picture of shared links."
     ),
     transcripts: tuple[str, ...] = TRANSCRIPT,
     actuator: str | None = ACTUATOR,
@@ -89,14 +90,14 @@ def command(
     reading: Reading,
     window: Window,
 ) -> None:
-    """Bake a gesture over TIMELINE to a haptic clip, and say how near it is to what was felt.
+    """Export a gesture over TIMELINE as a haptic clip, and report its perceptual error.
 
-    --to web writes no gesture but a folder for any web host, a page to feel TIMELINE on; of several
-    timelines a page that shows each and leads to its own. --to c writes a folder to compile:
-    TIMELINE for programs and instruments without Python, with the bits of `render`.
+    --to web writes a page on which TIMELINE is played, in a folder for any web host. Several
+    timelines get an overview page. --to c writes C source that plays TIMELINE without Python, with
+    the samples of overview render.
 
-    An actuator is driven by wav4 and web alone: the other formats hold how strong it is to feel,
-    and the device that plays them makes its drive.
+    Only wav4 and web depend on --actuator. The other formats store perceived levels, which the
+    playing device converts to its own drive.
     """
     from overview_dsp.offline.rendering.event_log import passed_events
     from overview_dsp.offline.rendering.schedule import tail_of
@@ -104,14 +105,13 @@ def command(
 
     if len(timelines) > 1 and set(formats) != {SITE}:
         raise InputError(
-            f"{len(timelines)} timelines ({', '.join(timelines)}): only --to {SITE} takes several; "
-            f"give one"
+            f"{len(timelines)} timelines ({', '.join(timelines)}); only --to {SITE} allows several"
         )
-    shown = []
+    loaded = []
     for timeline in timelines:
         data = open_window(timeline, reading, window)
         chosen = ov.load_preset(preset_for(data, preset))
-        shown.append((data, chosen))
+        loaded.append((data, chosen))
     if SOURCE in formats:
         _require_alone(SOURCE, formats, *CLIP_OPTIONS, *PAGE_OPTIONS)
         _source(data, chosen, output or "voice", seed, as_json)
@@ -119,29 +119,28 @@ def command(
     if SITE in formats:
         _require_alone(SITE, formats, *CLIP_OPTIONS)
         driven, url = calibrated(actuator), _base_url(base_url)
-        _site(shown, output or "site", zoom_levels, seed, driven, url, as_json)
+        _site(loaded, output or "site", zoom_levels, seed, driven, url, as_json)
         return
     if base_url is not None:
-        raise InputError(f"--base-url is for --to {SITE}: a clip has no page; leave it out")
+        raise InputError(f"--base-url does not apply to clips; remove it, or use --to {SITE}")
     movement, rest = read_gesture(gesture), tail_of(tail)
     driven = calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
         raise InputError(
-            f"--actuator {actuator} changes {DRIVEN} alone, which is not among the formats: add "
-            f"--to {DRIVEN}, or leave it out"
+            f"--actuator {actuator} applies only to {DRIVEN}; add --to {DRIVEN}, or remove it"
         )
-    places = {to: _place(output, to, len(set(formats)) > 1) for to in formats}
-    for place in places.values():
-        require_writable(place)
+    paths = {to: _output_path(output, to, len(set(formats)) > 1) for to in formats}
+    for path in paths.values():
+        require_writable(path)
     require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
         result = ov.render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
         progress(1.0)
     reports: list[dict[str, Any]] = []
-    for to, place in places.items():
-        done = ov.export.export(result, to, place, points_per_second)
-        report: dict[str, Any] = {"format": to, "files": [str(path) for path in done.files]}
+    for to, path in paths.items():
+        done = ov.export.export(result, to, path, points_per_second)
+        report: dict[str, Any] = {"format": to, "files": [str(file) for file in done.files]}
         if done.error is not None:
             report |= {
                 "points": done.points,
@@ -152,9 +151,9 @@ def command(
         else:
             report["actuator"] = protection_json(driven, result.protected)
         reports.append(report)
-    told = write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
+    log = write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
     if as_json:
-        print_json([*reports, told] if told else reports)
+        print_json([*reports, log] if log else reports)
         return
     for report in reports:
         files = " and ".join(report["files"])
@@ -183,39 +182,39 @@ def _error(error: PerceptualError) -> dict[str, float]:
 
 
 def _require_alone(to: str, formats: tuple[str, ...], *refused: str) -> None:
-    """Refuse what a folder of the timeline itself would ignore."""
+    """Refuse other formats and options beside a folder format."""
     if set(formats) != {to}:
-        raise InputError(f"--to {to} writes a folder, not a clip: give it in a call of its own")
+        raise InputError(f"--to {to} writes a folder, not a clip; use it without other formats")
     refuse_options(f"does not apply to --to {to}; remove it", *refused)
 
 
 def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
-    """Write the C folder and say how to try it."""
+    """Write the C folder and print how to try it."""
     files = [str(path) for path in ov.export.export_c(data, preset, out, seed=seed)]
-    try_it = f"to try it: make -C {out} && {out}/example {files[-1]} sweep.wav"
+    try_it = f"try it: make -C {out} && {out}/example {files[-1]} sweep.wav"
     show(as_json, [{"format": SOURCE, "files": files}], ", ".join(files), try_it)
 
 
-def _base_url(given: str | None) -> str | None:
-    """A folder's address, with a slash at its end."""
+def _base_url(text: str | None) -> str | None:
+    """Check the URL of a folder; return it with a slash at its end."""
     from urllib.parse import urlsplit
 
-    if given is None:
+    if text is None:
         return None
     try:
-        parts = urlsplit(given)
-        right = parts.scheme in ("https", "http") and bool(parts.hostname)
+        parts = urlsplit(text)
+        valid = parts.scheme in ("https", "http") and bool(parts.hostname)
     except ValueError:
-        right = False
-    if not right or parts.query or parts.fragment or re.search(r"\s", given):
+        valid = False
+    if not valid or parts.query or parts.fragment or re.search(r"\s", text):
         raise InputError(
-            f"--base-url {given!r} is no address of a folder; one is https://example.org/match/"
+            f"--base-url is {text!r}; must be the URL of a folder, such as https://example.org/match/"
         )
-    return given.rstrip("/") + "/"
+    return text.rstrip("/") + "/"
 
 
 def _site(
-    shown: list[tuple[Timeline, Preset]],
+    timelines: list[tuple[Timeline, Preset]],
     out: str,
     zooms: int,
     seed: int,
@@ -223,25 +222,25 @@ def _site(
     address: str | None,
     as_json: bool,
 ) -> None:
-    """Write the folder and say how to open it."""
+    """Write the folder and print how to open it."""
     from overview_dsp.web.gallery import write_gallery
     from overview_dsp.web.static_site import write_site
 
     with progress_bar("writing the page") as progress:
-        given: dict[str, Any] = {"levels": zooms, "seed": seed, "actuator": actuator}
-        given |= {"address": address, "progress": progress}
-        if len(shown) > 1:
-            size = write_gallery(shown, out, **given)
+        options: dict[str, Any] = {"levels": zooms, "seed": seed, "actuator": actuator}
+        options |= {"address": address, "progress": progress}
+        if len(timelines) > 1:
+            size = write_gallery(timelines, out, **options)
         else:
-            size = write_site(*shown[0], out, **given)
+            size = write_site(*timelines[0], out, **options)
     line = (
-        f"{out}: {size / 1e6:.1f} MB for any web host (phones give motion to https pages only); "
-        f"to try it here: python -m http.server -b 127.0.0.1 -d {out}, then http://127.0.0.1:8000"
+        f"{out}: {size / 1e6:.1f} MB for any web host (phones need https for motion); "
+        f"try it here: python -m http.server -b 127.0.0.1 -d {out}, then http://127.0.0.1:8000"
     )
     show(as_json, [{"format": SITE, "files": [out], "bytes": size}], line)
 
 
-def _place(out: str | None, to: str, several: bool) -> Path:
+def _output_path(out: str | None, to: str, several: bool) -> Path:
     suffix = _SUFFIXES.get(to, f".{to}")
     if out is None:
         return Path(f"out{suffix}")

@@ -1,25 +1,25 @@
-"""Names that commands of other distributions may use, besides `ov` itself.
+"""Public names for commands in other distributions, beside `ov`.
 
 A distribution adds a command to `overview` by the entry-point group `overview_dsp.commands`. The
-entry point's name is the command's, it names a `click.Command`, and the summary of its
-distribution is its line in the list of commands. It is imported when the command is called:
+name of the entry point is that of the command, and its value is a `click.Command`. The summary of
+the distribution stands in the list of commands. The entry point is imported when the command runs:
 
     [project.entry-points."overview_dsp.commands"]
     study = "overview_studies.cli:command"
 
-Such a command uses `ov`, `overview_dsp.errors` and these names; everything else is private. They
-change with the version, so its distribution requires `overview-dsp` of the same version. Each is
-imported when it is first used.
+Such a command uses `ov`, `overview_dsp.errors` and these names; everything else is private. The
+names change between versions, so the distribution must require `overview-dsp` of its own version.
+Each name is imported when it is first used.
 
 =========  ==========================================================================
-commands   `cli_command`, `option`, `SECONDS`: a command whose signature declares its
-           options; `announce_compile`, `note`, `progress_bar`, `show`;
-           `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: end as the other
-           commands do; `Server`, `require_server`, `open_server`: a server with a token
-files      `whole_folder`, `sound_bytes`; `read_text`, `parse_toml`,
-           `faults_at_their_line`: TOML, whose errors name their line
-grids      `Study`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
-           a jobs file, and the digest that names each
+commands   `cli_command`, `option`, `SECONDS`: a command with the options in its
+           signature; `announce_compile`, `note`, `progress_bar`, `show`;
+           `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: handling of
+           signals; `Server`, `require_server`, `open_server`: a server with a token
+files      `atomic_folder`, `sound_bytes`; `read_text`, `parse_toml`,
+           `faults_at_their_line`: TOML, with errors that name the line
+grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
+           a jobs file, and the cache key of each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
 pictures   `save_figure`, `plot_style`
 page       `page_with`, `START`, `TYPES`, `RATES`, `kind_looks`, `window_json`,
@@ -36,7 +36,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from overview_dsp.batch.cache_keys import PROGRAM, Keys
-    from overview_dsp.batch.grid import Study
+    from overview_dsp.batch.grid import RenderGrid
     from overview_dsp.batch.jobs_file import KEYS, JobsTable, read_grid
     from overview_dsp.cli.common import announce_compile, note, progress_bar, show
     from overview_dsp.cli.live_session import SECONDS
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
     from overview_dsp.design.gestures.model import SOURCES
     from overview_dsp.design.presets.parameter import Value
-    from overview_dsp.files.atomic import whole_folder
+    from overview_dsp.files.atomic import atomic_folder
     from overview_dsp.files.sound import sound_bytes
     from overview_dsp.files.toml import faults_at_their_line, parse_toml, read_text
     from overview_dsp.kernels.layout import CLICK, TACTOR
@@ -60,9 +60,9 @@ if TYPE_CHECKING:
     from overview_dsp.web.site_data import kind_looks, window_json
     from overview_dsp.web.sound_data import patch_of, whole_bytes
 
-_PLACES = {
+_MODULES = {
     "batch.cache_keys": "PROGRAM Keys",
-    "batch.grid": "Study",
+    "batch.grid": "RenderGrid",
     "batch.jobs_file": "KEYS JobsTable read_grid",
     "cli.common": "announce_compile note progress_bar show",
     "cli.live_session": "SECONDS",
@@ -71,7 +71,7 @@ _PLACES = {
     "cli.signals": "ended_by_signals exit_if_stopped wait_for_end",
     "design.gestures.model": "SOURCES",
     "design.presets.parameter": "Value",
-    "files.atomic": "whole_folder",
+    "files.atomic": "atomic_folder",
     "files.sound": "sound_bytes",
     "files.toml": "faults_at_their_line parse_toml read_text",
     "kernels.layout": "CLICK TACTOR",
@@ -88,10 +88,10 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> object:
-    """Import a name of the list when it is first used."""
+    """Import a name when it is first used."""
     if name == "plot_style":
         return import_module("overview_dsp.offline.plots.style")
-    for module, names in _PLACES.items():
+    for module, names in _MODULES.items():
         if name in names.split():
             value: object = getattr(import_module(f"overview_dsp.{module}"), name)
             globals()[name] = value

@@ -1,4 +1,4 @@
-"""`overview feed`: a recorded match as a live feed."""
+"""The command `overview feed`: a timeline as a live feed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from overview_dsp.errors import InputError
 
 def _speed(context: Any, parameter: Any, speed: float) -> float:
     if not speed > 0.0:  # NaN too
-        raise InputError(f"--speed {speed:g}; it is above 0, 1 is as it was, inf is at once")
+        raise InputError(f"--speed is {speed:g}; must be above 0 (1: real time, inf: at once)")
     return speed
 
 
@@ -22,20 +22,20 @@ def _speed(context: Any, parameter: Any, speed: float) -> float:
 def command(
     timeline: str,
     *,
-    speed: float = option("Times as fast as it was; inf is at once.", default=1.0, callback=_speed),
+    speed: float = option("Speed; 1: real time, inf: at once.", default=1.0, callback=_speed),
     reading: Reading,
 ) -> None:
-    """Print TIMELINE as a feed: one line of JSON per event, at the time when it happens.
+    """Print TIMELINE as a live feed: one line of JSON per event, at its time.
 
-    `overview play --follow` and `overview serve --follow` take it.
+    overview play --follow - and overview serve --follow - read it.
     """
     from overview_dsp.data.feeds.feed_lines import encode_line, feed_of
 
     data = open_timeline(timeline, reading)
-    begun = time.monotonic()
+    start = time.monotonic()
     for time_s, line in feed_of(data):
         if speed != math.inf:
-            time.sleep(max(begun + time_s / speed - time.monotonic(), 0.0))
+            time.sleep(max(start + time_s / speed - time.monotonic(), 0.0))
         sys.stdout.write(encode_line(line))
         if speed != math.inf:
             sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""`overview figures`: the paper's figures from this program."""
+"""The command `overview figures`."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from overview_dsp.cli.options.reading import PRESET_OPTION, Reading, open_timeli
 @cli_command("figures -o pictures", name="figures")
 def command(
     *,
-    output: str = option("Folder for the pictures.", default="."),
-    timeline: str = option("Any file.", default="world-cup-final-2018"),
+    output: str = option("Folder for the figures.", default="."),
+    timeline: str = option("Timeline, any supported file.", default="world-cup-final-2018"),
     preset: str | None = PRESET_OPTION,
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:
-    """Draw the paper's figures 4 (timeline), 5 (sweeps) and 6 (tap), as PNG and SVG."""
+    """Draw figures 4 (timeline), 5 (sweeps) and 6 (tap) of the paper, as PNG and SVG."""
     from overview_dsp.offline.plots.paper import draw, renders
 
     data = open_timeline(timeline, reading)

@@ -1,4 +1,4 @@
-"""What commands that play live share: options of the session, the player, lines of JSON."""
+"""Shared parts of live commands: session options, the player, play without a screen."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from overview_dsp.live.session.player import Player
 
 BLOCK = 256
-"""Frames of a block, if no size is given."""
+"""Default block size, frames."""
 
 SEED = option("Seed of the texture noise.", default=0, type=int)
 
 
 @dataclass(frozen=True)
 class Session:
-    """Options of a session that plays here."""
+    """Options of a session on this machine."""
 
     heading: ClassVar[str] = "Session"
 
@@ -39,36 +39,36 @@ class Session:
     seed: int = SEED
 
 
-def seconds_given(context: Any, parameter: Any, seconds: float | None) -> float | None:
-    """Return how long to play; written so that NaN fails."""
+def check_seconds(context: Any, parameter: Any, seconds: float | None) -> float | None:
+    """Check a duration (s); NaN fails."""
     if seconds is not None and not 0.0 <= seconds < math.inf:
-        raise InputError(f"--seconds {seconds:g}; it is 0 or more")
+        raise InputError(f"--seconds is {seconds:g}; must be 0 or more")
     return seconds
 
 
 SECONDS = option(
-    "Stop after S seconds.", heading=Session.heading, metavar="S", callback=seconds_given
+    "Stop after S seconds.", heading=Session.heading, metavar="S", callback=check_seconds
 )
 
 
 @contextmanager
-def opened_player(
+def open_player(
     data: OpenedData,
     output: Output,
     session: Session,
     linear: bool = False,
     compare: str | None = None,
-    usual_block: int = BLOCK,
+    default_block: int = BLOCK,
 ) -> Iterator[tuple[Player, list[int]]]:
-    """Open a player on the device that was chosen, and collect the signals that ask for its end.
+    """Open a player on the selected device, and collect the signals that end it.
 
-    It is closed, saved and remembered afterwards. `compare` is a second preset to switch to;
-    `linear` leaves the presets' angle maps out.
+    Afterwards it is closed, and takes and device settings are saved. `compare` is a second preset;
+    `linear` removes the angle maps of presets.
 
     Raises
     ------
     OverviewError
-        A device, file or value that can't be used.
+        A device, file or value can't be used.
     """
     from overview_dsp.live.session.opened import OpenedPlayer, PlayerSettings
 
@@ -79,7 +79,7 @@ def opened_player(
         data.window,
         data.growth,
         device=output.device,
-        block_size=usual_block if output.block_size is None else output.block_size,
+        block_size=default_block if output.block_size is None else output.block_size,
         sample_rate=output.sample_rate,
         callback=callback_kind(),
         actuator=output.actuator,
@@ -92,14 +92,14 @@ def opened_player(
         yield player, received
 
 
-def print_lines(
+def play_headless(
     player: Player,
     source: Input | None,
     received: list[int],
     seconds: float | None,
     logged: bool = False,
 ) -> None:
-    """Play with a line of JSON a second; the last one lists the events, unless it is `logged`."""
+    """Play with one line of JSON per second; the last lists the events, unless `logged`."""
     from overview_dsp.live.session.headless import run
 
     def describe(passed: list[Passed]) -> dict[str, Any]:
@@ -113,4 +113,4 @@ def print_lines(
         player, source, lambda: bool(received), note, seconds, None if logged else describe
     ):
         print(json.dumps(report), flush=True)
-    player.close()  # before anything else that may take its time
+    player.close()  # before other work

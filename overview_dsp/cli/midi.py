@@ -1,4 +1,4 @@
-"""`overview midi`: what the controls of a MIDI controller do."""
+"""The command group `overview midi`."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def command() -> None:
 
 @cli_command("midi learn nano theta2 -o nano.toml", group=command)
 def learn(name: str, target: str, *, learning: Learning) -> None:
-    """Move a control of the port NAME: from now on it does TARGET.
+    """Assign the control that you move on the port NAME to TARGET.
 
-    TARGET is theta2 (the angle), touch (the disk is held while it is pressed), taps (keys, each a
-    place on the timeline) or a parameter's id (`overview presets docs`). The control that is moved
-    is added to the list, or takes the place of what did the same. A knob without ends is known by
-    its steps.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), taps (keys, each
+    with one position) or the id of a parameter (overview presets reference). The control
+    is added to the list, and replaces another control of TARGET. A knob without ends
+    is detected by its steps.
     """
     from overview_dsp.devices.controllers.control_map import (
         KEYS,
@@ -53,15 +53,15 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     controls = load_map(learning.output) if Path(learning.output).exists() else ()
     learner = Learner(target)
 
-    def hear(came: list[bytes], now_s: float) -> Control | None:
-        return next(filter(None, map(learner.read, came)), None)
+    def decode(messages: list[bytes], now_s: float) -> Control | None:
+        return next(filter(None, map(learner.read, messages)), None)
 
-    moved = listen(MidiPort(name), lambda: learner.ask, hear, learning.timeout,
-                       lambda: f"no control was moved that can be {target!r}")  # fmt: skip
+    moved = listen(MidiPort(name), lambda: learner.ask, decode, learning.timeout,
+                       lambda: f"no control for {target!r} was moved")  # fmt: skip
     found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)
     kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)
     report = {"control": found.name, "channel": found.channel, "to": target}
     steps = f" by steps ({found.relative})" if found.relative else ""
-    words = f"{found.name}, channel {found.channel}, is {target}{steps}"
-    save_learned(learning, write_map((*kept, found)), report, words)
+    summary = f"{found.name}, channel {found.channel}, is {target}{steps}"
+    save_learned(learning, write_map((*kept, found)), report, summary)

@@ -1,4 +1,4 @@
-"""`overview osc`: what the messages of other programs and apps do."""
+"""The command group `overview osc`."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ def command() -> None:
 
 @cli_command("osc learn 0.0.0.0:9000 device -o phone.toml", group=command)
 def learn(port: str, target: str, *, learning: Learning) -> None:
-    """Move a control that sends OSC to PORT (or HOST:PORT): from now on it does TARGET.
+    """Assign the control that sends OSC to PORT (or HOST:PORT) while you move it to TARGET.
 
-    TARGET is theta2 (the angle), touch (the disk is held while it is pressed), device (what sends
-    is itself turned in the hand) or a parameter's id (`overview presets docs`). The control that is
-    moved is added to the list, or takes the place of what did the same.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), device (the sender is
+    twisted itself) or the id of a parameter (overview presets reference). The control is added to
+    the list, and replaces another control of TARGET.
     """
     from overview_dsp.devices.controllers.control_map import (
         SENSED,
@@ -48,16 +48,16 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     controls = load_osc_map(learning.output) if Path(learning.output).exists() else ()
     learner = OscLearner(target)
 
-    def hear(came: list[bytes], now_s: float) -> OscControl | None:
-        for data in came:
+    def decode(messages: list[bytes], now_s: float) -> OscControl | None:
+        for data in messages:
             learner.read(data, now_s)
         return learner.found(now_s)
 
-    def otherwise() -> str:
-        came = f"heard were {learner.heard}" if learner.heard else "nothing came"
-        return f"no message was known that can be {target!r}; {came}"
+    def failure() -> str:
+        received = f"received: {learner.heard}" if learner.heard else "nothing received"
+        return f"no message for {target!r} ({received})"
 
-    found = listen(OscPort(port), lambda: learner.ask, hear, learning.timeout, otherwise)
+    found = listen(OscPort(port), lambda: learner.ask, decode, learning.timeout, failure)
     found = replace(found, low=learning.low, high=learning.high)
     replaced = SENSED if target == DEVICE else (target,)
     same = (found.address, found.value)
@@ -65,6 +65,6 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         one for one in controls if (one.address, one.value) != same and one.to not in replaced
     )
     sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
-    words = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
+    summary = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
-    save_learned(learning, write_map((*kept, found)), report, words)
+    save_learned(learning, write_map((*kept, found)), report, summary)

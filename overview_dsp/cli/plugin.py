@@ -1,4 +1,4 @@
-"""`overview plugin`: a timeline as an instrument of a digital audio workstation."""
+"""The command group `overview plugin`."""
 
 from __future__ import annotations
 
@@ -24,31 +24,35 @@ def command() -> None:
     """Build audio plugins that play a timeline without Python."""
 
 
-@cli_command("plugin build match.json --to clap -o ~/.clap", group=command)
+@cli_command(
+    "plugin build match.json --to clap -o ~/.clap",
+    group=command,
+    first="presets to target output name window zoom_to as_json",
+)
 def build(
     timelines: tuple[str, ...] = argument(metavar="[TIMELINE]..."),
     *,
     presets: tuple[str, ...] = option(
-        "Name or .toml file; of several, one is chosen in the host.  "
-        "[default: those that fit the data; without TIMELINE, every bundled one]",
+        "Preset: name or .toml file; the host can switch between several.  "
+        "[default: those that fit the data; without TIMELINE, all bundled ones]",
         "--preset",
     ),
     to: str = option("Format of the plugin.", required=True, type=click.Choice(_FORMATS)),
     target: str | None = option(
-        "Machine it is for; needs ziglang (pip install ziglang).  [default: this one]",
+        "Platform of the plugin; needs ziglang (pip install ziglang).  [default: this machine]",
         type=click.Choice(_TARGETS),
     ),
     output: str = option("Folder for the plugin.", default="."),
-    name: str | None = option("Name of the plugin.  [default: the first TIMELINE's]"),
+    name: str | None = option("Name of the plugin.  [default: that of the first TIMELINE]"),
     seed: int = SEED,
     as_json: bool = JSON,
     reading: Reading,
     window: Window,
 ) -> None:
-    """Compile timelines to a plugin, with the samples of `render`; it needs a C compiler.
+    """Compile timelines to an audio plugin, which needs a C compiler.
 
-    Of several TIMELINEs, one is chosen in the host, as are presets. Without any it is a plugin of
-    everything that is bundled: the timelines, each in every preset.
+    Its samples are those of overview render. The host can switch between several TIMELINEs, and
+    between presets. Without TIMELINE, the plugin has all bundled timelines and presets.
     """
     from overview_dsp.data.readers import BUNDLED
 
@@ -57,21 +61,21 @@ def build(
         for timeline in timelines or tuple(BUNDLED)
     }
     if len(data) < len(timelines):
-        raise InputError("two timelines of a plugin have the same name: name each once")
+        raise InputError("two timelines have the same name; rename one")
     everything = not presets and not timelines
     if everything:
         presets = ov.bundled_presets()
     fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
     chosen = [ov.load_preset(preset) for preset in presets or fitting]
-    called = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
+    title = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
     if target:
-        note(f"compiling for {target}; ziglang's first time for a machine takes a minute or more")
+        note(f"compiling for {target}; the first time takes ziglang a minute or more")
     with warnings.catch_warnings():
         if everything:
-            # that not every bundled preset names what a bundled timeline holds was nobody's choice
+            # not every bundled preset has all kinds of a bundled timeline
             warnings.simplefilter("ignore", OverviewWarning)
         built = ov.export.build_plugin(
-            data, chosen, to, output, name=called, seed=seed, target=target
+            data, chosen, to, output, name=title, seed=seed, target=target
         )
     names = [preset.name for preset in chosen]
     report = {"format": to, "file": str(built), "timelines": list(data), "presets": names}

@@ -1,7 +1,4 @@
-"""`overview render`: a gesture over a timeline, into a sound file.
-
-The option --transcript: what happened when, into files or onto the terminal.
-"""
+"""The command `overview render`, and the option --transcript."""
 
 from __future__ import annotations
 
@@ -34,17 +31,21 @@ if TYPE_CHECKING:
 TERMINAL = "-"
 
 GESTURE = option(FORMS + "; + joins gestures.", default=DEFAULT, metavar="SPEC")
-TAIL = option("Time after the gesture: rest, none, or seconds.", default="rest", metavar="S")
+TAIL = option(
+    "Time after the gesture: rest (of the disk), none, or seconds.",
+    default="rest",
+    metavar="S",
+)
 TRANSCRIPT = option(
-    "Events with their times: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to print "
-    "them. May be repeated.",
+    "Transcript of the events: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to "
+    "print it. May be repeated.",
     "--transcript",
     metavar="FILE",
 )
 
 
 def require_transcripts(paths: Sequence[str]) -> None:
-    """InputError, before any work, for a file that no transcript can be written to."""
+    """Check before long work that transcripts can be written; InputError otherwise."""
     from overview_dsp.offline.rendering.event_log import writer_of
 
     for path in paths:
@@ -53,23 +54,17 @@ def require_transcripts(paths: Sequence[str]) -> None:
             require_writable(Path(path))
 
 
-def require_wav(path: str) -> None:
-    """InputError if a sound file can't hold cue points."""
-    if Path(path).suffix.lower() != ".wav":
-        raise InputError(f"{path}: --cue-points is for .wav files; give a --transcript for others")
-
-
 def write_transcripts(
     paths: Sequence[str], passed: Sequence[PassedEvent], as_json: bool
 ) -> dict[str, Any]:
-    """Write or print what happened; what the JSON report says of it."""
+    """Write or print the events; return their part of the JSON report."""
     from overview_dsp.offline.rendering.event_log import as_records, as_text, save_transcript
 
     files = [path for path in paths if path != TERMINAL]
     for path in files:
         save_transcript(passed, path)
         if not as_json:
-            click.echo(f"{path}: what happened when, {len(passed)} events")
+            click.echo(f"{path}: transcript of {len(passed)} events")
     if TERMINAL in paths and not as_json:
         click.echo(as_text(passed), nl=False)
     if not paths:
@@ -77,23 +72,27 @@ def write_transcripts(
     return {"transcripts": files, "events": as_records(passed)}
 
 
-@cli_command("render match.json --gesture sweep:4 -o match.wav --trace match.npz", name="render")
+@cli_command(
+    "render match.json --gesture sweep:4 -o match.wav --trace match.npz",
+    name="render",
+    first="gesture output preset window zoom_to trace transcripts actuator sample_rate as_json",
+)
 def command(
     timeline: str,
     *,
     gesture: str = GESTURE,
-    output: str = option("WAV, FLAC, ... by suffix.", default="out.wav"),
+    output: str = option("Sound file; the suffix selects the format.", default="out.wav"),
     trace: str | None = option("Write disk motion and torque to a .npz or .csv file."),
-    sample_rate: float = option("Hz, 1000 to 768000.", default=48_000.0),
+    sample_rate: float = option("Sample rate, 1000 to 768000 Hz.", default=48_000.0),
     subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
     seed: int = SEED,
     tail: str = TAIL,
-    stems: bool = option("Also write click, tactor and the disk's curves alone."),
-    measure_loudness: bool = option("Report click loudness (ITU-R BS.1770)."),
+    stems: bool = option("Also write click, tactor and disk signals as separate files."),
+    measure_loudness: bool = option("Report the loudness of the clicks (ITU-R BS.1770)."),
     normalize: float | None = option(
-        "Bring the click to this loudness, such as -23.", metavar="LUFS"
+        "Normalize the clicks to this loudness, such as -23.", metavar="LUFS"
     ),
-    cue_points: bool = option("Write the events into the WAV as cue points."),
+    cue_points: bool = option("Write the events to the WAV file as cue points."),
     transcripts: tuple[str, ...] = TRANSCRIPT,
     actuator: str | None = ACTUATOR,
     as_json: bool = JSON,
@@ -101,7 +100,7 @@ def command(
     reading: Reading,
     window: Window,
 ) -> None:
-    """Play a gesture over TIMELINE into a sound file: left = clicks, right = tactor.
+    """Render a gesture over TIMELINE to a sound file: left = clicks, right = tactor.
 
     TIMELINE is any supported file, detected by content, or the bundled match
     (world-cup-final-2018).
@@ -114,8 +113,8 @@ def command(
     from overview_dsp.units import clock_text, gain_to_db
 
     require_transcripts(transcripts)
-    if cue_points:
-        require_wav(output)
+    if cue_points and Path(output).suffix.lower() != ".wav":
+        raise InputError(f"{output}: --cue-points needs a .wav file; use --transcript for others")
     data = open_window(timeline, reading, window)
     chosen = choice.load(preset_for(data, choice.preset))
     movement = read_gesture(gesture)
@@ -184,33 +183,33 @@ def command(
         click.echo(drive_line(driven, done.protected))
     for kind, count in done.engine.surface.omitted_events.items():
         click.echo(
-            f"left out: {count} {kind}, too dense to be felt one by one; use a shorter window"
+            f"omitted: {count} {kind}, too dense to be felt one by one; use a shorter window"
         )
     if trace:
-        click.echo(f"{trace}: what the disk did, one row a frame")
+        click.echo(f"{trace}: disk motion and torque, one row per frame")
     if missed:
-        named = [f"{event.kind} {data.moment_text(event.time_s)}" for event in missed[:NAMED]]
-        more = f" and {len(missed) - NAMED} more" if len(missed) > NAMED else ""
+        named = [f"{event.kind} {data.moment_text(event.time_s)}" for event in missed[:MAX_NAMED]]
+        more = f" and {len(missed) - MAX_NAMED} more" if len(missed) > MAX_NAMED else ""
         click.echo(
-            f"not reached: {', '.join(named)}{more}; the disk did not arrive in time: "
-            "hold on longer, render a longer tail, or move more slowly"
+            f"not reached: {', '.join(named)}{more}; the disk was too slow: hold it longer, "
+            "render a longer tail, or move more slowly"
         )
     write_transcripts(transcripts, passed, as_json)
 
 
-NAMED = 6
-"""Events that were not reached, by name; the JSON has all."""
+MAX_NAMED = 6
+"""Most events that a message names; the JSON report has all."""
 
 
 def _level(db: float | None) -> str:
     return "silent" if db is None else f"{db:.1f} dBFS"
 
 
-def _loudness(lufs: float | None, gain_db: float, wanted: float | None) -> str:
+def _loudness(lufs: float | None, gain_db: float, target: float | None) -> str:
     if lufs is None:
         return "click: silent"
-    turned = f", turned by {gain_db:+.1f} dB" if wanted is not None else ""
-    # less than asked for, beyond what the gates of loudness make of it
-    short = wanted is not None and lufs < wanted - 0.5
-    why = "; its highest sample is at -1 dBFS and allows no more" if short else ""
-    return f"click: {lufs:.1f} LUFS{turned}{why}"
+    gain = f", gain {gain_db:+.1f} dB" if target is not None else ""
+    # less than the target, by more than the gates of the measurement can cause
+    limited = target is not None and lufs < target - 0.5
+    why = "; limited by its peak at -1 dBFS" if limited else ""
+    return f"click: {lufs:.1f} LUFS{gain}{why}"

@@ -1,4 +1,4 @@
-"""`overview sensor`: what a sensor's numbers are, learned by turning it; firmware for boards."""
+"""The command group `overview sensor`: setup, firmware and profiles of sensors."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from overview_dsp.files.atomic import require_writable
 
 @click.group(name="sensor", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
 def command() -> None:
-    """Learn what a sensor sends, for `overview play --input serial:PORT,sensor=FILE`.
+    """Set up a sensor for overview play --input serial:PORT,sensor=FILE.
 
-    Or get the file of a known sensor, or firmware for a board.
+    Or get the profile of a known sensor, or firmware for a board.
     """
 
 
@@ -27,7 +27,7 @@ def setup(
     port: str,
     *,
     output: str = option(
-        "The sensor's file that is written.", type=click.Path(dir_okay=False), required=True
+        "Sensor profile to write.", type=click.Path(dir_okay=False), required=True
     ),
     baud: int = BAUD,
     timeout: float = option(
@@ -35,10 +35,10 @@ def setup(
     ),
     as_json: bool = JSON,
 ) -> None:
-    """Watch two twists of what is at PORT and write its file: axes, units, ends.
+    """Write the profile of the sensor at PORT (axes, units, ends) from two twists.
 
-    Lay it still, face up, then turn it face down and back, twice; a knob from one end to the other
-    and back.
+    Lay the sensor face up and keep it still. Then turn it face down and back, twice. Turn a knob
+    from one end to the other and back, twice.
     """
     from overview_dsp.devices.sensors.setup import Setup
     from overview_dsp.live.ports.serial import SerialPort
@@ -46,18 +46,18 @@ def setup(
     require_writable(output)
     watched = Setup()
 
-    def hear(came: list[bytes], now_s: float) -> str | None:
-        for data in came:
+    def decode(messages: list[bytes], now_s: float) -> str | None:
+        for data in messages:
             watched.feed(data, now_s)
         if watched.problem:
             raise InputError(watched.problem)
         return watched.toml() if watched.done else None
 
-    def otherwise() -> str:
-        return f"{watched.twists} of 2 twists were seen ({watched.problem or watched.ask})"
+    def failure() -> str:
+        return f"only {watched.twists} of 2 twists ({watched.problem or watched.ask})"
 
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    write_text(output, listen(opened, lambda: watched.ask, hear, timeout, otherwise))
+    write_text(output, listen(opened, lambda: watched.ask, decode, timeout, failure))
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 
@@ -67,17 +67,17 @@ def firmware(
     name: str | None,
     *,
     output: str | None = option(
-        "Folder in which NAME is made; left out: it is only described.",
+        "Folder in which NAME is created.  [default: only describe it]",
         type=click.Path(file_okay=False),
     ),
     as_json: bool = JSON,
 ) -> None:
-    """Get the firmware NAME, to flash on a board; without NAME, list what there is."""
+    """Copy the firmware NAME for a board; without NAME, list all firmware."""
     from overview_dsp.devices.sensors.firmware import copy_firmware, firmware_head, firmware_names
 
     if name is None:
         if output is not None:
-            raise InputError(f"which one? There is {', '.join(firmware_names())}")
+            raise InputError(f"NAME is missing; must be {' or '.join(firmware_names())}")
         heads = {one: firmware_head(one) for one in firmware_names()}
         lines = (f"{one:12s} {' '.join(head.split(chr(10) * 2)[0].split())}"
                  for one, head in heads.items())  # fmt: skip
@@ -85,7 +85,7 @@ def firmware(
         return
     head = firmware_head(name)
     to = None if output is None else str(copy_firmware(name, Path(output)))
-    text = head if to is None else f"{head}\n\n{to}: flash this"
+    text = head if to is None else f"{head}\n\n{to}: flash this folder"
     show(as_json, {"name": name, "folder": to, "head": head}, text)
 
 
@@ -94,29 +94,31 @@ def profile(
     name: str | None,
     *,
     output: str | None = option(
-        "File that NAME is copied to; left out: it is printed.", type=click.Path(dir_okay=False)
+        "Copy of NAME.  [default: print it]", type=click.Path(dir_okay=False)
     ),
     as_json: bool = JSON,
 ) -> None:
-    """Get the sensor's file NAME, to make one's own of.
+    """Copy the sensor profile NAME, to adapt it; without NAME, list all profiles.
 
-    It is for `overview play --input serial:PORT,sensor=FILE`.
-
-    Without NAME, list what there is.
+    A profile is for overview play --input serial:PORT,sensor=FILE.
     """
     from overview_dsp.devices.sensors.profile import LIBRARY, load_sensor
 
     if name is None:
         if output is not None:
-            raise InputError(f"which one? There is {', '.join(LIBRARY.bundled)}")
+            raise InputError(f"NAME is missing; must be {' or '.join(LIBRARY.bundled)}")
         about = {one: load_sensor(one).description for one in LIBRARY.bundled}
-        show(as_json, about, "\n".join(f"{one:14s} {words}" for one, words in about.items()))
+        show(
+            as_json,
+            about,
+            "\n".join(f"{one:14s} {description}" for one, description in about.items()),
+        )
         return
     text = LIBRARY.path(name).read_text(encoding="utf-8")
     if output is not None:
         if Path(output).exists():
-            raise InputError(f"{output}: already there; move it away or give another file (-o)")
+            raise InputError(f"{output} already exists; move it, or name another file (-o)")
         require_writable(output)
         write_text(output, text)
-    words = text.rstrip() if output is None else f"{output}: play it with sensor={output}"
-    show(as_json, {"name": name, "file": output, "text": text}, words)
+    message = text.rstrip() if output is None else f"{output}: play it with sensor={output}"
+    show(as_json, {"name": name, "file": output, "text": text}, message)

@@ -1,4 +1,4 @@
-"""`overview serve`: the page, for a phone or a browser."""
+"""The command `overview serve`: a page for a phone or a browser."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import click
 
 from overview_dsp.cli.common import note
-from overview_dsp.cli.live_session import SECONDS, Session, opened_player, print_lines
+from overview_dsp.cli.live_session import SECONDS, Session, open_player, play_headless
 from overview_dsp.cli.options.declaring import cli_command, option, refuse_options
-from overview_dsp.cli.options.follow import Feed, opened_data
+from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.output import Output
 from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
 from overview_dsp.cli.options.server import Server, ServerAddress, open_server, require_server
@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 PAGE = "Page"
 
 
-@cli_command("serve world-cup-final-2018 --host 0.0.0.0 --audio host", name="serve")
+@cli_command(
+    "serve world-cup-final-2018 --host 0.0.0.0 --audio host",
+    name="serve",
+    first="preset window follow audio media host port device record as_json",
+)
 def command(
     timeline: str | None,
     *,
@@ -34,18 +38,18 @@ def command(
     choice: PresetChoice,
     feed: Feed,
     audio: str = option(
-        "What makes the sound: the page, or this machine's output.",
+        "Sound output: here (the page), or host (this machine).",
         heading=PAGE,
         type=click.Choice(["here", "host"]),
         default="here",
     ),
     media: str | None = option(
-        "Film or recording of TIMELINE; its second S is the timeline's time 0.",
+        "Film or recording of TIMELINE; the timeline starts at its second S.",
         heading=PAGE,
         metavar="FILE[,offset=S]",
     ),
     publish: str | None = option(
-        "With --follow: update a static copy in DIR.", heading=PAGE, metavar="DIR"
+        "Update a static copy of a live timeline in DIR.", heading=PAGE, metavar="DIR"
     ),
     as_json: bool = option("Report the address as a line of JSON.", "--json", heading=PAGE),
     server: Server,
@@ -53,19 +57,21 @@ def command(
     session: Session,
     seconds: float | None = SECONDS,
 ) -> None:
-    """Serve a page on which TIMELINE is dragged, tapped and released, until Ctrl-C.
+    """Serve a page to play TIMELINE in a browser or on a phone, until Ctrl-C.
 
-    Beyond this machine (--host) it is served with https, and a QR code holds its address. Whoever
-    has the printed address may use it. With --audio host the page is the input, and the disk is
-    heard and felt here: the options of Output and Session are those of `overview play`.
+    Other machines (--host) get https and a QR code with the address. The page is open to
+    anyone with the printed address. With --audio host the page is only the input, and this
+    machine plays the sound: the options under Output and Session are those of overview play.
     """
     if publish is not None and feed.follow is None:
-        raise click.UsageError("--publish is for --follow; overview export --to web has the rest")
+        raise click.UsageError(
+            "--publish needs --follow; use overview export --to web for a finished timeline"
+        )
     with ExitStack() as stack:
-        data = stack.enter_context(opened_data(timeline, feed, reading, window, choice.preset))
+        data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         require_server()
         if audio == "here":
-            refuse_options("is for --audio host; the page sounds by itself", Output, Session)
+            refuse_options("needs --audio host", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
         if publish is not None and data.growth is not None:
             from overview_dsp.web.published import Published
@@ -76,11 +82,11 @@ def command(
         if audio == "host":
             from overview_dsp.web.session import HostSession
 
-            with opened_player(data, output, session, choice.linear) as (player, received):
+            with open_player(data, output, session, choice.linear) as (player, received):
                 host = HostSession(player)
                 with open_server(server, host, routes, growing) as opened:
                     _report(opened, as_json)
-                    print_lines(player, host, received, seconds)
+                    play_headless(player, host, received, seconds)
         else:
             with (
                 ended_by_signals() as received,
@@ -100,7 +106,7 @@ def _film(text: str) -> Media:
     except ValueError:
         offset_s = math.nan
     if not math.isfinite(offset_s):
-        raise InputError(f"--media {text}: offset must be a number of seconds, such as 754")
+        raise InputError(f"--media is {text}; offset must be a number of seconds, such as 754")
     return open_media(path if comma else text, offset_s)
 
 

@@ -1,4 +1,4 @@
-"""Signals that ask a command to end: SIGTERM and SIGHUP are as Ctrl-C, so nothing stays behind."""
+"""Signals that end a command: SIGTERM and SIGHUP act as Ctrl-C, so no partial output is left."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _received: list[int] = []
 
 
 def signals_that_end() -> list[int]:
-    """Return those of this platform; one that is ignored stays so (nohup)."""
-    wanted = [
+    """Return the signals of this platform, except ignored ones (nohup)."""
+    known = [
         getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
     ]
-    return [number for number in wanted if signal.getsignal(number) is not signal.SIG_IGN]
+    return [number for number in known if signal.getsignal(number) is not signal.SIG_IGN]
 
 
 @contextmanager
@@ -39,7 +39,7 @@ def _handled(receive: Callable[[int, Any], None]) -> Iterator[None]:
 
 @contextmanager
 def stopped_by_signals() -> Iterator[None]:
-    """Raise KeyboardInterrupt for the first of them; what comes later disturbs no cleaning up."""
+    """Raise KeyboardInterrupt for the first signal; later ones don't interrupt the cleanup."""
     _received.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -55,16 +55,16 @@ def _stop(number: int, frame: Any) -> None:
 
 
 def stop_code() -> int:
-    """Return the exit code of a command that was stopped."""
+    """Return the exit code of a stopped command."""
     return 128 + (_received[0] if _received else signal.SIGINT)
 
 
 @contextmanager
 def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[int]]:
-    """Collect the signals that ask for an end instead of obeying them.
+    """Collect signals, so that a command can end in its own way.
 
-    A process that hasn't ended `END_WITHIN_S` after the first one (a terminal that takes nothing
-    more, a device that doesn't answer) is ended then, after `save`.
+    A process that still runs `END_WITHIN_S` after the first signal (as a terminal or a device
+    doesn't answer) is ended after `save`.
     """
     received: list[int] = []
 
@@ -87,14 +87,14 @@ def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[in
 
 
 def wait_for_end(received: list[int], seconds: float | None) -> None:
-    """Wait for a signal, or so many seconds."""
+    """Wait for a signal, at most `seconds`."""
     until = None if seconds is None else time.monotonic() + seconds
     while not received and (until is None or time.monotonic() < until):
         time.sleep(LOOK_EVERY_S)
 
 
 def exit_if_stopped(received: list[int]) -> None:
-    """End the program as signals do, if one came."""
+    """Exit with the code of the first signal, if there is one."""
     if received:
         from overview_dsp.cli.common import say
 

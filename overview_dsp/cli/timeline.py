@@ -1,4 +1,4 @@
-"""`overview timeline`: what was understood from a file, and its conversion."""
+"""The command group `overview timeline`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from overview_dsp.files.atomic import require_writable
 
 @click.group(name="timeline", epilog="Example: overview timeline show match.json")
 def command() -> None:
-    """Look at a timeline before it is felt, and convert it."""
+    """Show how a file is interpreted as a timeline, and convert it."""
 
 
 @cli_command("timeline show match.json --plot match.png --events", group=command)
@@ -26,18 +26,18 @@ def show(
     *,
     events: bool = option("List every event."),
     plot: str | None = option(
-        "Draw the curve with its events (.png .svg .pdf).", metavar="OUT.png"
+        "Plot of the intensity curve with its events (.png .svg .pdf).", metavar="OUT.png"
     ),
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:
-    """Show how FILE was interpreted: span, unit, events by kind, gaps, notes, and where it is from.
+    """Show how FILE is interpreted: duration, unit, events by kind, gaps, notes and source.
 
-    FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). A
-    file of several matches is listed unless --select chooses one.
+    FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). If
+    it has several matches, they are listed unless --select chooses one.
     """
+    from overview_dsp.data.readers.data_file import LoadOptions
     from overview_dsp.data.readers.registry import list_matches
-    from overview_dsp.data.readers.source import LoadOptions
     from overview_dsp.data.timeline.describe import describe, describe_json
 
     if plot is not None:
@@ -60,37 +60,30 @@ def show(
         return
     click.echo(describe(data, events=events))
     if plot is not None:
-        click.echo(f"{plot}: the curve with its events")
+        click.echo(f"{plot}: intensity curve with events")
 
 
 @cli_command("timeline convert goals.csv --select 'France Croatia' -o final.json", group=command)
 def convert(
     file: str,
     *,
-    output: str = option(
-        "A native file (.json), or an event list (.csv).", default="timeline.json"
-    ),
+    output: str = option("Native file (.json), or event list (.csv).", default="timeline.json"),
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:
-    """Write FILE as a native timeline (.json), or its events alone as an event list (.csv).
-
-    Reading the native file back gives the same timeline.
-    """
+    """Write FILE as a native timeline (.json), or its events as an event list (.csv)."""
     from overview_dsp.data.readers.events.event_table import save_events
     from overview_dsp.units import span_text
 
     suffix = Path(output).suffix.lower()
     if suffix not in (".json", ".csv"):
-        raise InputError(
-            f"{output}: a timeline is written as .json (native) or .csv (its events); choose one"
-        )
+        raise InputError(f"{output}: suffix must be .json (native) or .csv (events)")
     require_writable(output)
     data = open_timeline(file, reading)
     (save_events if suffix == ".csv" else ov.save_timeline)(data, output)
     points = len(data.intensity.value) if data.intensity is not None else 0
     kept = 0 if suffix == ".csv" else points
-    left = f", {points} points of the curve left behind" if points > kept else ""
+    left = f"; {points} points of the curve are not in it" if points > kept else ""
     report = {
         "file": output,
         "title": data.title,
@@ -107,7 +100,7 @@ def convert(
 
 @cli_command("timeline formats", group=command)
 def formats(*, as_json: bool = JSON) -> None:
-    """List what can be read, in the order in which a file is tried, with the options of each."""
+    """List all readable formats, in the order of detection, with the options of each."""
     from overview_dsp.data.readers.formats import formats as known_formats
 
     listed = [{"name": f.name, "options": sorted(f.options)} for f in known_formats()]
@@ -115,7 +108,7 @@ def formats(*, as_json: bool = JSON) -> None:
     for known in known_formats():
         options = " ".join(_OPTIONS[name] for name in sorted(known.options))
         lines.append(f"{known.name}{'  [' + options + ']' if options else ''}")
-    end = "any of them may be packed (gzip, bzip2, xz, ZIP); files are told by their content"
+    end = "files can be compressed (gzip, bzip2, xz, ZIP); formats are detected by content"
     show_report(as_json, {"formats": listed}, *lines, end)
 
 
@@ -126,7 +119,7 @@ _OPTIONS = {
     "match": "--select",
     **{name: f"--read {key}" for key, (name, _) in READ_KEYS.items()},
 }
-"""The option for each argument of `load_timeline`."""
+"""Option for each argument of `load_timeline`."""
 
 
 def _print_matches(file: str, matches: tuple[str, ...], as_json: bool) -> None:

@@ -1,1 +1,1 @@
-"""What happened, and when: timelines, and what makes them from files, feeds and samples."""
+"""Timelines, and the readers, feeds and analysis that produce them."""

@@ -1,1 +1,1 @@
-"""Files as they are written and read: whole or not at all; sound; TOML with its lines."""
+"""Atomic writing of files, sound files, and strict TOML files."""

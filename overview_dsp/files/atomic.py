@@ -1,4 +1,4 @@
-"""Outputs that are whole or absent: written beside their place, then renamed into it."""
+"""Atomic outputs: files and folders that appear complete or not at all."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _DISK_ERRORS = {errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG}
 
 
 def output_error(path: Path, error: OSError) -> InputError | OutputError:
-    """The one-line error for a failed write: the disk's fault (exit 1) or the caller's (exit 2)."""
+    """Return the error for a failed write: OutputError for the disk, InputError for the caller."""
     reason = error.strerror or str(error) or type(error).__name__
     if error.errno in _DISK_ERRORS:
         return OutputError(f"{path}: {reason}; nothing was left behind, free some space and retry")
@@ -26,44 +26,39 @@ def output_error(path: Path, error: OSError) -> InputError | OutputError:
 _inputs: set[tuple[int, int]] = set()
 
 
-def keep(path: str | os.PathLike[str]) -> None:
-    """Let no output of this process take the place of this file, if there is one.
-
-    For what a command reads, until it ends (`release`): one wrong name, and it would be lost.
-    """
+def protect_input(path: str | os.PathLike[str]) -> None:
+    """Refuse outputs of this process that would overwrite this file, until `unprotect_inputs`."""
     found = _identity(path)
     if found is not None:
         _inputs.add(found)
 
 
-def release() -> None:
-    """Outputs may take the place of any file again."""
+def unprotect_inputs() -> None:
+    """Allow outputs to overwrite any file again."""
     _inputs.clear()
 
 
 def _identity(path: str | os.PathLike[str]) -> tuple[int, int] | None:
     try:
         found = os.stat(path)
-    except (OSError, ValueError):  # no such file, or no name at all
+    except (OSError, ValueError):  # no such file, or not a valid name
         return None
     return found.st_dev, found.st_ino
 
 
 def _refuse_input(target: Path) -> None:
     if _identity(target) in _inputs:
-        raise InputError(
-            f"{target}: this command reads it, so it would be lost; name another output"
-        )
+        raise InputError(f"{target}: is an input of this command; name another output")
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:
-    """Refuse early, with InputError, a file that could not be written at the end."""
+    """Check before long work that a file can be written; InputError otherwise."""
     target = Path(path)
     _refuse_input(target)
     if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")
     if not os.path.isdir(target.parent):
-        raise InputError(f"{target}: there is no folder {target.parent}; make it first")
+        raise InputError(f"{target}: no folder {target.parent}; make it first")
     if not os.access(target.parent, os.W_OK):
         raise InputError(f"{target}: can't be written; choose a folder you may write to")
 
@@ -72,8 +67,8 @@ _temporaries: set[Path] = set()
 
 
 def _temporary(target: Path, suffix: str = "") -> Path:
-    """A name for a temporary file or folder beside a target, noted before it is there."""
-    # the stem is left out: with it, a name that fits its folder could become too long
+    """Return the name of a temporary file or folder beside a target, and register it."""
+    # without the stem, which could make the name too long
     path = target.parent / f".overview-{uuid.uuid4().hex[:12]}{suffix}"
     _temporaries.add(path)
     return path
@@ -82,7 +77,7 @@ def _temporary(target: Path, suffix: str = "") -> Path:
 def _remove(path: Path | None) -> None:
     if path is None:
         return
-    with contextlib.suppress(OSError):  # it may never have been made
+    with contextlib.suppress(OSError):  # it may not exist
         if os.path.isdir(path):
             shutil.rmtree(path, ignore_errors=True)
         else:
@@ -91,22 +86,28 @@ def _remove(path: Path | None) -> None:
 
 
 def remove_temporaries() -> None:
-    """Delete what a writer that was stopped anywhere has left, in this process."""
+    """Delete the temporary files and folders of this process."""
     for path in list(_temporaries):
         _remove(path)
 
 
-@contextlib.contextmanager
-def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
-    """Give a temporary path beside `path`; rename it into place on success, delete it otherwise.
+def _umask() -> int:
+    umask = os.umask(0)
+    os.umask(umask)
+    return umask
 
-    The temporary name keeps the suffix, so a writer that looks at it chooses the same format. A
-    `private` file may be read by its owner only.
+
+@contextlib.contextmanager
+def atomic_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[Path]:
+    """Yield a temporary path; rename it to `path` on success, delete it otherwise.
+
+    It has the suffix of `path`, from which some writers choose their format. Only the owner can
+    read a `private` file.
 
     Raises
     ------
     InputError
-        The folder doesn't exist or can't be written, or the file is one to `keep`.
+        The folder doesn't exist or can't be written, or the file is a protected input.
     OutputError
         The disk is full or broken.
     """
@@ -114,7 +115,7 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
     if "\0" in str(target):
         raise InputError(f"{str(target)!r}: can't be written (a zero byte in the name)")
     _refuse_input(target)
-    # os.path: a name that is too long is no folder, where pathlib raises
+    # os.path: pathlib raises for a name that is too long
     if os.path.isdir(target):
         raise InputError(f"{target}: is a folder; name a file in it")
     temporary = _temporary(target, target.suffix)
@@ -124,9 +125,7 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
         with open(temporary, "rb") as written:
             os.fsync(written.fileno())
         if not private:
-            umask = os.umask(0)
-            os.umask(umask)
-            os.chmod(temporary, 0o666 & ~umask)
+            os.chmod(temporary, 0o666 & ~_umask())
         os.replace(temporary, target)
     except OSError as error:
         raise output_error(target, error) from error
@@ -135,7 +134,7 @@ def whole_file(path: str | os.PathLike[str], private: bool = False) -> Iterator[
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
-    """Make a folder for outputs, with its parents; InputError if that can't be."""
+    """Make a folder for outputs, with its parents; InputError if that fails."""
     folder = Path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -145,15 +144,15 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 
 
 @contextlib.contextmanager
-def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
-    """Give a temporary folder beside `path`; rename it into place on success, delete it otherwise.
+def atomic_folder(path: str | os.PathLike[str], marker: str) -> Iterator[Path]:
+    """Yield a temporary folder; rename it to `path` on success, delete it otherwise.
 
-    A folder that is there already is replaced if it is empty or holds the file `ours`.
+    An existing folder is replaced if it is empty or contains the file `marker`.
 
     Raises
     ------
     InputError
-        It can't be written, or holds something else.
+        The folder can't be written, or contains other files.
     OutputError
         The disk is full or broken.
     """
@@ -163,22 +162,18 @@ def whole_folder(path: str | os.PathLike[str], ours: str) -> Iterator[Path]:
         if os.path.lexists(target):
             if not target.is_dir():
                 raise InputError(f"{target}: is a file; name a folder")
-            if any(target.iterdir()) and not (target / ours).is_file():
-                raise InputError(
-                    f"{target}: holds other files, which would be lost; name an empty or new folder"
-                )
+            if any(target.iterdir()) and not (target / marker).is_file():
+                raise InputError(f"{target}: contains other files; name an empty or new folder")
         target = target.absolute()
         temporary = _temporary(target)
         temporary.mkdir(mode=0o700)
-    except (OSError, ValueError) as error:  # ValueError: a zero byte
-        if isinstance(error, OSError):
-            raise output_error(target, error) from error
+    except OSError as error:
+        raise output_error(target, error) from error
+    except ValueError as error:  # a zero byte
         raise InputError(f"{str(target)!r}: can't be written ({error})") from error
     try:
         yield temporary
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o777 & ~umask)
+        os.chmod(temporary, 0o777 & ~_umask())
         if target.exists():
             old = _temporary(target)
             os.replace(target, old)

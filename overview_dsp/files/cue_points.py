@@ -1,4 +1,4 @@
-"""Cue points of a WAV file with their labels: chunks behind its samples, that editors show."""
+"""Cue points with labels in WAV files: chunks after the samples, which audio editors show."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.atomic import atomic_file, output_error
 
-MOST_BYTES = 2**32 - 1
+MAX_BYTES = 2**32 - 1
 
 
 def cue_chunks(cues: Sequence[tuple[int, str]]) -> bytes:
-    """The chunks `cue ` and `LIST` of labels, for (sample, label) pairs."""
+    """Return the chunks `cue ` and `LIST` with labels, for pairs of sample and label."""
     points = struct.pack("<I", len(cues)) + b"".join(
         struct.pack("<II4sIII", number, sample, b"data", 0, 0, sample)
         for number, (sample, _) in enumerate(cues, 1)
@@ -31,19 +31,19 @@ def _chunk(name: bytes, data: bytes) -> bytes:
 
 
 def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
-    """Write cue points into a WAV file, which stays as it was if that fails.
+    """Write cue points into a WAV file, which doesn't change if that fails.
 
     Parameters
     ----------
     path
         A RIFF file.
     cues
-        Samples from the beginning, with their labels.
+        Positions in samples, with their labels.
 
     Raises
     ------
     InputError
-        It is no WAV file, or too large for more.
+        The file isn't a WAV file, or is too large.
     """
     chunks = cue_chunks(cues)
     try:
@@ -53,11 +53,11 @@ def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
     except OSError as error:
         raise output_error(path, error) from None
     if head[:4] != b"RIFF" or head[8:] != b"WAVE":
-        raise InputError(f"{path}: cue points are for .wav files; use a transcript for others")
+        raise InputError(f"{path}: cue points need a .wav file; use a transcript for other formats")
     padding = bytes(size % 2)
-    if size + len(padding) + len(chunks) - 8 > MOST_BYTES:
-        raise InputError(f"{path}: a WAV file of 4 GB holds no cue points; use a transcript")
-    with whole_file(path) as temporary:
+    if size + len(padding) + len(chunks) - 8 > MAX_BYTES:
+        raise InputError(f"{path}: cue points make the WAV file larger than 4 GB; use a transcript")
+    with atomic_file(path) as temporary:
         try:
             shutil.copyfile(path, temporary)
             with open(temporary, "r+b") as file:

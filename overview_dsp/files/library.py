@@ -1,4 +1,4 @@
-"""Small TOML files by name: those of the program, then a person's own; any other by its path."""
+"""Small TOML files by name: bundled files, then files of the user; any other by its path."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 
 @dataclass(frozen=True)
 class Library:
-    """The files of a sort.
+    """Files of one sort.
 
     Attributes
     ----------
     sort : str
-        `presets`: the package in which the bundled ones are, and the folder of a person's own.
+        Name of the folders: `presets`.
     one : str
-        One of them, with its article, in messages.
+        Name of one file, with its article, for messages: `a preset`.
     variable : str
-        The environment variable that names another folder of own ones; empty: there are none.
+        Environment variable that names another user folder; empty: only bundled files.
     """
 
     sort: str
@@ -32,49 +32,48 @@ class Library:
 
     @property
     def bundled_folder(self) -> Path:
-        """The bundled ones: in the installed package, or in the checkout."""
+        """Folder of the bundled files, in the installed package or in the checkout."""
         installed = _PACKAGE / "bundled" / self.sort
         return installed if installed.is_dir() else _PACKAGE.parent / self.sort
 
     @property
-    def own_folder(self) -> Path:
-        """A person's own, which may not be there yet."""
-        given = os.environ.get(self.variable)
-        if given:
-            return Path(given)
+    def user_folder(self) -> Path:
+        """Folder of the user, which may not exist yet."""
+        if folder := os.environ.get(self.variable):
+            return Path(folder)
         import platformdirs
 
         return platformdirs.user_config_path("overview-dsp", appauthor=False) / self.sort
 
     @property
     def bundled(self) -> tuple[str, ...]:
-        """Names of the bundled ones, sorted."""
+        """Sorted names of the bundled files."""
         return _names_in(self.bundled_folder)
 
     @property
-    def own(self) -> tuple[str, ...]:
-        """Names of a person's own, sorted; a bundled name stays the bundled one's."""
+    def user(self) -> tuple[str, ...]:
+        """Sorted names of the files of the user, without those that are bundled too."""
         if not self.variable:
             return ()
-        return tuple(sorted(set(_names_in(self.own_folder)) - set(self.bundled)))
+        return tuple(sorted(set(_names_in(self.user_folder)) - set(self.bundled)))
 
     def path(self, name: str | Path) -> Path:
-        """The file that is named; InputError if there is none."""
+        """Return the path of a file by its name or path; InputError if it doesn't exist."""
         text = str(name)
         if text in self.bundled:
             return self.bundled_folder / (text + SUFFIX)
-        if text in self.own:
-            return self.own_folder / (text + SUFFIX)
+        if text in self.user:
+            return self.user_folder / (text + SUFFIX)
         path = Path(text)
         if path.suffix == SUFFIX or path.parent != Path("."):
-            # os.path: a name that is too long is no file, where pathlib raises
+            # os.path: pathlib raises for a name that is too long
             if os.path.isfile(path):
                 return path
             what = "is a folder" if os.path.isdir(path) else "no such file"
             raise InputError(f"{path}: {what}; give {self.one}'s {SUFFIX} file or a name")
         raise InputError(
             f"no {self.one.split()[-1]} is called {shown(text)}"
-            f"{did_you_mean(text, (*self.bundled, *self.own))} (or give the path of a .toml file)"
+            f"{did_you_mean(text, (*self.bundled, *self.user))} (or give the path of a .toml file)"
         )
 
 

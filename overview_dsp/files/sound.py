@@ -1,9 +1,7 @@
-"""Sound files: any libsndfile format, whole or absent, with dither where the format needs it.
+"""Sound files: any libsndfile format, written atomically, with dither for few bits.
 
-A WAV file's bytes from its samples, packed all at once.
-
-libsndfile packs a sample at a time and hands on 8 KB at a time: for short sounds in memory that
-takes several times as long. The header is its own, so the bytes are too.
+The bytes of short WAV files are packed here, several times faster than by libsndfile, which
+converts one sample at a time. The header comes from libsndfile, so the bytes are identical.
 """
 
 from __future__ import annotations
@@ -23,25 +21,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.atomic import atomic_file, output_error
 
 PACKED = {"PCM_16": 2, "PCM_24": 3, "PCM_32": 4}
-"""Bytes of a sample, for the subtypes that are packed here."""
+"""Bytes per sample of the subtypes that are packed here."""
 
 _NO_DATA = b"data" + struct.pack("<I", 0)
 
 
 def with_samples(empty: bytes, subtype: str, samples: NDArray[Any]) -> bytes | None:
-    """The WAV file without samples that `empty` is, with samples; None if it isn't that simple.
+    """Return the WAV file `empty` with samples; None if its header has an unexpected form.
 
     Parameters
     ----------
     empty : bytes
-        A header whose last chunk is the data's.
+        WAV file without samples, whose last chunk is `data`.
     subtype : str
         One of `PACKED`.
     samples : int16 or int32 (frames, channels)
-        Whole steps in the upper bits.
+        Quantized samples in the upper bits.
     """
     data = _packed(samples, PACKED[subtype])
     size = len(empty) + len(data) + len(data) % 2
@@ -55,10 +53,10 @@ def _packed(samples: NDArray[Any], width: int) -> bytes:
     little = np.ascontiguousarray(samples, samples.dtype.newbyteorder("<"))
     if little.itemsize == width:
         return little.tobytes()
-    given = little.view(np.uint8).reshape(-1, little.itemsize)
-    packed = np.empty((len(given), width), np.uint8)
-    for place in range(width):
-        packed[:, place] = given[:, place - width]
+    wide = little.view(np.uint8).reshape(-1, little.itemsize)
+    packed = np.empty((len(wide), width), np.uint8)
+    for byte in range(width):
+        packed[:, byte] = wide[:, byte - width]
     return packed.tobytes()
 
 
@@ -72,8 +70,8 @@ _PIECE = 4096  # frames written at a time: libsndfile's Ogg encoder overflows it
 
 
 @cache
-def _known() -> dict[str, tuple[str, ...]]:
-    """The subtypes of each format that libsndfile has here: asking it takes half a millisecond."""
+def _subtypes() -> dict[str, tuple[str, ...]]:
+    """Return the subtypes of each format of this libsndfile, cached: a query takes 0.5 ms."""
     import soundfile
 
     return {
@@ -84,13 +82,13 @@ def _known() -> dict[str, tuple[str, ...]]:
 def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     import soundfile
 
-    known = _known()
+    known = _subtypes()
     name = path.suffix[1:].upper()
     name = {"AIF": "AIFF", "OGA": "OGG", "OPUS": "OGG"}.get(name, name)
-    # RAW has no header to say what it is; SD2 puts half of itself into a second file
+    # RAW has no header; SD2 needs a second file
     if name not in known or name in ("RAW", "SD2"):
         some = "wav, flac, aiff, ogg, caf, w64, rf64"
-        raise InputError(f"{path}: no sound format is called {path.suffix!r}; use {some}")
+        raise InputError(f"{path}: no sound format has the suffix {path.suffix!r}; use {some}")
     allowed = known[name]
     if subtype is None:
         chosen = DEFAULT_SUBTYPE if DEFAULT_SUBTYPE in allowed else soundfile.default_subtype(name)
@@ -98,23 +96,23 @@ def _format_of(path: Path, subtype: str | None) -> tuple[str, str]:
     chosen = str(subtype).upper()
     if chosen not in allowed:
         raise InputError(
-            f"{path}: {name} has no subtype {subtype!r}; it has {', '.join(sorted(allowed))}"
+            f"{path}: {name} has no subtype {subtype!r}; allowed: {', '.join(sorted(allowed))}"
         )
     return name, chosen
 
 
 def _require_whole_rate(path: Path, sample_rate: float) -> int:
-    """The rate, if a file can hold it: InputError otherwise."""
+    """Return a whole sample rate; InputError for any other."""
     if not math.isfinite(sample_rate) or sample_rate != int(sample_rate):
         near = round(sample_rate) if math.isfinite(sample_rate) else 48_000
         raise InputError(
-            f"{path}: a file's sample rate is a whole number, not {sample_rate:.15g} Hz; use {near}"
+            f"{path}: sample rate is {sample_rate:.15g} Hz; must be a whole number, such as {near}"
         )
     return int(sample_rate)
 
 
-class _Rounding:
-    """Samples to what a subtype stores, block after block: dithered where it has few bits."""
+class _Quantizer:
+    """Quantization of consecutive blocks to a subtype, with dither for 16 or fewer bits."""
 
     def __init__(self, subtype: str) -> None:
         self._bits = _BITS.get(subtype, 0)
@@ -123,9 +121,9 @@ class _Rounding:
         self.note = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
 
     def __call__(self, samples: NDArray[np.float32]) -> NDArray[Any]:
-        """Samples as whole steps in the upper bits of int16 or int32; as they are for floats.
+        """Return samples as steps in the upper bits of int16 or int32; floats don't change.
 
-        libsndfile would round them down: half a step of constant offset.
+        libsndfile would round down, a constant offset of half a step.
         """
         if not self._bits:
             return samples
@@ -134,7 +132,7 @@ class _Rounding:
         exact = np.float32 if self._random is None and self._bits <= 24 else np.float64
         steps: NDArray[Any] = np.multiply(samples, top, dtype=exact)
         if self._random is not None:
-            # drawn frame by frame, so that the blocks it comes in change nothing
+            # per frame, so that the block size changes nothing
             noise = self._random.random((*samples.shape, 2))
             steps += np.where(samples == 0.0, 0.0, noise[..., 0] - noise[..., 1])
         np.clip(np.rint(steps, out=steps), -top, top - 1.0, out=steps)
@@ -143,32 +141,32 @@ class _Rounding:
 
 
 class SoundWriter:
-    """A sound file that is written block by block and appears, whole, when it is done.
+    """Writer of a sound file in blocks; the file appears when it is complete.
 
-    `note` says how samples were stored. PCM of 16 or fewer bits gets triangular (TPDF) dither from
-    a fixed seed; exact zeros stay exact zeros.
+    `note` describes the format. PCM of 16 or fewer bits gets triangular (TPDF) dither from a fixed
+    seed; exact zeros stay exact zeros.
     """
 
     def __init__(
         self, path: Path, sample_rate: float, subtype: str | None = None, channels: int = 2
     ) -> None:
-        """Choose the format; InputError if there is none, or a rate a file can't hold."""
+        """Choose the format; InputError for an unknown format or an unsupported rate."""
         self.path = path
         self.frames = 0
         self._rate = _require_whole_rate(path, sample_rate)
         self._channels = channels
         self._format, self._subtype = _format_of(path, subtype)
-        self._rounded = _Rounding(self._subtype)
+        self._quantize = _Quantizer(self._subtype)
         self._stack = contextlib.ExitStack()
-        self.note = f"{self._format} {self._subtype}, {self._rounded.note}"
+        self.note = f"{self._format} {self._subtype}, {self._quantize.note}"
         self._file: Any = None
 
     def __enter__(self) -> SoundWriter:
         import soundfile
 
-        # an error on the way leaves by the inner stack, which takes the temporary file with it
+        # after an error, the inner stack deletes the temporary file
         with contextlib.ExitStack() as stack:
-            temporary = stack.enter_context(whole_file(self.path))
+            temporary = stack.enter_context(atomic_file(self.path))
             try:
                 self._file = soundfile.SoundFile(
                     str(temporary),
@@ -190,13 +188,13 @@ class SoundWriter:
 
     def write(self, samples: NDArray[np.float32]) -> None:
         """Append float32 (frames, channels)."""
-        data = self._rounded(samples)
+        data = self._quantize(samples)
         with self._disk_errors():
             self._file.write(data)
         self.frames += len(samples)
 
     def finish(self) -> None:
-        """Write what still waits in buffers: after this, the disk had space for all of it."""
+        """Flush and close the file; an error means that the disk is full."""
         if self._file is not None:
             file, self._file = self._file, None
             with self._disk_errors():
@@ -206,7 +204,7 @@ class SoundWriter:
         if kind is None:
             self.finish()
             return
-        # the file is thrown away: what else goes wrong with it doesn't matter
+        # the file is deleted, so further errors don't matter
         with contextlib.suppress(OutputError, InputError):
             self.finish()
 
@@ -251,20 +249,20 @@ def save_sound(
 
 
 def check_sound(name: str, sample_rate: float, subtype: str | None = None) -> None:
-    """InputError if `sound_bytes` has no such format, or it can't hold the rate or two channels."""
+    """Check that a format can hold two channels at a rate; InputError otherwise."""
     sound_bytes(name, np.zeros((1, 2), np.float32), sample_rate, subtype)
 
 
 def sound_bytes(
     name: str, samples: NDArray[np.float32], sample_rate: float, subtype: str | None = None
 ) -> bytes:
-    """The bytes of a sound file of that name with float32 samples (frames, channels)."""
+    """Return a sound file as bytes; `name` has its suffix, samples are (frames, channels)."""
     import soundfile
 
     path = Path(name)
     rate = _require_whole_rate(path, sample_rate)
     form, chosen = _format_of(path, subtype)
-    data = _Rounding(chosen)(samples)
+    data = _Quantizer(chosen)(samples)
     try:
         if form == "WAV" and chosen in PACKED:
             packed = with_samples(_empty(rate, data.shape[1], chosen), chosen, data)
@@ -277,12 +275,12 @@ def sound_bytes(
 
 @lru_cache
 def _empty(rate: int, channels: int, subtype: str) -> bytes:
-    """A WAV file without samples."""
+    """Return a WAV file without samples."""
     return _encoded(np.zeros((0, channels), np.int32), rate, "WAV", subtype)
 
 
 def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
-    """A sound file's bytes as libsndfile writes them, but for the time of writing in some."""
+    """Return the bytes of a sound file as libsndfile writes them, without a time stamp."""
     import soundfile
 
     file = io.BytesIO()
@@ -294,7 +292,7 @@ def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
             sound.write(data[first : first + piece])
     peak = file.getvalue()[:_HEADER].find(b"PEAK")
     if form in ("WAV", "AIFF") and peak >= 0:
-        # a time, in seconds: the same samples give the same bytes
+        # the time stamp: the same samples must give the same bytes
         file.seek(peak + 12)
         file.write(bytes(4))
     return file.getvalue()
@@ -317,26 +315,26 @@ class _Samples(Protocol):
     def sample_rate(self) -> float: ...
 
 
-class Sounding:
-    """Has `samples`, float32 (frames, 2), at a `sample_rate` (Hz), and may be kept as a file."""
+class SavableSound:
+    """Mixin with `save`, for `samples`, float32 (frames, 2), at a `sample_rate` (Hz)."""
 
     def save(self: _Samples, path: str | os.PathLike[str], subtype: str | None = None) -> None:
-        """Write the samples to a sound file, whole or not at all.
+        """Write the samples to a sound file, complete or not at all.
 
         Parameters
         ----------
         path : str or path
-            The file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+            File whose suffix selects the format (WAV, FLAC, any other of libsndfile).
         subtype : str or None
-            Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+            Sample format of libsndfile (`"PCM_16"`, `"FLOAT"`); None: default of the format.
 
         Raises
         ------
         InputError
-            An unknown format, a sample rate that isn't a whole number, a place that can't be
+            An unknown format, a sample rate that isn't a whole number, or a file that can't be
             written.
         OutputError
-            A full disk.
+            The disk is full.
 
         Examples
         --------

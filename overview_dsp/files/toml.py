@@ -1,7 +1,6 @@
-"""The small TOML files a person writes, read strictly.
+"""Strict reading of small TOML files: presets, profiles of actuators and sensors, control maps.
 
-Presets, the profiles of actuators and sensors, maps of controllers: what is wrong in one is said
-with its file and line.
+Each error names file and line.
 """
 
 from __future__ import annotations
@@ -21,101 +20,94 @@ TEXTS = ("title", "description")
 
 
 def read_text(path: Path) -> str:
-    """The text of a file; InputError if it can't be read, is too large or no text."""
+    """Read the text of a file; InputError if it can't be read, is too large or isn't UTF-8."""
     try:
         data = path.read_bytes() if path.stat().st_size <= MAX_BYTES else None
     except OSError as error:
         raise InputError(f"{path}: can't be read ({error.strerror})") from None
     if data is None:
-        raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
+        raise InputError(f"{path}: larger than {MAX_BYTES:,} bytes, the limit for a TOML file")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text (byte {error.start}); it is a TOML file"
-        ) from None
+        raise InputError(f"{path}: not UTF-8 text (byte {error.start})") from None
 
 
 def parse_toml(text: str, source: str) -> dict[str, Any]:
-    """The tables of a text; InputError if it isn't TOML."""
+    """Parse a TOML text; InputError with the name `source` if it isn't TOML."""
     try:
         return tomllib.loads(text)
-    # ValueError: not TOML, and an integer of thousands of digits
+    # ValueError: not TOML, or an integer with thousands of digits
     except (ValueError, RecursionError) as error:
         raise InputError(f"{source}: not TOML: {error}") from None
 
 
 @contextmanager
 def faults_at_their_line(text: str, source: str) -> Iterator[None]:
-    """An InputError whose message begins with a key gets the file and line of that key."""
+    """Prefix an InputError whose message begins with a key with the file and line of that key."""
     try:
         yield
     except InputError as error:
         path = str(error).split(maxsplit=1)[0].rstrip(":;,").split(".")
         line = line_of(text, path)
-        place = f"{source}:{line}" if line else source
-        raise InputError(f"{place}: {error}") from None
+        raise InputError(f"{source}:{line}: {error}" if line else f"{source}: {error}") from None
 
 
 def check_head(
     data: Mapping[str, Any], sections: Iterable[str], schema: int, needs_texts: bool
 ) -> None:
-    """Check a profile's keys outside its sections: schema, title, description, nothing unknown.
+    """Check the keys of a profile outside its sections: `schema`, `title`, `description`.
 
     Raises
     ------
     InputError
-        Its message begins with the key.
+        The message begins with the key.
     """
     require_known(data, ("schema", *TEXTS, *sections))
     if "schema" not in data:
-        raise InputError(f"schema is missing; it is {schema}")
+        raise InputError(f"schema is missing; must be {schema}")
     if data["schema"] != schema or isinstance(data["schema"], bool):
-        raise InputError(f"schema = {shown(data['schema'])} is not known; this reads {schema}")
+        raise InputError(f"schema = {shown(data['schema'])}; must be {schema}")
     for key in TEXTS:
         if key not in data:
             if needs_texts:
-                raise InputError(f"{key} is missing; it is a line of text in quotes")
+                raise InputError(f"{key} is missing; must be text in quotes")
         elif not isinstance(data[key], str):
-            raise InputError(
-                f"{key} = {shown(data[key])} is no text; it is a line of text in quotes"
-            )
+            raise InputError(f"{key} = {shown(data[key])}; must be text in quotes")
 
 
 def sections_of(ids: Iterable[str]) -> tuple[str, ...]:
-    """The sections of ids, `section.key`, in order."""
+    """Return the sections of ids (`section.key`), in order."""
     return tuple(dict.fromkeys(id.partition(".")[0] for id in ids))
 
 
 def values_in(data: Mapping[str, Any], ids: Collection[str]) -> dict[str, Any]:
-    """What a profile gives, by id; InputError, which begins with the key, for one not of `ids`."""
+    """Return the values of a profile by id; InputError, which begins with the key, if unknown."""
     values = {}
     for section in sections_of(ids):
-        given = data.get(section, {})
-        if not isinstance(given, dict):
-            raise InputError(
-                f"{section} = {shown(given)} is not allowed; it is a table: [{section}]"
-            )
+        table = data.get(section, {})
+        if not isinstance(table, dict):
+            raise InputError(f"{section} = {shown(table)}; must be a table: [{section}]")
         known = [id.partition(".")[2] for id in ids if id.startswith(f"{section}.")]
-        require_known(given, known, f"{section}.")
-        values.update({f"{section}.{key}": value for key, value in given.items()})
+        require_known(table, known, f"{section}.")
+        values.update({f"{section}.{key}": value for key, value in table.items()})
     return values
 
 
-def require_known(table: Iterable[str], known: Collection[str], before: str = "") -> None:
-    """InputError, which begins with the key, for one that isn't known."""
+def require_known(table: Iterable[str], known: Collection[str], prefix: str = "") -> None:
+    """Refuse unknown keys with an InputError that begins with the key."""
     for key in table:
         if key not in known:
-            raise InputError(f"{before}{shown_key(key)}: unknown key{did_you_mean(key, known)}")
+            raise InputError(f"{prefix}{format_key(key)}: unknown key{did_you_mean(key, known)}")
 
 
-def shown_key(key: str) -> str:
-    """A key as an error names it: quoted where it may hold anything."""
+def format_key(key: str) -> str:
+    """Return a key for a message; unprintable keys are quoted."""
     return key if key.isprintable() and not any(c.isspace() for c in key) else repr(key)
 
 
 def line_of(text: str, path: Iterable[str | int]) -> int | None:
-    """The line (from 1) that sets a key of a TOML text, or its nearest enclosing table."""
+    """Return the line (from 1) of a key in a TOML text, or of its nearest enclosing table."""
     parts = list(path)
     best: tuple[int, int] | None = None
     table: list[str | int] = []

@@ -20,7 +20,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 
 DAYS = 397
 """Longer ones are refused by some phones."""
@@ -50,7 +50,7 @@ def own_certificate(names: Iterable[str]) -> Path:
         # earlier names stay: a laptop goes to and fro between networks
         both = list(dict.fromkeys([*wanted, *(known or ())]))[:MAX_NAMES]
         make_folder(path.parent)
-        with whole_file(path, private=True) as temporary:
+        with atomic_file(path, private=True) as temporary:
             temporary.write_bytes(make_certificate(both))
     return path
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.files.atomic import whole_folder
+from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
 from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, sharing, write_site
@@ -55,7 +55,7 @@ def write_gallery(
     files[MARK] = "".join(f"{name}\n" for name in names).encode()
     files[START] = _page([timeline for timeline, _ in shown], names, address).encode()
     size = sum(map(len, files.values()))
-    with whole_folder(path, MARK) as folder:
+    with atomic_folder(path, MARK) as folder:
         for name, content in files.items():
             (folder / name).write_bytes(content)
         for i, (name, (timeline, preset)) in enumerate(zip(names, shown, strict=True)):

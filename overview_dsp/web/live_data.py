@@ -88,7 +88,7 @@ class LiveData:
             {
                 "what": change.what,
                 "kind": change.event.kind,
-                "label": change.event.words,
+                "label": change.event.display_label,
                 "time_s": change.event.time_s,
                 "pulse": list(pulse_of(change.event.kind, preset)),
                 "version": change.revision,
@@ -97,7 +97,7 @@ class LiveData:
             if change.revision <= self.version
         ]
         timeline = self.timeline
-        now_s = timeline.duration_s if timeline.until_s is None else timeline.until_s
+        now_s = timeline.duration_s if timeline.known_until_s is None else timeline.known_until_s
         over = self._live.ended
         return {
             "version": self.version,

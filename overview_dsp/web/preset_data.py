@@ -29,7 +29,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.files.toml import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
@@ -72,13 +72,13 @@ def save_own(name: str, text: str, replace: bool) -> Path:
         raise InputError(f"{name[:70]!r} is no name for a preset: letters, digits, - and _")
     if name in bundled_presets():
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
-    path = LIBRARY.own_folder / (name + SUFFIX)
+    path = LIBRARY.user_folder / (name + SUFFIX)
     if path.exists() and not replace:
         raise InputError(f"a preset {name!r} is there already; replace=1 replaces it")
     _require_named_base(text, name)
     parse_own(text, path)
     make_folder(path.parent)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return path
 

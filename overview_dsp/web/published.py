@@ -24,7 +24,7 @@ from pathlib import Path
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import OverviewError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.static_site import write_site
@@ -94,15 +94,15 @@ class Published:
         files = []
         for rate in RATES:
             files.append(self._folder / f"{version}-{rate}.update")
-            with whole_file(files[-1]) as temporary:
+            with atomic_file(files[-1]) as temporary:
                 temporary.write_bytes(self._data.update(-1, rate))
         timeline = self._data.timeline
         if has_values(timeline):
             files.append(self._folder / f"{version}-points.json")
-            with whole_file(files[-1]) as temporary:
+            with atomic_file(files[-1]) as temporary:
                 points = points_json(timeline, 0.0, timeline.duration_s)
                 temporary.write_text(json.dumps(points), encoding="utf-8")
-        with whole_file(self._folder / "now.json") as temporary:
+        with atomic_file(self._folder / "now.json") as temporary:
             temporary.write_text(json.dumps(self._data.notice(0)), encoding="utf-8")
         self._kept.append(files)
         while len(self._kept) > OLD + 1:

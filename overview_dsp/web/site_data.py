@@ -44,8 +44,8 @@ import numpy as np
 
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.moments import NARROWEST_S
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
@@ -170,7 +170,7 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
     resistance = np.maximum.reduceat(surface.resistance, first)
     angle_map = surface.angle_map
     level = angle_map.at_even_positions(shown.normalised_levels(COLUMNS - 1))
-    now = None if shown.until_s is None else float(angle_map.position_of(shown.until_s))
+    now = None if shown.known_until_s is None else float(angle_map.position_of(shown.known_until_s))
     return {
         "map": _map_json(angle_map, start_s),
         "level": [round(one, 4) for one in level.tolist()],
@@ -185,7 +185,7 @@ def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, 
                 "place": place,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
-                "label": event.words,
+                "label": event.display_label,
             }
             for place, event in zip(angle_map.events.tolist(), shown.events, strict=True)
         ],

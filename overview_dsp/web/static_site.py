@@ -19,7 +19,7 @@ from typing import Any
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.files.atomic import whole_folder
+from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web.assets import START, folder_files
@@ -120,7 +120,7 @@ def write_site(
     def front(file: bytes) -> bytes:
         return front_page(file.decode(), timeline, address).encode()
 
-    with whole_folder(path, MARK) as folder:
+    with atomic_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0

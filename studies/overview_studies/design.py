@@ -15,7 +15,7 @@ from overview_dsp import Timeline, sweep
 from overview_dsp.cli.extensions import (
     KEYS,
     JobsTable,
-    Study,
+    RenderGrid,
     faults_at_their_line,
     parse_toml,
     read_grid,
@@ -63,7 +63,7 @@ class Design:
         The TOML file.
     sha256 : str
         Of its text, line ends as "\\n".
-    grid : Study
+    grid : RenderGrid
         The stimuli, as `overview batch` has them.
     answers : mapping
         Of each timeline: its events' kind, its curve's shape, or its name.
@@ -73,7 +73,7 @@ class Design:
     name: str
     where: Path
     sha256: str
-    grid: Study
+    grid: RenderGrid
     answers: Mapping[str, str]
 
     def factors(self, kind: str) -> dict[str, Factor]:
@@ -195,7 +195,7 @@ def _made(file: StudyFile) -> Made | None:
         raise InputError(f"{place}: {fault['msg']}") from None
 
 
-def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Study:
+def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> RenderGrid:
     given = table.data.get("gestures", [FREE])
     free = {}
     if isinstance(given, list) and FREE in given:

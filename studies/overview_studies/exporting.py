@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.cli.extensions import whole_folder
+from overview_dsp.cli.extensions import atomic_folder
 from overview_dsp.errors import InputError
 from overview_studies.answers import MEANING, Answers
 from overview_studies.measures import (
@@ -40,7 +40,7 @@ def export_answers(answers: Answers, to: str, path: str | Path) -> list[str]:
     """
     made = dict(FORMATS[to](answers))
     mark = next(iter(made))
-    with whole_folder(path, mark) as folder:
+    with atomic_folder(path, mark) as folder:
         for name, text in made.items():
             place = folder / name
             place.parent.mkdir(parents=True, exist_ok=True)

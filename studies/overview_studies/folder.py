@@ -19,12 +19,12 @@ from overview_dsp import build_surface
 from overview_dsp.cli.extensions import (
     PROGRAM,
     RATES,
+    atomic_folder,
     kind_looks,
     page_with,
     patch_of,
     sound_bytes,
     whole_bytes,
-    whole_folder,
     window_json,
 )
 from overview_dsp.errors import InputError
@@ -70,7 +70,7 @@ def build_folder(
     """
     items = items_of(design)
     lists = make_lists(design, items)
-    with whole_folder(path, MARK) as folder:
+    with atomic_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.cli.extensions import sound_bytes, whole_folder
+from overview_dsp.cli.extensions import atomic_folder, sound_bytes
 from overview_dsp.errors import InputError
 from overview_studies.design import ADAPTIVE, Design
 from overview_studies.folder import make_lists, played
@@ -49,7 +49,7 @@ def export_psychopy(
         )
     used, by = played(lists), {item.key: item for item in items}
     names = [_plain(name) for name in design.file.factors]
-    with whole_folder(path, MARK) as folder:
+    with atomic_folder(path, MARK) as folder:
         (folder / "sounds").mkdir()
         for number, (key, mappings) in enumerate(used.items(), 1):
             for mapping in mappings:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import Gesture, render, save_gesture
-from overview_dsp.cli.extensions import CLICK, SOURCES, TACTOR, sound_bytes, whole_folder
+from overview_dsp.cli.extensions import CLICK, SOURCES, TACTOR, atomic_folder, sound_bytes
 from overview_dsp.errors import InputError
 from overview_studies.answers import Answers
 from overview_studies.design import Design
@@ -113,7 +113,7 @@ def export_takes(
     if not found:
         raise InputError("no trial kept a take; free exploration does, in the page")
     rows = []
-    with whole_folder(path, INDEX) as folder:
+    with atomic_folder(path, INDEX) as folder:
         for number, (who, trial, step, key, take) in enumerate(found, 1):
             item = items[key]
             stem = re.sub(r"[^A-Za-z0-9_-]", "-", f"{who}_{trial}")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.cli.extensions import save_figure, whole_folder
+from overview_dsp.cli.extensions import atomic_folder, save_figure
 from overview_studies.analysis import Analysis, Line, shown
 from overview_studies.figures import MAIN, figures_of
 from overview_studies.observers import SIMULATED
@@ -26,7 +26,7 @@ def write_report(analysis: Analysis, path: str | Path) -> list[str]:
     InputError, OutputError
         It can't be written, or holds other files.
     """
-    with whole_folder(path, RESULTS) as folder:
+    with atomic_folder(path, RESULTS) as folder:
         text = json.dumps(analysis.as_json(), indent=2, ensure_ascii=False, allow_nan=False)
         (folder / RESULTS).write_text(text + "\n", encoding="utf-8")
         (folder / "methods.txt").write_text(methods_text(analysis), encoding="utf-8")

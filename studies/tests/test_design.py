@@ -25,7 +25,7 @@ def refusal(folder, text):
         ('"static"', '"statik"', ("factors.mapping", "did you mean 'static'")),
         ('order = "williams"', 'order = "latin"', ("factors.mapping.order", "williams")),
         ('{ between = ["touch", "twist"] }', "{ }", ("factors.input", "within", "between")),
-        ('"football"', '"fotball"', ("study.toml, line 16", "stimuli.presets", "football")),
+        ('"football"', '"fotball"', ("study.toml:16", "stimuli.presets", "football")),
         ('["free"]', '["swep:2"]', ("stimuli.gestures", "swep")),
         ("variants = 2", "variants = 0", ("stimuli.made.variants", "1")),
         ('kinds = ["goal", "foul"]', "kinds = []", ("stimuli", "either kinds or curves")),

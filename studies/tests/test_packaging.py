@@ -17,8 +17,8 @@ import pytest
 import overview_dsp as ov
 import overview_studies
 from overview_studies.cli import command
+from tests.cli.commands import commands
 from tests.cli.running import overview
-from tests.cli.test_help import commands
 from tests.test_packaging import WITHOUT_EXTRAS, python
 
 STUDIES = Path(__file__).resolve().parents[1]

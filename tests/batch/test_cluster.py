@@ -10,8 +10,8 @@ import sys
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.batch import run_study
-from tests.batch.studies import CASES, JOBS, hashes, jobs_file, study_in
+from overview_dsp.batch import run_batch
+from tests.batch.grids import CASES, JOBS, grid_in, hashes, jobs_file
 from tests.cli.running import environment, overview, refused
 
 DASK_WORKER = (sys.executable, "-m", "distributed.cli.dask_worker")
@@ -34,10 +34,10 @@ def cluster():
 
 def test_a_cluster_makes_the_same_files_as_one_process(cluster, tmp_path):
     (tmp_path / "one").mkdir()
-    outcome = run_study(study_in(tmp_path), scheduler=cluster)
+    outcome = run_batch(grid_in(tmp_path), scheduler=cluster)
     assert (outcome.rendered, outcome.failed) == (CASES, ())
-    assert run_study(study_in(tmp_path), scheduler=cluster).found == CASES
-    run_study(study_in(tmp_path / "one"), workers=1)
+    assert run_batch(grid_in(tmp_path), scheduler=cluster).cached == CASES
+    run_batch(grid_in(tmp_path / "one"), workers=1)
     assert hashes(tmp_path / "study") == hashes(tmp_path / "one" / "study")
 
 
@@ -45,22 +45,22 @@ def test_a_folder_that_is_deleted_and_made_again_is_no_trouble_to_running_worker
     cluster, tmp_path
 ):
     (tmp_path / "one").mkdir()
-    run_study(study_in(tmp_path / "one"), workers=1)
+    run_batch(grid_in(tmp_path / "one"), workers=1)
     whole = hashes(tmp_path / "one" / "study")
     for _ in range(2):
-        outcome = run_study(study_in(tmp_path), scheduler=cluster)
+        outcome = run_batch(grid_in(tmp_path), scheduler=cluster)
         assert (outcome.rendered, outcome.failed) == (CASES, ())
         assert hashes(tmp_path / "study") == whole
         shutil.rmtree(tmp_path / "study")
     (tmp_path / "study").mkdir()
-    assert run_study(study_in(tmp_path), scheduler=cluster).failed == ()
+    assert run_batch(grid_in(tmp_path), scheduler=cluster).failed == ()
     assert hashes(tmp_path / "study") == whole
 
 
 def test_folders_that_vanish_again_and_again_cost_nothing_but_what_was_in_them(cluster, tmp_path):
     """Whatever becomes of a run meanwhile, the next one finishes the same study."""
     (tmp_path / "one").mkdir()
-    run_study(study_in(tmp_path / "one"), workers=1)
+    run_batch(grid_in(tmp_path / "one"), workers=1)
 
     def vanish(finished, of):
         if finished % 7 == 3:
@@ -68,8 +68,8 @@ def test_folders_that_vanish_again_and_again_cost_nothing_but_what_was_in_them(c
 
     for _ in range(3):
         with contextlib.suppress(ov.OverviewError):
-            run_study(study_in(tmp_path), scheduler=cluster, progress=vanish)
-    assert run_study(study_in(tmp_path), scheduler=cluster).failed == ()
+            run_batch(grid_in(tmp_path), scheduler=cluster, progress=vanish)
+    assert run_batch(grid_in(tmp_path), scheduler=cluster).failed == ()
     assert hashes(tmp_path / "study") == hashes(tmp_path / "one" / "study")
 
 
@@ -82,14 +82,14 @@ def test_the_command_works_on_a_cluster(cluster, tmp_path, monkeypatch):
 
 
 def test_an_error_of_the_place_reaches_the_caller(cluster, tmp_path, monkeypatch):
-    from overview_dsp.batch.storage import Place
+    from overview_dsp.batch.storage import Storage
 
     def full(self, name, data):
         raise ov.OutputError("the disk is full")
 
-    monkeypatch.setattr(Place, "put", full)
+    monkeypatch.setattr(Storage, "put", full)
     with pytest.raises(ov.OutputError, match="disk is full"):
-        run_study(study_in(tmp_path), scheduler=cluster)
+        run_batch(grid_in(tmp_path), scheduler=cluster)
 
 
 def test_workers_of_another_version_are_refused(cluster, tmp_path, monkeypatch):
@@ -102,7 +102,7 @@ def test_workers_of_another_version_are_refused(cluster, tmp_path, monkeypatch):
 
     monkeypatch.setattr(room, "_run", other)
     with pytest.raises(ov.OverviewError, match="another version"):
-        run_study(study_in(tmp_path), scheduler=cluster)
+        run_batch(grid_in(tmp_path), scheduler=cluster)
 
 
 def test_an_address_where_nothing_answers_is_one_line(tmp_path, monkeypatch):
@@ -138,7 +138,7 @@ def test_a_worker_killed_half_way_changes_no_byte(tmp_path):
         try:
             with distributed.Client(address, set_as_default=False) as client:
                 client.wait_for_workers(2, timeout=60)
-            outcome = run_study(study_in(tmp_path, text), scheduler=address, progress=tell)
+            outcome = run_batch(grid_in(tmp_path, text), scheduler=address, progress=tell)
         finally:
             for worker in workers:
                 worker.kill()
@@ -147,5 +147,5 @@ def test_a_worker_killed_half_way_changes_no_byte(tmp_path):
     assert killed[0] < outcome.cases
     assert outcome.failed == ()
     assert outcome.rendered == CASES // 3 * 25
-    run_study(study_in(tmp_path / "one", text), workers=1)
+    run_batch(grid_in(tmp_path / "one", text), workers=1)
     assert hashes(tmp_path / "study") == hashes(tmp_path / "one" / "study")

@@ -7,15 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.batch import Study, load_study
+from overview_dsp.batch import RenderGrid, load_jobs
 from overview_dsp.batch.grid import Settings
-from tests.batch.studies import CASES, JOBS, study_in
+from tests.batch.grids import CASES, JOBS, grid_in
 
 REST = 'out = "o"\ntimelines = ["world-cup-final-2018"]\ngestures = ["tap:1"]\n'
 
 
 def test_a_grid_has_every_combination_once_with_seeds_fastest(tmp_path):
-    study = study_in(tmp_path)
+    study = grid_in(tmp_path)
     assert len(study) == CASES
     cases = [study.case(index) for index in range(len(study))]
     places = {(c.timeline, c.preset, c.gesture, c.values, c.seed) for c in cases}
@@ -35,7 +35,7 @@ def test_any_grid_numbers_its_cases_from_0_without_a_gap(sizes, seeds):
         {str(i): None for i in range(size)} for size in sizes
     )
     values = {str(n): tuple(map(float, of)) for n, of in enumerate(parameters)}
-    study = Study("o", timelines, presets, gestures, values, tuple(seeds), Settings())
+    study = RenderGrid("o", timelines, presets, gestures, values, tuple(seeds), Settings())
     cases = [study.case(index) for index in range(len(study))]
     assert len({(c.timeline, c.preset, c.gesture, c.values, c.seed) for c in cases}) == len(study)
 
@@ -47,7 +47,7 @@ def test_parts_of_a_timeline_and_files_beside_the_jobs_are_found(tmp_path):
         ov.save_timeline(timeline, tmp_path / "data" / f"{name}.json")
     ov.save_gesture(ov.tap(0.3, 0.2), tmp_path / "take.csv")
     (tmp_path / "mine.toml").write_text('schema = 2\nextends = "football"\ntitle = "Mine"\n')
-    study = study_in(
+    study = grid_in(
         tmp_path,
         'out = "o"\n'
         'timelines = ["data/*.json", {file = "data/a.json", window = [4, "6"]}]\n'
@@ -63,7 +63,7 @@ def test_parts_of_a_timeline_and_files_beside_the_jobs_are_found(tmp_path):
 
 
 def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
-    study = study_in(
+    study = grid_in(
         tmp_path,
         REST
         + '[parameters]\n"tactor.gain_db" = {from = -12, to = 0, steps = 4}\n'
@@ -80,10 +80,10 @@ def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
     ("text", "words"),
     [
         ("", ["out"]),
-        ("out = 1", ["line 1", "out"]),
+        ("out = 1", ["jobs.toml:1:", "out"]),
         ("not toml", ["not TOML"]),
-        (REST + "seed = 3", ["line 4", "seed", "seeds"]),
-        (REST + "seeds = 0", ["line 4", "seeds"]),
+        (REST + "seed = 3", ["jobs.toml:4:", "seed", "seeds"]),
+        (REST + "seeds = 0", ["jobs.toml:4:", "seeds"]),
         (REST + "seeds = [1, 1]", ["twice"]),
         (REST + "seeds = [1.5]", ["seeds"]),
         (REST + "sample_rate = 'x'", ["sample_rate"]),
@@ -98,7 +98,7 @@ def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
         (REST + "presets = ['fotball']", ["presets", "football"]),
         (REST + "presets = ['football', 'football']", ["twice"]),
         (REST + "parameters = 3", ["parameters"]),
-        (REST + '[parameters]\n"tactor.gain" = [1]', ["line 4", "tactor.gain"]),
+        (REST + '[parameters]\n"tactor.gain" = [1]', ["jobs.toml:4:", "tactor.gain"]),
         (REST + '[parameters]\n"tactor.gain_db" = [1e9]', ["tactor.gain_db", "range"]),
         (REST + '[parameters]\n"tactor.gain_db" = []', ["tactor.gain_db"]),
         (REST + '[parameters]\n"tactor.gain_db" = [0, 0.0]', ["twice"]),
@@ -109,9 +109,9 @@ def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
             ["log"],
         ),
         (REST + '[parameters]\nkinds.gaol.height = [1]', ["kinds.gaol.height"]),
-        (REST.replace('"tap:1"', '"tap"'), ["line 3", "gestures", "tap"]),
+        (REST.replace('"tap:1"', '"tap"'), ["jobs.toml:3:", "gestures", "tap"]),
         (REST.replace('"tap:1"', '"no.csv"'), ["gestures", "no.csv"]),
-        (REST.replace('"world-cup-final-2018"', '"no.json"'), ["line 2", "no.json"]),
+        (REST.replace('"world-cup-final-2018"', '"no.json"'), ["jobs.toml:2:", "no.json"]),
         (REST.replace('"world-cup-final-2018"', '"no*.json"'), ["no*.json"]),
         (REST.replace('"world-cup-final-2018"', "{}"), ["file"]),
         (
@@ -135,7 +135,7 @@ def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
 )  # fmt: skip
 def test_what_is_wrong_is_one_line_that_names_it(tmp_path, text, words):
     with pytest.raises(ov.InputError) as error:
-        study_in(tmp_path, text)
+        grid_in(tmp_path, text)
     line = str(error.value)
     assert "jobs.toml" in line
     for word in words:
@@ -145,7 +145,7 @@ def test_what_is_wrong_is_one_line_that_names_it(tmp_path, text, words):
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path):
     with pytest.raises(ov.InputError, match="no such"):
-        load_study(tmp_path / "no such")
+        load_jobs(tmp_path / "no such")
 
 
 @given(data=st.data())
@@ -157,4 +157,4 @@ def test_a_broken_jobs_file_is_a_study_or_one_line(data, tmp_path_factory):
     folder = tmp_path_factory.mktemp("broken")
     # any other error fails the test
     with contextlib.suppress(ov.InputError):
-        assert len(study_in(folder, "".join(text))) >= 1
+        assert len(grid_in(folder, "".join(text))) >= 1

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.batch.manifest import MEASURES, PARTS, encode_part, read_rows
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.storage import Storage
 
 pytest.importorskip("pyarrow", reason="needs the extra batch")
 
@@ -32,7 +32,7 @@ failed = st.fixed_dictionaries({"key": texts, "error": texts})
 
 @given(rows=st.lists(rendered | failed, min_size=1, max_size=4))
 def test_a_part_gives_back_its_rows_to_the_bit(tmp_path_factory, rows):
-    place = Place(str(tmp_path_factory.mktemp("study")))
+    place = Storage(str(tmp_path_factory.mktemp("study")))
     place.put(f"{PARTS}/a", encode_part(rows))
     table, parts = read_rows(place)
     assert parts == [f"{PARTS}/a"]
@@ -41,7 +41,7 @@ def test_a_part_gives_back_its_rows_to_the_bit(tmp_path_factory, rows):
 
 
 def test_a_row_may_be_long(tmp_path):
-    place = Place(str(tmp_path))
+    place = Storage(str(tmp_path))
     events = [{"event": i, "kind": "goal", "level_db": -i / 3} for i in range(40_000)]
     rows = [{"key": "a", "felt": events}, {"key": "b"}]
     place.put(f"{PARTS}/a", encode_part(rows))

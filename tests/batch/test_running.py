@@ -17,13 +17,14 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.batch import run_study, storage, task
+from overview_dsp.batch import run_batch, storage, task
 from overview_dsp.batch.cache_keys import Keys
 from overview_dsp.batch.manifest import PARTS
-from overview_dsp.batch.storage import UNFINISHED, Place
+from overview_dsp.batch.storage import UNFINISHED, Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.installation import install_command
 from overview_dsp.measure.felt import event_levels
-from tests.batch.studies import CASES, JOBS, hashes, jobs_file, study_in
+from tests.batch.grids import CASES, JOBS, grid_in, hashes, jobs_file
 from tests.cli.running import end_of_group, environment, overview, refused
 
 pytestmark = pytest.mark.filterwarnings("ignore:preset 'heart' has no")
@@ -35,8 +36,8 @@ parquet = pytest.importorskip("pyarrow.parquet", reason="needs the extra batch")
 def done(tmp_path_factory):
     """The study as one process makes it in one go: its folder, and each file's hash."""
     folder = tmp_path_factory.mktemp("done")
-    outcome = run_study(study_in(folder), workers=1)
-    assert (outcome.cases, outcome.found, outcome.rendered) == (CASES, 0, CASES)
+    outcome = run_batch(grid_in(folder), workers=1)
+    assert (outcome.cases, outcome.cached, outcome.rendered) == (CASES, 0, CASES)
     assert outcome.failed == ()
     return folder / "study", hashes(folder / "study")
 
@@ -47,7 +48,7 @@ def rows(folder):
 
 def test_every_case_has_its_sound_and_its_row(done, tmp_path):
     folder, files = done
-    study = study_in(tmp_path)
+    study = grid_in(tmp_path)
     table = rows(folder)
     assert [row["index"] for row in table] == list(range(CASES))
     assert {row["file"] for row in table} | {"manifest.parquet"} == set(files)
@@ -92,11 +93,11 @@ def test_the_manifest_holds_the_presets_whole(done):
 
 
 def test_processes_make_the_same_files_and_a_second_run_makes_none(done, tmp_path):
-    study = study_in(tmp_path)
+    study = grid_in(tmp_path)
     told = []
     # said once, whichever process saw it
     with pytest.warns(ov.OverviewWarning) as notes:
-        outcome = run_study(study, workers=2, progress=lambda *what: told.append(what))
+        outcome = run_batch(study, workers=2, progress=lambda *what: told.append(what))
     assert len({str(note.message) for note in notes}) == len(notes) == 2
     assert outcome.rendered == CASES
     assert hashes(tmp_path / "study") == done[1]
@@ -104,8 +105,8 @@ def test_processes_make_the_same_files_and_a_second_run_makes_none(done, tmp_pat
     assert told[-1] == (CASES, CASES)
     assert told == sorted(told)
     before = {p: p.stat().st_mtime_ns for p in (tmp_path / "study" / "sounds").rglob("*.wav")}
-    outcome = run_study(study, workers=2)
-    assert (outcome.found, outcome.rendered) == (CASES, 0)
+    outcome = run_batch(study, workers=2)
+    assert (outcome.cached, outcome.rendered) == (CASES, 0)
     assert {p: p.stat().st_mtime_ns for p in before} == before
     assert hashes(tmp_path / "study") == done[1]
 
@@ -115,27 +116,27 @@ def test_only_what_is_missing_or_cut_short_is_made_again(done, tmp_path, monkeyp
     names = sorted((tmp_path / "study" / "sounds").rglob("*.wav"))
     names[3].unlink()
     names[7].write_bytes(names[7].read_bytes()[:-1])
-    outcome = run_study(study_in(tmp_path), workers=1)
-    assert (outcome.found, outcome.rendered) == (CASES - 2, 2)
+    outcome = run_batch(grid_in(tmp_path), workers=1)
+    assert (outcome.cached, outcome.rendered) == (CASES - 2, 2)
     assert hashes(tmp_path / "study") == done[1]
 
 
 def test_a_study_that_grows_makes_what_is_new(done, tmp_path):
     shutil.copytree(done[0], tmp_path / "study")
     more = JOBS.replace("seeds = 3", "seeds = 4")
-    outcome = run_study(study_in(tmp_path, more), workers=1)
-    assert (outcome.found, outcome.rendered) == (CASES, CASES // 3)
+    outcome = run_batch(grid_in(tmp_path, more), workers=1)
+    assert (outcome.cached, outcome.rendered) == (CASES, CASES // 3)
     table = rows(tmp_path / "study")
     assert len(table) == CASES // 3 * 4
     assert len({row["file"] for row in table}) == len(table)
     # and back: the rows are those of the study that is asked for
-    outcome = run_study(study_in(tmp_path), workers=1)
+    outcome = run_batch(grid_in(tmp_path), workers=1)
     assert outcome.rendered == 0
     assert len(rows(tmp_path / "study")) == CASES
 
 
 def test_other_contents_are_other_renders_and_other_words_are_not(tmp_path):
-    study = study_in(tmp_path)
+    study = grid_in(tmp_path)
     keys = Keys(study)
     plain = [keys.key(study.case(index)) for index in range(CASES)]
     assert len(set(plain)) == CASES
@@ -167,7 +168,7 @@ tail = "none"
 [parameters]
 "tactor.frequency_hz" = [100.0, 440.0, 480.0, 200.0]
 """
-    outcome = run_study(study_in(tmp_path, text), workers=1)
+    outcome = run_batch(grid_in(tmp_path, text), workers=1)
     assert (outcome.rendered, [index for index, _ in outcome.failed]) == (3, [2])
     table = rows(tmp_path / "study")
     for row in table:
@@ -177,7 +178,7 @@ tail = "none"
         # too low for BS.1770
         assert row["loudness_lufs"] is None
     # what failed is tried again, and nothing else
-    again = run_study(study_in(tmp_path, text), workers=1)
+    again = run_batch(grid_in(tmp_path, text), workers=1)
     assert again.failed == outcome.failed
     assert again.rendered == 0
 
@@ -185,7 +186,7 @@ tail = "none"
 def test_equal_presets_under_two_names_are_rendered_once(tmp_path):
     (tmp_path / "twin.toml").write_text('schema = 2\nextends = "football"\ntitle = "Twin"\n')
     text = JOBS.replace('"football", "heart"', '"football", "twin.toml"')
-    outcome = run_study(study_in(tmp_path, text), workers=1)
+    outcome = run_batch(grid_in(tmp_path, text), workers=1)
     assert outcome.cases == CASES
     table = rows(tmp_path / "study")
     assert len(table) == CASES
@@ -195,12 +196,12 @@ def test_equal_presets_under_two_names_are_rendered_once(tmp_path):
 def test_a_place_in_memory_is_a_place_like_any_other(done, tmp_path):
     import fsspec
 
-    study = study_in(tmp_path, out="memory://bucket/study")
+    study = grid_in(tmp_path, out="memory://bucket/study")
     with pytest.raises(ov.InputError, match="workers = 1"):
-        run_study(study)
+        run_batch(study)
     try:
-        assert run_study(study, workers=1).rendered == CASES
-        assert run_study(study, workers=1).rendered == 0
+        assert run_batch(study, workers=1).rendered == CASES
+        assert run_batch(study, workers=1).rendered == 0
         memory = fsspec.filesystem("memory")
         memory.get("/bucket/study", str(tmp_path / "copy"), recursive=True)
     finally:
@@ -224,10 +225,10 @@ def test_inputs_come_from_addresses(done, tmp_path):
     try:
         for name in ("a.json", "take.csv", "p.toml", "jobs.toml"):
             memory.put_file(str(tmp_path / name), f"/in/{name}")
-        study = ov.batch.load_study("memory://in/jobs.toml")
+        study = ov.batch.load_jobs("memory://in/jobs.toml")
         assert study.out == "memory://in/made"
         assert next(iter(study.timelines.values())).events == timeline.events
-        assert run_study(study, workers=1).rendered == 1
+        assert run_batch(study, workers=1).rendered == 1
         (name,) = (n for n in memory.find("/in/made/sounds"))
         result = ov.render(
             timeline, ov.load_preset(tmp_path / "p.toml"), ov.tap(0.6, 0.05), 8000, tail="none"
@@ -241,18 +242,18 @@ def test_inputs_come_from_addresses(done, tmp_path):
 def test_a_full_disk_stops_the_study_with_one_line(tmp_path, monkeypatch):
     import errno
 
-    real = Place.put
+    real = Storage.put
 
     def full(self, name, data):
         if name.endswith(".wav") and len(list((tmp_path / "study").rglob("*.wav"))) >= 5:
             raise ov.OutputError(str(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))))
         real(self, name, data)
 
-    monkeypatch.setattr(Place, "put", full)
+    monkeypatch.setattr(Storage, "put", full)
     with pytest.raises(ov.OutputError):
-        run_study(study_in(tmp_path), workers=1)
-    monkeypatch.setattr(Place, "put", real)
-    outcome = run_study(study_in(tmp_path), workers=1)
+        run_batch(grid_in(tmp_path), workers=1)
+    monkeypatch.setattr(Storage, "put", real)
+    outcome = run_batch(grid_in(tmp_path), workers=1)
     assert outcome.failed == ()
     assert len(rows(tmp_path / "study")) == CASES
 
@@ -261,26 +262,26 @@ def test_garbage_in_the_place_is_named(tmp_path):
     (tmp_path / "study" / "parts").mkdir(parents=True)
     (tmp_path / "study" / "parts" / "x.jsonl").write_bytes(b"garbage")
     with pytest.raises(ov.InputError, match=r"parts/x\.jsonl"):
-        run_study(study_in(tmp_path), workers=1)
+        run_batch(grid_in(tmp_path), workers=1)
 
 
 def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ov.InputError, match="file"):
-        run_study(study_in(tmp_path, out=str(tmp_path / "file" / "study")), workers=1)
+        run_batch(grid_in(tmp_path, out=str(tmp_path / "file" / "study")), workers=1)
 
 
 def test_parts_are_written_now_and_then(tmp_path, monkeypatch):
     monkeypatch.setattr(task, "PART_S", 0.0)
     written = []
-    real = Place.put
+    real = Storage.put
 
     def noted(self, name, data):
         written.append(name)
         real(self, name, data)
 
-    monkeypatch.setattr(Place, "put", noted)
-    run_study(study_in(tmp_path), workers=1)
+    monkeypatch.setattr(Storage, "put", noted)
+    run_batch(grid_in(tmp_path), workers=1)
     sounds = [n for n, name in enumerate(written) if name.endswith(".wav")]
     parts = [n for n, name in enumerate(written) if name.startswith("parts/")]
     assert len(sounds) == len(parts) == CASES
@@ -329,7 +330,7 @@ def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monke
     monkeypatch.setattr(task, "PART_S", 0.0)
     with monkeypatch.context() as patched:
         left = killed_after(patched, 10**6)
-        run_study(study_in(tmp_path, text), workers=1)
+        run_batch(grid_in(tmp_path, text), workers=1)
         steps = 10**6 - left[0]
     expected = hashes(tmp_path / "study")
     assert steps > 4 * len(expected)
@@ -338,16 +339,16 @@ def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monke
         out = tmp_path / str(step)
         with monkeypatch.context() as patched, contextlib.suppress(Killed):
             killed_after(patched, step)
-            run_study(study_in(tmp_path, text, str(out)), workers=1)
+            run_batch(grid_in(tmp_path, text, str(out)), workers=1)
             raise AssertionError("it wasn't killed")
         unfinished += (out / UNFINISHED).glob("*")
         # what is there under its name is whole
         for name, digest in hashes(out).items():
             assert name.startswith((UNFINISHED, PARTS)) or digest == expected[name]
         sounds = len(list(out.rglob("*.wav")))
-        outcome = run_study(study_in(tmp_path, text, str(out)), workers=1)
+        outcome = run_batch(grid_in(tmp_path, text, str(out)), workers=1)
         # a sound is done again only if its part wasn't there yet
-        assert outcome.found >= sounds - 1
+        assert outcome.cached >= sounds - 1
         assert hashes(out) == expected
     assert len(unfinished) > len(expected)
 
@@ -388,11 +389,11 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path, seeds, 
         assert len(list(folder.rglob("*.wav"))) >= more
         kept = len(list(folder.rglob("*.wav")))
     assert kept < cases
-    outcome = run_study(study_in(tmp_path / "pieces", text), workers=1)
-    assert outcome.cases == cases == outcome.found + outcome.rendered
-    assert outcome.found > 0
+    outcome = run_batch(grid_in(tmp_path / "pieces", text), workers=1)
+    assert outcome.cases == cases == outcome.cached + outcome.rendered
+    assert outcome.cached > 0
     assert outcome.rendered > 0
-    assert run_study(study_in(tmp_path, text), workers=1).found == 0
+    assert run_batch(grid_in(tmp_path, text), workers=1).cached == 0
     assert hashes(folder) == hashes(tmp_path / "study")
     assert not (folder / UNFINISHED).exists()
 
@@ -400,7 +401,7 @@ def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path, seeds, 
 def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
     from overview_dsp.batch import local
 
-    study = study_in(tmp_path)
+    study = grid_in(tmp_path)
     real = local._run_once
     rounds = []
 
@@ -414,7 +415,7 @@ def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
         yield from results
 
     monkeypatch.setattr(local, "_run_once", killed)
-    outcome = run_study(study, workers=2)
+    outcome = run_batch(study, workers=2)
     assert outcome.failed == ()
     assert rounds[1] == rounds[0] - 1
     assert hashes(tmp_path / "study") == done[1]
@@ -429,7 +430,7 @@ def test_workers_that_die_again_and_again_end_it_with_one_line(tmp_path, monkeyp
 
     monkeypatch.setattr(local, "_run_once", dead)
     with pytest.raises(ov.OverviewError, match="died 3 times"):
-        run_study(study_in(tmp_path), workers=2)
+        run_batch(grid_in(tmp_path), workers=2)
 
 
 def test_the_command_reports_what_it_did(tmp_path, monkeypatch):
@@ -443,7 +444,7 @@ def test_the_command_reports_what_it_did(tmp_path, monkeypatch):
     assert outcome.code == 0
     assert f"{CASES // 3} rendered" in outcome.out
     report = json.loads(overview("batch", "jobs.toml", "--workers", 1, "--json").out)
-    assert (report["found"], report["rendered"], report["failed"]) == (CASES // 3, 0, [])
+    assert (report["cached"], report["rendered"], report["failed"]) == (CASES // 3, 0, [])
     assert os.path.samefile(report["manifest"], tmp_path / "study" / "manifest.parquet")
     refused(overview("batch", "none.toml"), "none.toml")
     refused(overview("batch", "jobs.toml", "--workers", 2, "--scheduler", "x"), "--scheduler")
@@ -466,4 +467,4 @@ def test_without_the_extra_one_line_says_how_to_install_it(tmp_path, monkeypatch
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     jobs_file(tmp_path)
-    refused(overview("batch", "jobs.toml", "--workers", 1), "pyarrow", "overview-dsp[batch]")
+    refused(overview("batch", "jobs.toml", "--workers", 1), "pyarrow", install_command("batch"))

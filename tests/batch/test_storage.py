@@ -7,13 +7,13 @@ import threading
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.batch.storage import Place
+from overview_dsp.batch.storage import Storage
 
 
 @pytest.mark.parametrize("written", ["{}", "{}/", "../{name}", "."])
 def test_a_place_names_its_files_by_their_way_from_it(tmp_path, monkeypatch, written):
     monkeypatch.chdir(tmp_path)
-    place = Place(written.format(tmp_path, name=tmp_path.name))
+    place = Storage(written.format(tmp_path, name=tmp_path.name))
     place.put("sounds/ab/a.wav", b"123")
     place.put("sounds/b.wav", b"")
     place.put("manifest", b"1")
@@ -25,11 +25,11 @@ def test_a_place_names_its_files_by_their_way_from_it(tmp_path, monkeypatch, wri
 def test_a_folder_that_cannot_be_read_is_one_line(tmp_path):
     (tmp_path / "sounds").mkdir(mode=0)
     with pytest.raises(ov.InputError, match="sounds: can't be read"):
-        Place(str(tmp_path)).sizes("sounds")
+        Storage(str(tmp_path)).sizes("sounds")
 
 
 def test_folders_that_another_process_deletes_are_made_again(tmp_path):
-    place = Place(str(tmp_path / "study"))
+    place = Storage(str(tmp_path / "study"))
     for _ in range(3):
         place.put("sounds/ab/a.wav", b"123")
         assert place.sizes("sounds") == {"sounds/ab/a.wav": 3}
@@ -40,7 +40,7 @@ def test_folders_that_another_process_deletes_are_made_again(tmp_path):
 
 
 def test_files_are_put_while_another_process_cleans_up(tmp_path):
-    place, other = Place(str(tmp_path)), Place(str(tmp_path))
+    place, other = Storage(str(tmp_path)), Storage(str(tmp_path))
     over = threading.Event()
 
     def clean():

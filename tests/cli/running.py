@@ -83,7 +83,7 @@ def refused(outcome: Outcome, *words: str, code: int = 2) -> str:
     assert all("; overview timeline formats lists" in second for second in fix), outcome.err
     assert line.startswith("error: ")
     assert "Traceback" not in outcome.err
-    assert "fault of this program" not in line
+    assert "bug of this program" not in line
     for word in words:
         assert word in line, line
     return line

@@ -25,7 +25,7 @@ def thresholds(tmp_path, monkeypatch):
 def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football):
     told = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", "--actuator", "c2")
     assert told.code == 0, told.err
-    assert told.out.splitlines()[1].startswith("driven for C-2 tactor: up to ")
+    assert told.out.splitlines()[1].startswith("driven for C-2 tactor: reduced by up to ")
     result = ov.render(
         match, football, ov.tap(0.2, 0.05), 8000, tail=0.05, actuator=load_actuator("c2")
     )
@@ -93,7 +93,7 @@ def test_the_list_names_every_actuator_and_leaves_out_a_broken_one(tmp_path, mon
     done = overview("actuators", "list")
     assert done.code == 0
     assert [line.split()[0] for line in done.out.splitlines()] == list(actuator_names())[:-1]
-    assert "note: left out: " in done.err
+    assert "note: not listed: " in done.err
     assert "mine.toml" in done.err
     report = json.loads(overview("actuators", "list", "--json").out)
     assert "c2" in [entry["name"] for entry in report]
@@ -121,7 +121,7 @@ def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
     nominal = 10 ** (-9 / 20) * load_actuator("c2").nominal
     assert np.abs(samples[:, 1]).max() == pytest.approx(nominal, rel=1e-3)
     loud = overview("actuators", "sweep", "c2", *quick, "--level", 0, "--json")
-    assert "were taken back for its rating" in loud.err
+    assert "the rating reduces the sweep by up to" in loud.err
     assert json.loads(loud.out)["actuator"]["reduction_db"] > 0.5
 
 
@@ -162,6 +162,6 @@ def test_an_export_drives_the_pad_and_leaves_the_other_formats_as_they_are(folde
 
 
 def test_an_export_that_an_actuator_would_not_change_is_refused(folder):
-    words = ("changes wav4 alone", "--to wav4")
+    words = ("applies only to wav4", "--to wav4")
     refused(overview("export", MATCH, "--to", "ahap", "--actuator", "c2"), *words)
     assert list(folder.iterdir()) == []

@@ -148,12 +148,12 @@ def test_a_bad_take_is_one_line_that_names_the_file(folder, content, words):
         (("--window", "50", "5"), ("window",)),
         (("--window", "0", "1e9"), ("window", "0 <= start < end <= ")),
         (("--window", "nan", "5"), ("window start",)),
-        (("--window", "a", "5"), ("--window", "'a' is no moment", "m:ss")),
+        (("--window", "a", "5"), ("--window", "'a' is not a moment", "m:ss")),
         (("--window", "2018-07-15", "end"), ("--window", "no calendar")),
         (("--window", "goal:9", "end"), ("--window", "goal number 9", "has 5")),
         (("--zoom-to", "goal"), ("--zoom-to", "goal:1:90")),
         (("--zoom-to", "dog:1"), ("--zoom-to", "'dog'", "it has period")),
-        (("--zoom-to", "goal:1", "--window", "0", "5"), ("--zoom-to", "one of them")),
+        (("--zoom-to", "goal:1", "--window", "0", "5"), ("--zoom-to", "exclude each other")),
         (("--seed", "1.5"), ("--seed",)),
     ],
 )
@@ -231,7 +231,7 @@ def test_a_full_standard_output_is_one_line():
             env=environment(),
         )
     assert done.returncode == 1
-    assert "fault of this program" not in done.stderr
+    assert "bug of this program" not in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.splitlines()[0].startswith("error: ")
 

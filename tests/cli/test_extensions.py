@@ -11,7 +11,7 @@ import sys
 
 import pytest
 
-from overview_dsp.cli import COMMANDS, GROUP, INSTALLED_APART, added_commands, extensions
+from overview_dsp.cli import COMMANDS, GROUP, SEPARATE_COMMANDS, added_commands, extensions
 from tests.cli.running import environment, overview, refused
 
 COMMAND = """
@@ -85,13 +85,13 @@ def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code,
     assert "stir" in overview("--help").out
 
 
-@pytest.mark.parametrize("name", INSTALLED_APART)
+@pytest.mark.parametrize("name", SEPARATE_COMMANDS)
 @pytest.mark.parametrize("more", [(), ("--help",), ("check", "x.toml")])
 def test_what_is_installed_apart_is_one_line_that_says_how(alone, name, more):
     refused(overview(name, *more), f"overview {name}", "pip install ./")
 
 
-@pytest.mark.parametrize("name", INSTALLED_APART)
+@pytest.mark.parametrize("name", SEPARATE_COMMANDS)
 def test_what_is_installed_apart_is_listed_and_suggested(alone, name):
     line = next(line for line in overview("--help").out.splitlines() if line.split()[:1] == [name])
     assert "Not installed" in line
@@ -123,9 +123,9 @@ def test_every_name_of_the_list_is_there_described_and_known_to_a_type_checker()
     described = inspect.getdoc(extensions)
     for name in names:
         assert f"`{name}`" in described, name
-    listed = {name for line in extensions._PLACES.values() for name in line.split()}
+    listed = {name for line in extensions._MODULES.values() for name in line.split()}
     assert listed | {"plot_style"} == names
-    for module, line in extensions._PLACES.items():
+    for module, line in extensions._MODULES.items():
         home = importlib.import_module(f"overview_dsp.{module}")
         for name in line.split():
             assert getattr(extensions, name) is getattr(home, name)
@@ -147,5 +147,5 @@ def test_importing_the_list_imports_none_of_it():
 
 
 def test_no_command_is_listed_twice():
-    assert not set(COMMANDS) & set(INSTALLED_APART)
+    assert not set(COMMANDS) & set(SEPARATE_COMMANDS)
     assert not set(COMMANDS) & set(added_commands())

@@ -13,10 +13,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from overview_dsp.cli.options.input import _parts
+from overview_dsp.cli.options.input import _settings
 from overview_dsp.cli.options.output import callback_kind
 from overview_dsp.devices.controllers.control_map import load_osc_map
 from overview_dsp.errors import OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.output import devices, saved_settings
 from overview_dsp.live.ports import midi, pads
 from tests.cli.running import MATCH, ROOT, overview, refused
@@ -32,18 +33,24 @@ PLAY = ("play", MATCH, "--device", "none")
         (("--input", "midi:"), ("midi:", "overview devices")),
         (("--input", "osc:x"), ("'x'", "9000")),
         (("--input", "osc:70000"), ("70000", "9000")),
-        (("--input", "osc:9000", "--input", "osc:9001"), ("osc:9001", "one of a kind")),
-        (("--input", "sweep:1", "--input", "osc:9000"), ("plays alone",)),
-        (("--input", "sweep:1", "--input", "sweep:1"), ("one of a kind",)),
-        (("--input", "osc:9000,sensor=imu"), ("sensor is for serial:", "osc: takes map")),
-        (("--input", "serial:x,map=x.toml"), ("map is for osc:, midi:",)),
+        (
+            ("--input", "osc:9000", "--input", "osc:9001"),
+            ("osc:9001", "a second source"),
+        ),
+        (("--input", "sweep:1", "--input", "osc:9000"), ("excludes other sources",)),
+        (("--input", "sweep:1", "--input", "sweep:1"), ("a second source",)),
+        (("--input", "osc:9000,sensor=imu"), ("sensor applies to serial:", "osc: allows map")),
+        (("--input", "serial:x,map=x.toml"), ("map applies to osc:, midi:",)),
         (("--input", "midi:x,map=nowhere.toml"), ("nowhere.toml", "midi learn")),
         (("--osc-out", "x"), ("'x'", "9000")),
-        (("--input", "midi:x,mapp=zigsim"), ("unknown part 'mapp'", "did you mean 'map'")),
+        (("--input", "midi:x,mapp=zigsim"), ("unknown setting 'mapp'", "did you mean 'map'")),
         (("--input", "osc:9000,map=zigsin"), ("osc learn", "zigsim")),
         (("--input", "http://"), ("http", "phyphox")),
         (("--input", "post:x"), ("'x'", "9000")),
-        (("--input", "post:8000", "--input", "serial:x"), ("serial:x", "one of a kind")),
+        (
+            ("--input", "post:8000", "--input", "serial:x"),
+            ("serial:x", "a second source"),
+        ),
     ],
 )
 def test_wrong_hands_are_one_line(arguments, words):
@@ -56,7 +63,7 @@ def test_wrong_hands_are_one_line(arguments, words):
 def test_what_cannot_be_learned_is_one_line_with_what_can(tmp_path, learner, known):
     words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))
     assert "did you mean 'tactor.gain_db'?" in words
-    assert f"TARGET is {known} or a parameter's id" in words
+    assert f"TARGET must be {known} or the id of a parameter" in words
 
 
 def free_port():
@@ -99,21 +106,21 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("module", "arguments", "hint"),
+    ("module", "arguments", "extra"),
     [
-        ("pythonosc", ("--input", "osc:9000"), "pip install 'overview-dsp[osc]'"),
-        ("pythonosc", ("--osc-out", "9000"), "pip install 'overview-dsp[osc]'"),
-        ("rtmidi", ("--input", "midi:x"), "pip install 'overview-dsp[midi]'"),
-        ("hid", ("--input", "pad:"), "pip install 'overview-dsp[pads]'"),
-        ("bleak", ("--input", "ble:x"), "pip install 'overview-dsp[ble]'"),
+        ("pythonosc", ("--input", "osc:9000"), "osc"),
+        ("pythonosc", ("--osc-out", "9000"), "osc"),
+        ("rtmidi", ("--input", "midi:x"), "midi"),
+        ("hid", ("--input", "pad:"), "pads"),
+        ("bleak", ("--input", "ble:x"), "ble"),
     ],
 )
 def test_a_missing_library_is_one_line_that_says_how_to_get_it(
-    monkeypatch, module, arguments, hint
+    monkeypatch, module, arguments, extra
 ):
     for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
         monkeypatch.setitem(sys.modules, other, None)
-    refused(overview(*PLAY, *arguments), hint, code=1)
+    refused(overview(*PLAY, *arguments), install_command(extra), code=1)
 
 
 def test_lines_and_osc_play_together_and_each_is_reported(tmp_path):
@@ -168,8 +175,8 @@ def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
     for name in ("rtmidi", "rtmidi2", "hid", "hidraw"):
         monkeypatch.setitem(sys.modules, name, None)
     missing = overview("devices", "--listen", 0).out
-    assert "overview-dsp[midi]" in missing
-    assert "overview-dsp[pads]" in missing
+    assert install_command("midi") in missing
+    assert install_command("pads") in missing
 
 
 @pytest.fixture
@@ -197,12 +204,12 @@ def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
         (("--device", "Card"), ("--device", "--set")),
         (("--device", "none", "--set", "click.gain=1"), ("none has no settings",)),
         (("--set", "tactor.gian=1"), ("did you mean 'tactor.gain'?", "click.ceiling")),
-        (("--set", "tactor.gain"), ("no KEY=VALUE",)),
+        (("--set", "tactor.gain"), ("not KEY=VALUE",)),
         (("--set", "tactor.gain=loud"), ("--set tactor.gain=loud: 'loud' is not a number",)),
         (("--set", "tactor.gain=nan"), ("'nan' is not a number",)),
         (("--set", "tactor.gain=99"), ("gain 99 is out of range; it is -60 to 24",)),
         (("--set", "click.mute=maybe"), ("click.mute=maybe: must be yes or no",)),
-        (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain is given twice",)),
+        (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain occurs twice",)),
     ],
 )
 def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, arguments, words):
@@ -214,7 +221,7 @@ def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, argum
 def test_the_callback_is_chosen_by_an_environment_variable(monkeypatch):
     monkeypatch.setenv("OVERVIEW_CALLBACK", "java")
     line = refused(overview(*PLAY, "--seconds", 0.1))
-    assert line == "error: OVERVIEW_CALLBACK=java: must be native or python"
+    assert line == "error: OVERVIEW_CALLBACK is java; must be native or python"
     monkeypatch.setenv("OVERVIEW_CALLBACK", "python")
     assert callback_kind() == "python"
     assert overview(*PLAY, "--seconds", 0.1).code == 0
@@ -225,10 +232,10 @@ def test_the_callback_is_chosen_by_an_environment_variable(monkeypatch):
 @pytest.mark.parametrize("option", [("--screen", "json"), ("--screen=json",)])
 def test_with_lines_of_json_an_error_is_a_line_of_json(option):
     done = overview(*PLAY, *option, "--seconds", -1)
-    assert json.loads(done.err) == {"error": "--seconds -1; it is 0 or more", "exit_code": 2}
+    assert json.loads(done.err) == {"error": "--seconds is -1; must be 0 or more", "exit_code": 2}
 
 
 def test_parts_follow_a_port_whose_name_has_a_comma():
-    assert _parts("", "midi", "a, b 1:0,map=x.toml") == ("a, b 1:0", {"map": "x.toml"})
+    assert _settings("", "midi", "a, b 1:0,map=x.toml") == ("a, b 1:0", {"map": "x.toml"})
     parts = {"sensor": "imu", "force": "", "baud": "9600"}
-    assert _parts("", "serial", "/dev/x,sensor=imu,force,baud=9600") == ("/dev/x", parts)
+    assert _settings("", "serial", "/dev/x,sensor=imu,force,baud=9600") == ("/dev/x", parts)

@@ -45,7 +45,7 @@ def test_a_render_that_is_stopped_leaves_no_file_and_ends_as_signals_do(folder, 
     assert command.returncode == 128 + getattr(signal, name)
     # click goes to a new line after the terminal's ^C
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
-    assert lines == ["error: stopped; nothing was left behind"]
+    assert lines == ["error: stopped; no partial output is left"]
     assert out == ""
     assert os.listdir(folder) == []
 
@@ -72,7 +72,7 @@ def test_an_export_that_is_stopped_leaves_nothing(folder):
         command.kill()
         command.wait()
     assert command.returncode == 128 + signal.SIGTERM
-    assert "nothing was left behind" in err
+    assert "no partial output is left" in err
     assert os.listdir(folder) == []
 
 
@@ -85,7 +85,7 @@ def test_a_temporary_file_is_known_before_it_is_there(folder, monkeypatch):
         patched.setattr(os, "open", made)
         patched.setattr(os, "unlink", made)  # stopped again while it cleans up
         with pytest.raises(KeyboardInterrupt):
-            atomic.whole_file("a.wav").__enter__()
+            atomic.atomic_file("a.wav").__enter__()
     assert len(os.listdir(folder)) == 1
     atomic.remove_temporaries()
     assert os.listdir(folder) == []
@@ -122,6 +122,6 @@ def test_a_study_that_is_stopped_says_how_far_it_came_and_ends_its_workers(folde
     lines = [line for line in err.splitlines() if line and not line.startswith("compiling")]
     assert len(lines) == 1, err
     assert lines[0].startswith("error: stopped with ")
-    assert "of 50000 finished; run it again to go on" in lines[0]
+    assert "of 50000 finished; run the command again to resume" in lines[0]
     assert out == ""
     assert end_of_group(command.pid)

@@ -56,7 +56,7 @@ def test_standard_input_is_a_hand():
     lines = "".join(f"{angle / 10} 1\n" for angle in range(25))
     done = played("--input", "-", text=lines + "x\n")
     assert done.returncode == 0, done.stderr
-    assert "1 lines weren't `theta2 touching`; the first: line 26: 'x'" in done.stderr
+    assert "1 lines were not `theta2 touching`; first: line 26: 'x'" in done.stderr
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
@@ -81,9 +81,9 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
     ("arguments", "words"),
     [
         (["--block-size", "-1"], "block size -1; it is 1 to 8192 frames, or 0"),
-        (["--seconds", "nan"], "--seconds nan; it is 0 or more"),
-        (["--seconds", "-1"], "--seconds -1; it is 0 or more"),
-        (["--sample-rate", "0"], "sample rate 0 Hz is out of range"),
+        (["--seconds", "nan"], "--seconds is nan; must be 0 or more"),
+        (["--seconds", "-1"], "--seconds is -1; must be 0 or more"),
+        (["--sample-rate", "0"], "--sample-rate is 0 Hz; must be 1000 to 768000 Hz"),
         (["--set", "click.gain=99"], "gain 99 is out of range"),
         (["--set", "click.channel=2"], "can't share channel 2"),
         (["--set", "tactor.channel=3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
@@ -108,7 +108,7 @@ def test_a_zoom_is_recorded_and_the_whole_stays_in_reach(tmp_path, match, spring
 def test_a_window_may_be_given_by_events_and_clocks(springy_file):
     played_here(springy_file, "--input", "tap:0.5:0.1", "--window", "goal:2-1:00", "goal:2+5")
     wrong = overview("play", MATCH, "--device", "none", "--window", "goal:2", "9:99")
-    assert refused(wrong).startswith("error: --window: '9:99' is no moment")
+    assert refused(wrong).startswith("error: --window: '9:99' is not a moment")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""`overview presets`: new, edit, diff, morph, randomize, audition, docs, schema."""
+"""`overview presets`: new, edit, diff, morph, randomize, audition, reference, schema."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_a_new_preset_is_in_the_own_folder_listed_checked_and_played(folder):
     assert "no difference" in done("presets", "diff", "mine", "heart")
     refused(overview("presets", "new", "mine"), "already exists")
     refused(overview("presets", "new", "football"), "bundled")
-    refused(overview("presets", "new", "../x"), "no name")
+    refused(overview("presets", "new", "../x"), "must be letters")
     refused(overview("presets", "new", "other", "--base", "nothing"), "nothing")
 
 
@@ -83,7 +83,7 @@ def test_an_audition_is_a_sound_and_a_picture_of_every_kind(folder):
 
 
 def test_the_reference_and_the_schema_are_printed(folder):
-    assert "| `inertia` |" in done("presets", "docs")
+    assert "| `inertia` |" in done("presets", "reference")
     assert json.loads(done("presets", "schema"))["title"] == "overView preset"
 
 
@@ -142,7 +142,7 @@ def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_pictu
     "option", [("--movement", "mixed"), ("--modality", "touch"), ("--seed", "1")]
 )
 def test_an_observers_options_without_it_are_refused(option):
-    refused(overview("presets", "feel", "crowd", *option), f"{option[0]} is for --observer")
+    refused(overview("presets", "feel", "crowd", *option), f"{option[0]} needs --observer")
 
 
 def test_an_unknown_sense_or_hand_is_refused_with_those_that_are_known():

@@ -160,11 +160,11 @@ def test_a_kind_too_dense_to_be_felt_is_said(tmp_path, monkeypatch):
     rows = "".join(f"{i},beat\n" for i in range(1, 200))
     (tmp_path / "beats.csv").write_text(f"time_s,kind\n{rows}")
     done = overview("render", "beats.csv", "--gesture", "tap:0.5:0.1", "--tail", "none")
-    assert "left out: 199 beat" in done.out
+    assert "omitted: 199 beat" in done.out
     near = overview(
         "render", "beats.csv", "--gesture", "tap:0.5:0.1", "--tail", "none", "--window", "10", "60"
     )
-    assert "left out" not in near.out
+    assert "omitted" not in near.out
 
 
 def test_render_names_the_events_that_were_not_reached(folder):
@@ -173,7 +173,7 @@ def test_render_names_the_events_that_were_not_reached(folder):
     command = (*command, "--tail", "none")
     line = overview(*command).out.splitlines()[-1]
     assert line.startswith("not reached: ")
-    assert line.endswith("hold on longer, render a longer tail, or move more slowly")
+    assert line.endswith("hold it longer, render a longer tail, or move more slowly")
     missed = json.loads(overview(*command, "--json").out)["unreached"]
     assert missed[0].keys() == {"time_s", "kind", "label"}
     assert f" and {len(missed) - 6} more; " in line

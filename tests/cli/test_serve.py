@@ -21,6 +21,7 @@ import pytest
 from websockets.sync.client import connect
 
 import overview_dsp as ov
+from overview_dsp.installation import install_command
 from tests.cli.running import environment, overview, refused
 
 MATCH = "world-cup-final-2018"
@@ -198,7 +199,7 @@ def test_an_option_without_effect_is_refused():
 @pytest.mark.parametrize("address", ["localhost:99999", "two words", "a:b", "[::1"])
 def test_an_address_that_is_none_is_refused(address):
     play = ("play", MATCH, "--device", "none")
-    refused(overview(*play, "--remote", address), f"--remote {address}", "0.0.0.0:8765")
+    refused(overview(*play, "--remote", address), f"--remote is {address}", "such as 0.0.0.0:8765")
 
 
 def test_a_port_that_is_taken_is_one_clear_line(tmp_path):
@@ -214,8 +215,8 @@ def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == "uvicorn" else found(name)
     )
-    refused(overview("serve", MATCH), "uvicorn", "pip install 'overview-dsp[web]'")
-    refused(overview("play", MATCH, "--device", "none", "--remote"), "overview-dsp[web]")
+    refused(overview("serve", MATCH), "uvicorn", install_command("web"))
+    refused(overview("play", MATCH, "--device", "none", "--remote"), install_command("web"))
 
 
 def test_an_address_before_the_timeline_does_not_swallow_it():

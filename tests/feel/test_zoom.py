@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.data.timeline.moments import zoom_window
+from overview_dsp.data.timeline.time_expressions import zoom_window
 from overview_dsp.measure.felt import events_felt_apart, stroke_feel, strokes
 from tests.data.timeline.strategies import without_ticks
 

@@ -6,17 +6,17 @@ import os
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 
 
 def write(path, text="new") -> None:
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(text)
 
 
 def test_a_file_appears_when_it_is_whole_and_not_before(tmp_path):
     path = tmp_path / "a.txt"
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text("new")
         assert not path.exists()
         assert temporary.parent == tmp_path
@@ -38,7 +38,7 @@ def test_what_goes_wrong_on_the_way_leaves_what_was_there(tmp_path, error):
     path.write_text("old")
 
     def fail() -> None:
-        with whole_file(path) as temporary:
+        with atomic_file(path) as temporary:
             temporary.write_text("half")
             raise error("x")
 
@@ -62,7 +62,7 @@ def test_the_disks_fault_and_the_callers_fault_are_distinguished(tmp_path, code,
     path = tmp_path / "a.txt"
 
     def fail() -> None:
-        with whole_file(path):
+        with atomic_file(path):
             raise OSError(code, os.strerror(code))
 
     with pytest.raises(kind, match=r"a\.txt") as error:

@@ -54,7 +54,7 @@ def test_a_sensors_file_is_listed_printed_and_copied(tmp_path):
     assert load_sensor(path).values == load_sensor("simplefoc").values
     assert overview("sensor", "profile", "simplefoc").out == path.read_text(encoding="utf-8")
     before = path.read_bytes()
-    refused(overview("sensor", "profile", "imu", "-o", path), "already there")
+    refused(overview("sensor", "profile", "imu", "-o", path), "already exists")
     assert path.read_bytes() == before
     refused(overview("sensor", "profile", "simplefok"), "did you mean 'simplefoc'?")
-    refused(overview("sensor", "profile", "-o", path), "which one? There is dualsense, encoder")
+    refused(overview("sensor", "profile", "-o", path), "must be dualsense or encoder")

@@ -85,7 +85,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
         at = 1000.0 + 20.0 * n
         live.append(events=[event(at, "goal" if n == 25 else "foul", str(n))], clock_s=at)
         one.run(0.06)
-    assert one.shown.until_s > 1900.0
+    assert one.shown.known_until_s > 1900.0
     assert one.shown.kinds()["goal"] == 1
     out, heard = np.empty((160, 2), np.float32), []
     for _ in one.output.sound:
@@ -145,10 +145,10 @@ def test_an_update_arrives_at_release_and_the_disk_does_not_jump(session, live):
     one.run(2.0)
     live.append(events=[event(1500, "goal", "1-0")], clock_s=1600.0)
     one.run(0.3)
-    assert one.shown.until_s == 800.0
+    assert one.shown.known_until_s == 800.0
     one.player.release()
     one.run(1.0)
-    assert one.shown.until_s == 1600.0
+    assert one.shown.known_until_s == 1600.0
     trace = one.trace
     theta, omega = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("theta1", "omega1"))
     moved = np.diff(theta) - (omega[1:] + omega[:-1]) / 2.0 / RATE
@@ -165,9 +165,9 @@ def test_an_update_waits_for_a_disk_that_is_still_on_its_way(session, live):
     one.run(0.3)
     meters = one.player.engine.meters
     assert (meters.touching, meters.engaged) == (False, True)
-    assert one.shown.until_s == 800.0
+    assert one.shown.known_until_s == 800.0
     one.run(2.0)
-    assert one.shown.until_s == 1600.0
+    assert one.shown.known_until_s == 1600.0
     trace = one.trace
     cursor, engaged = (trace[:, layout.TRACE_COLUMNS.index(n)] for n in ("cursor", "engaged"))
     assert cursor[engaged > 0.5].max() == pytest.approx(0.9, abs=0.008)
@@ -196,7 +196,7 @@ def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_pa
     one.run(0.1)
     live.end(live.felt().duration_s)
     one.run(0.5)
-    assert one.shown.until_s is None
+    assert one.shown.known_until_s is None
     assert one.player.engine.surface.angle_map.is_linear
     one.player.release()
     one.run(0.5)
@@ -336,14 +336,14 @@ def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):
 def test_map_and_length_change_while_it_runs(session, live):
     one = session()
     one.run(0.1)
-    assert (one.shown.duration_s, one.shown.until_s) == (5700.0, 800.0)
+    assert (one.shown.duration_s, one.shown.known_until_s) == (5700.0, 800.0)
     one.player.ask("map", "so-far")
     one.run(0.2)
-    assert (one.shown.duration_s, one.shown.until_s) == (824.0, 800.0)
+    assert (one.shown.duration_s, one.shown.known_until_s) == (824.0, 800.0)
     one.player.ask("map", "whole")
     one.player.ask("expect", "2h")
     one.run(0.2)
-    assert (one.shown.duration_s, one.shown.until_s) == (7200.0, 800.0)
+    assert (one.shown.duration_s, one.shown.known_until_s) == (7200.0, 800.0)
     for words in (("map", "half"), ("expect", "soon")):
         one.player.ask(*words)
     one.run(0.1)

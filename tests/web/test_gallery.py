@@ -81,11 +81,11 @@ def test_a_gallery_is_replaced_by_one_and_no_other_folder_is(gallery, tmp_path):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ((*MATCHES, "--to", "ahap"), "only --to web takes several"),
-        ((*MATCHES, "--to", "c"), "only --to web takes several"),
-        ((MATCHES[0], "--to", "web", "--base-url", "example.org"), "no address of a folder"),
-        ((MATCHES[0], "--to", "web", "--base-url", "https://["), "no address of a folder"),
-        ((MATCHES[0], "--to", "ahap", "--base-url", ADDRESS), "--base-url is for --to web"),
+        ((*MATCHES, "--to", "ahap"), "only --to web allows several"),
+        ((*MATCHES, "--to", "c"), "only --to web allows several"),
+        ((MATCHES[0], "--to", "web", "--base-url", "example.org"), "must be the URL of a folder"),
+        ((MATCHES[0], "--to", "web", "--base-url", "https://["), "must be the URL of a folder"),
+        ((MATCHES[0], "--to", "ahap", "--base-url", ADDRESS), "--base-url does not apply to clips"),
     ],
 )
 def test_what_cant_be_exported_is_one_clear_line(given, words):

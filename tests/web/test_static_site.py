@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.files.atomic import whole_folder
+from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.offline.export.browser_memory import encode_change, encode_engine
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
@@ -70,7 +70,7 @@ def test_a_folder_is_whole_or_as_it_was(tmp_path, match, football):
     place = tmp_path / "site"
     write_site(match, football, place, levels=0)
     before = (place / "files.js").read_text()
-    with contextlib.suppress(RuntimeError), whole_folder(place, "files.js") as folder:
+    with contextlib.suppress(RuntimeError), atomic_folder(place, "files.js") as folder:
         (folder / "half").write_text("")
         raise RuntimeError
     assert (place / "files.js").read_text() == before

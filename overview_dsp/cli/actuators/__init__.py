@@ -1,4 +1,4 @@
-"""`overview actuators`: what a tactor or speaker can do and may be given."""
+"""The command group `overview actuators`."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from overview_dsp.cli.options.declaring import JSON, cli_command
 
 @click.group(name="actuators", epilog="Example: overview actuators show c2")
 def command() -> None:
-    """Show, measure and calibrate what the tactor's signal drives."""
+    """List, measure and calibrate actuators: tactors, speakers and headphones."""
 
 
 @cli_command("actuators list", group=command)
 def list_(*, as_json: bool = JSON) -> None:
-    """List the bundled actuators and your own."""
+    """List the bundled actuators and yours."""
     from overview_dsp.signal.actuators.calibration import apply_calibration
     from overview_dsp.signal.actuators.library import actuator_names
 
@@ -39,7 +39,7 @@ def list_(*, as_json: bool = JSON) -> None:
 
 @cli_command("actuators show c2", group=command)
 def show(name: str, *, as_json: bool = JSON) -> None:
-    """Show every value of the actuator NAME (or its .toml file), and what they amount to."""
+    """Show all values and limits of the actuator NAME (or of a .toml file)."""
     from overview_dsp.signal.actuators.calibration import apply_calibration
     from overview_dsp.signal.actuators.describe import describe, describe_json
 

@@ -1,4 +1,4 @@
-"""`overview actuators calibrate`: where a person begins to feel."""
+"""The command `overview actuators calibrate`: the threshold of a user."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
 
-TRIES = 3
-"""How often a tone may be answered before it sounds."""
+MAX_EARLY = 3
+"""Maximum number of answers before a tone."""
 
 SPREAD_DB = 6.0
-"""Answers further apart than this deserve a word."""
+"""Range of answers that causes a note, dB."""
 
 
 @cli_command("actuators calibrate c2 --device 2")
@@ -41,20 +41,19 @@ def calibrate(
     *,
     device: str | None = DEVICE,
     channel: str | None = option(
-        "Output channel, from 1, or several (3+4).  [default: as remembered]", metavar="N[+N]"
+        "Output channel, from 1, or several (3+4).  [default: the saved one]", metavar="N[+N]"
     ),
-    frequency: float | None = option("Hz.  [default: the actuator's resonance]"),
+    frequency: float | None = option("Frequency, Hz.  [default: resonance of the actuator]"),
     ramp: float = option("Rise of the tone, dB per second.", default=3.0),
-    repeats: int = option("Tones to answer.", type=click.IntRange(1, 20), default=3),
-    threshold: float | None = option("Store this threshold, without a tone.", metavar="DB"),
-    reset_threshold: bool = option("Remove the stored threshold: presets play as made."),
+    repeats: int = option("Number of tones.", type=click.IntRange(1, 20), default=3),
+    threshold: float | None = option("Threshold to store, without a test.", metavar="DB"),
+    reset_threshold: bool = option("Remove the stored threshold."),
     as_json: bool = JSON,
 ) -> None:
-    """Find the level at which you begin to feel the actuator NAME, and keep a gain for it.
+    """Measure the weakest level at which you feel the actuator NAME, and save a gain for it.
 
-    Hold it as you will in use. A tone rises; press Enter as soon as you feel it. From then on
-    --actuator NAME drives it so much more, or less, that what presets do is as far above your
-    threshold as they mean it.
+    Hold the actuator as in use. A tone rises; press Enter as soon as you feel it. --actuator NAME
+    then applies the gain, so that presets are as far above your threshold as intended.
     """
     from overview_dsp.signal.actuators.calibration import (
         calibration_file,
@@ -66,9 +65,9 @@ def calibrate(
     actuator = ov.load_actuator(name)
     if reset_threshold:
         if threshold is not None:
-            raise InputError("--threshold and --reset-threshold are opposites; give one of them")
+            raise InputError("--threshold and --reset-threshold exclude each other; remove one")
         known = forget_threshold(actuator)
-        click.echo(f"{actuator.name}: {'forgotten' if known else 'was not calibrated'}")
+        click.echo(f"{actuator.name}: {'threshold removed' if known else 'was not calibrated'}")
         return
     levels = []
     if threshold is None:
@@ -76,8 +75,8 @@ def calibrate(
         threshold = statistics.median(levels)
         if max(levels) - min(levels) > SPREAD_DB:
             note(
-                f"your answers lie {max(levels) - min(levels):.0f} dB apart; calibrate again in "
-                "quiet, held the same way"
+                f"your answers differ by {max(levels) - min(levels):.0f} dB; calibrate again in "
+                "quiet, and hold the actuator the same way"
             )
     threshold = round(threshold, 2)
     save_threshold(actuator, threshold)
@@ -90,8 +89,8 @@ def calibrate(
         "file": str(calibration_file()),
     }
     line = (
-        f"{actuator.name}: felt from {threshold:.1f} dB of its nominal drive on, gain "
-        f"{gain:+.1f} dB, kept in {calibration_file()}"
+        f"{actuator.name}: threshold {threshold:.1f} dB of its nominal drive, gain "
+        f"{gain:+.1f} dB, saved in {calibration_file()}"
     )
     show(as_json, report, line)
 
@@ -104,49 +103,49 @@ def _answers(
     db_per_s: float,
     repeats: int,
 ) -> list[float]:
-    """The levels at which a person pressed, dB of the nominal drive."""
+    """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
     from overview_dsp.live.output.threshold import SILENCE_S, Rise, felt_at
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels
-    place = " and ".join(map(str, out.channels))
+    channel_text = " and ".join(map(str, out.channels))
     hertz = actuator.resonance_hz if frequency is None else frequency
     announce_compile("drive_block")
-    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # refuses wrong options
+    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # checks the options
     keys = _Keys()
     levels: list[float] = []
     early = 0
     click.echo(
-        f"{actuator.title} on {name}, channel {place}, {hertz:g} Hz. Hold it as you will in "
-        "use; press Enter as soon as you feel it.",
+        f"{actuator.title} on {name}, channel {channel_text}, {hertz:g} Hz. Hold it as in use; "
+        "press Enter as soon as you feel it.",
         err=True,
     )
     while len(levels) < repeats:
         rise = Rise(hertz, db_per_s, random.uniform(*SILENCE_S))
         samples = rise.drive(actuator, out, channels, rate)
         click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
-        keys.forget()
+        keys.discard()
         level = felt_at(rise, _playback(device, index, samples, rate), keys.pressed)
         if math.isfinite(level):
             click.echo(f"felt at {level:.1f} dB", err=True)
             levels.append(level)
         elif level > 0.0:
             raise InputError(
-                f"{actuator.name}: nothing was felt up to the end; check that it is on channel "
-                f"{place} of {name} and its amplifier is on, or press sooner"
+                f"{actuator.name}: no answer up to the highest level; check that it is on channel "
+                f"{channel_text} of {name} and that its amplifier is on, or press sooner"
             )
         else:
             early += 1
-            if early > TRIES:
-                raise InputError("pressed before each tone; wait until you feel one")
-            click.echo("too early: there was no tone yet", err=True)
+            if early > MAX_EARLY:
+                raise InputError(f"{early} answers before a tone; wait until you feel it")
+            click.echo("too early: the tone had not begun", err=True)
     return levels
 
 
 def _output(
     device: str | None, channel: str | None
 ) -> tuple[OutputSettings, str, float, int | None]:
-    """Return the tactor's output alone, and the device's name, rate (Hz) and index."""
+    """Return the output of the tactor, and name, rate (Hz) and index of the device."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import device_named
     from overview_dsp.live.output.saved_settings import load_settings
@@ -162,7 +161,7 @@ def _output(
     if channel is not None:
         tactor = replace(tactor, channel=channels_in(channel))
     if not tactor.channels:
-        raise InputError(f"the tactor is on no channel of {name}; give one with --channel")
+        raise InputError(f"the tactor has no channel of {name}; select one with --channel")
     return OutputSettings(SignalSettings(0), tactor), name, rate, index
 
 
@@ -177,7 +176,7 @@ def _playback(
 
 
 class _Keys:
-    """Lines of standard input, read by a thread."""
+    """Reader of Enter on standard input, in a thread."""
 
     WAIT_S = 0.01
 
@@ -190,18 +189,18 @@ class _Keys:
             self._lines.put(True)
         self._lines.put(False)
 
-    def forget(self) -> None:
-        """Throw away what was pressed before, but not the input's end."""
+    def discard(self) -> None:
+        """Discard earlier lines, but not the end of the input."""
         while not self._lines.empty():
             if not self._lines.get():
                 self._lines.put(False)
                 return
 
     def pressed(self) -> bool:
-        """Whether Enter was pressed, after a little wait; InputError if nobody can any more."""
+        """Return whether Enter was pressed, after a short wait; InputError if the input ended."""
         try:
             if self._lines.get(timeout=self.WAIT_S):
                 return True
         except queue.Empty:
             return False
-        raise InputError("standard input ended before the tone was felt; run it in a terminal")
+        raise InputError("standard input ended before an answer; run the command in a terminal")

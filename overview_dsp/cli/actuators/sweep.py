@@ -1,4 +1,4 @@
-"""`overview actuators sweep`: a test signal within what an actuator bears."""
+"""The command `overview actuators sweep`."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 
-SAGS_DB = 0.1
-"""What protection may take off a sweep before it says so."""
+UNEVEN_DB = 0.1
+"""Gain reduction by the protection that causes a note, dB."""
 
 
 @cli_command("actuators sweep c2 -o sweep.wav --low-frequency 100 --high-frequency 500")
 def sweep(
     name: str,
     *,
-    output: str = option("WAV, FLAC, ...", default="sweep.wav"),
+    output: str = option("Sound file; the suffix selects the format.", default="sweep.wav"),
     low_frequency: float = option("Lowest frequency, Hz.", default=20.0),
     high_frequency: float = option("Highest frequency, Hz.", default=1000.0),
     duration: float = option("Duration, s.", default=20.0),
-    level: float = option("dB of the tactor's full signal, -80 to 0.", default=-9.0),
-    apply_shaping: bool = option("Sharpen and weight it, as presets are driven."),
-    sample_rate: float = option("Hz.", default=48_000.0),
+    level: float = option("Level, dB of the full tactor signal, -80 to 0.", default=-9.0),
+    apply_shaping: bool = option("Apply the shaping of the actuator, as for presets."),
+    sample_rate: float = option("Sample rate, Hz.", default=48_000.0),
     subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
     as_json: bool = JSON,
 ) -> None:
-    """Write a sine that rises through the frequencies, to measure the actuator NAME with.
+    """Write a sine sweep within the rating of the actuator NAME, to measure it.
 
-    It is an even drive within the actuator's rating: left is silent, right is the drive.
+    The drive is even over all frequencies. Left is silent, right is the drive.
     """
     import numpy as np
 
@@ -44,10 +44,10 @@ def sweep(
     stage.process(samples, 1)
     save_sound(output, samples, sample_rate, subtype)
     done = stage.protected
-    if done.reduction_db > SAGS_DB:
+    if done.reduction_db > UNEVEN_DB:
         note(
-            f"its rating reduced the drive by up to {done.reduction_db:.1f} dB, unevenly; "
-            "take a lower --level"
+            f"the rating reduces the sweep by up to {done.reduction_db:.1f} dB, so it is not even; "
+            "use a lower --level"
         )
     rms = float(np.sqrt(np.mean(np.square(samples[:, 1], dtype=float)))) * actuator.full_scale
     report = {

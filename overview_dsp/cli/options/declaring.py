@@ -1,8 +1,8 @@
-"""Commands declared by their signature, and groups of options under a heading of their own.
+"""Declaration of commands by function signatures, with options in groups.
 
-Of a command's function, a parameter without a default is an argument, one whose default is
-`option(...)` is an option, and one annotated with a dataclass is a group: each field of the
-dataclass is an option, and the function gets the group as an object.
+A parameter without a default is an argument. A parameter with the default `option(...)` is an
+option. A parameter whose type is a dataclass is a group: each field is an option, and the function
+gets the group as an object.
 """
 
 from __future__ import annotations
@@ -19,6 +19,9 @@ from overview_dsp.errors import InputError, did_you_mean
 
 GENERAL = "Options"
 
+MAX_OPTIONS = 12
+"""Most options that --help shows; a command with more names those used first."""
+
 _BY_ANNOTATION: dict[str, dict[str, Any]] = {
     "bool": {"is_flag": True},
     "int": {"type": int},
@@ -29,25 +32,26 @@ _BY_ANNOTATION: dict[str, dict[str, Any]] = {
 
 
 def option(help: str, *names: str, heading: str = GENERAL, **settings: Any) -> Any:
-    """Declare an option, as the default of a command's parameter or of a group's field.
+    """Declare an option, as the default of a parameter or of a field in a group.
 
-    Without `names` it is named as the parameter is (`output` is `-o`, too); its type is that of the
-    annotation. `settings` are those of `click.Option`, and a default is shown in the help.
+    The default of `names` is the name of the parameter (`output` is `-o`, too). The annotation sets
+    the type. `settings` are those of `click.Option`; the help shows a default among them.
     """
     declared = {"help": help, "names": names, "heading": heading, **settings}
     return field(default=settings.get("default"), metadata=declared)
 
 
 def argument(**settings: Any) -> Any:
-    """Declare an argument that needs settings of `click.Argument`."""
+    """Declare an argument with settings of `click.Argument`."""
     return field(default=None, metadata=settings)
 
 
+_SHOWS_ALL = f"{__name__}.shows_all"
 JSON = option("Report as JSON.", "--json")
 
 
 class GroupOption(click.Option):
-    """Option with the heading that it is listed under."""
+    """Option with a heading in the help."""
 
     def __init__(self, declared: Field[Any], name: str, annotation: str, heading: str) -> None:
         settings = {**_BY_ANNOTATION.get(annotation.removesuffix(" | None"), {})}
@@ -60,16 +64,64 @@ class GroupOption(click.Option):
 
 
 class GroupedCommand(click.Command):
-    """Command whose help lists options by heading."""
+    """Command whose help lists options by heading; --help-all lists more if `first` is not empty.
+
+    Parameters
+    ----------
+    example : str
+        Call of the command, without `overview`.
+    first : tuple of str
+        Names of the parameters that --help shows.
+    """
+
+    def __init__(self, name: str, example: str, first: tuple[str, ...], **settings: Any) -> None:
+        super().__init__(name, **settings)
+        self.example, self.first = example, first
+        if first:
+            self.params.append(
+                click.Option(
+                    ["--help-all"],
+                    is_flag=True,
+                    is_eager=True,
+                    expose_value=False,
+                    callback=self._show_all,
+                    help="Show all options, with details, and exit.",
+                )
+            )
+
+    def _show_all(self, ctx: click.Context, parameter: click.Parameter, value: bool) -> None:
+        if value:
+            ctx.meta[_SHOWS_ALL] = True
+            click.echo(self.get_help(ctx), color=ctx.color)
+            ctx.exit()
+
+    def _hides(self, ctx: click.Context) -> bool:
+        return bool(self.first) and _SHOWS_ALL not in ctx.meta
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the text (its first paragraph, if options are hidden) and the example."""
+        text = inspect.cleandoc(self.help or "")
+        formatter.write_paragraph()
+        with formatter.indentation():
+            formatter.write_text(text.partition("\n\n")[0] if self._hides(ctx) else text)
+            formatter.write_paragraph()
+            formatter.write_text(f"Example: overview {self.example}")
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write one section for each heading, in the order of the options."""
         sections: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
-            if record is not None and isinstance(parameter, click.Option):
-                sections.setdefault(getattr(parameter, "heading", GENERAL), []).append(record)
-        for heading, records in sections.items():
+            if record is None or not isinstance(parameter, click.Option):
+                continue
+            heading = GENERAL
+            if isinstance(parameter, GroupOption):
+                if self._hides(ctx) and parameter.name not in self.first:
+                    continue
+                heading = parameter.heading
+            sections.setdefault(heading, []).append(record)
+        general = sections.pop(GENERAL)
+        for heading, records in [*sections.items(), (GENERAL, general)]:
             with formatter.section(heading):
                 formatter.write_dl(records)
 
@@ -81,9 +133,21 @@ def _argument(name: str, annotation: str, settings: Mapping[str, Any]) -> click.
 
 
 def cli_command(
-    example: str, name: str | None = None, group: click.Group | None = None
+    example: str, name: str | None = None, group: click.Group | None = None, first: str = ""
 ) -> Callable[[Callable[..., Any]], click.Command]:
-    """Make a function a command, which is added to `group`; `example` is one of its calls."""
+    """Make a function a command, and add it to `group`.
+
+    Parameters
+    ----------
+    example : str
+        Call of the command, without `overview`.
+    name : str or None
+        Name of the command; None: that of the function.
+    group : click.Group or None
+        Group of the command.
+    first : str
+        Names of the parameters that --help shows, if there are more than `MAX_OPTIONS`.
+    """
 
     def decorate(function: Callable[..., Any]) -> click.Command:
         parameters: list[click.Parameter] = []
@@ -109,10 +173,11 @@ def cli_command(
 
         command = GroupedCommand(
             name or function.__name__.rstrip("_"),
+            example,
+            tuple(first.split()),
             callback=call,
             params=parameters,
             help=function.__doc__,
-            epilog=f"Example: overview {example}",
         )
         if group is not None:
             group.add_command(command)
@@ -122,7 +187,7 @@ def cli_command(
 
 
 def refuse_options(why: str, *refused: str | type) -> None:
-    """InputError if one of these options, or of these groups', was given; it ends with `why`."""
+    """Refuse options, or groups of options, with an InputError that ends with `why`."""
     from click.core import ParameterSource
 
     context = click.get_current_context()
@@ -132,31 +197,31 @@ def refuse_options(why: str, *refused: str | type) -> None:
         for name in ([one] if isinstance(one, str) else [option.name for option in fields(one)])
     }
     for parameter in context.command.params:
-        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
-        if given and parameter.name in names:
+        is_set = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+        if is_set and parameter.name in names:
             raise InputError(f"{parameter.opts[0]} {why}")
 
 
 def parse_pairs(
     option: str, texts: tuple[str, ...], known: Mapping[str, Callable[[str], Any]]
 ) -> dict[str, Any]:
-    """Return the values of KEY=VALUE texts; `known` converts each key's.
+    """Parse KEY=VALUE texts; `known` has the converter of each key.
 
     Raises
     ------
     InputError
-        A text without `=`, a key that is not known or given twice, a value that can't be converted.
+        A text without `=`, an unknown or repeated key, or a value that can't be converted.
     """
     values: dict[str, Any] = {}
     for text in texts:
         key, equals, value = text.partition("=")
         if not equals or key not in known:
-            what = f"unknown key {key!r}" if equals else "no KEY=VALUE"
+            problem = f"unknown key {key!r}" if equals else "not KEY=VALUE"
             raise InputError(
-                f"{option} {text}: {what}{did_you_mean(key, known)}; keys: {', '.join(known)}"
+                f"{option} {text}: {problem}{did_you_mean(key, known)}; keys: {', '.join(known)}"
             )
         if key in values:
-            raise InputError(f"{option} {text}: {key} is given twice; give it once")
+            raise InputError(f"{option} {text}: {key} occurs twice; remove one")
         try:
             values[key] = known[key](value)
         except InputError as error:

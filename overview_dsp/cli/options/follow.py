@@ -1,4 +1,4 @@
-"""Options of a timeline that grows: its source, its layout, how new events are announced."""
+"""Options of a live timeline: source, layout, announcements."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from overview_dsp.web.media import Media
 
 FIRST_WITHIN_S = 3.0
-"""Longest wait for the first data, as the preset is chosen by what they are."""
+"""Longest wait for the first data, which determine the preset, s."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ class Feed:
         "Expected length of the timeline: 95m, 1:35:00.", metavar="LENGTH"
     )
     layout: str | None = option(
-        "Positions over the whole expected length, or over the data so far: whole, so-far.  "
-        "[default: the preset's]",
+        "Positions span the expected length (whole) or the data so far (so-far).  "
+        "[default: that of the preset]",
         metavar="LAYOUT",
     )
     announce: str | None = option(
@@ -55,22 +55,22 @@ class Feed:
 
     @contextmanager
     def opened(self, timeline: str | None, reading: Reading) -> Iterator[Growth | None]:
-        """Follow the source meanwhile; None where TIMELINE is a finished one.
+        """Follow the live source; yields None if TIMELINE is a file.
 
         Raises
         ------
         InputError
-            No timeline or two, a source, layout or length that can't be, options of files.
+            There is no timeline, or two; an option is invalid or doesn't apply.
         """
         if self.follow is None:
-            refuse_options("is for --follow; give that too", Feed)
+            refuse_options("needs --follow; add it", Feed)
             if timeline is None:
-                raise InputError("name a TIMELINE, or a live source with --follow")
+                raise InputError("no timeline; name a TIMELINE, or a live source with --follow")
             yield None
             return
         if timeline is not None:
-            raise InputError(f"--follow {self.follow} is the timeline; leave {timeline} out")
-        refuse_options("is for a file that is read, not for --follow", Reading)
+            raise InputError(f"--follow {self.follow} replaces TIMELINE; remove {timeline}")
+        refuse_options("doesn't apply to --follow; remove it", Reading)
         from overview_dsp.data.feeds.follower import Follower
         from overview_dsp.data.feeds.sources import Sound
         from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
@@ -78,7 +78,7 @@ class Feed:
 
         after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
         if after_s is not None and not after_s >= 0.0:
-            raise InputError(f"--update-held-after {after_s:g}; it is 0 s or more")
+            raise InputError(f"--update-held-after is {after_s:g}; must be 0 s or more")
         live = ov.LiveTimeline(
             expect_s=None if length is None else expected_s(length),
             map=None if layout is None else map_named(layout),
@@ -91,7 +91,7 @@ class Feed:
                 time.sleep(0.02)
             if live.revision == 0 and follower.over:
                 raise InputError("; ".join(follower.take_messages()) or f"{self.follow}: no data")
-            preset = "crowd" if isinstance(source, Sound) else None  # it is silent at first
+            preset = "crowd" if isinstance(source, Sound) else None  # silent at first
             yield Growth(live, follower, after_s, self.announce, layout is not None, preset)
         finally:
             follower.close()
@@ -99,7 +99,7 @@ class Feed:
 
 @dataclass(frozen=True)
 class OpenedData:
-    """Timeline that is played, its first window (start_s, end_s), and its preset's name or path."""
+    """Opened timeline, its first window (start_s, end_s), and its preset (name or path)."""
 
     timeline: Timeline
     window: tuple[float, float] | None
@@ -107,7 +107,7 @@ class OpenedData:
     growth: Growth | None
 
     def routes(self, audio: str, linear: bool, media: Media | None = None) -> list[BaseRoute]:
-        """Return what a page gets of it."""
+        """Return the routes that serve the data to a page."""
         from overview_dsp.web.data import data_routes
 
         live = None if self.growth is None else self.growth.live
@@ -118,21 +118,21 @@ class OpenedData:
 
 
 @contextmanager
-def opened_data(
+def open_data(
     timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
 ) -> Iterator[OpenedData]:
-    """Open a finished timeline, or follow one that grows meanwhile; errors as they."""
+    """Open the timeline of a file, or follow a live source; InputError."""
     with feed.opened(timeline, reading) as growth:
         if growth is None:
             assert timeline is not None
             data = open_timeline(timeline, reading)
         else:
             data, preset = growth.live.felt(), preset or growth.preset
-        shown = window.of(data)
-        if shown is not None and window.window and growth is None:
-            data, shown = data.window(*shown), None
+        first = window.of(data)
+        if first is not None and window.window and growth is None:
+            data, first = data.window(*first), None
         name = preset_for(data, preset)
         if growth is not None:
             growth.lay_out(ov.load_preset(name))
             data = growth.live.felt()
-        yield OpenedData(data, shown, name, growth)
+        yield OpenedData(data, first, name, growth)

@@ -1,4 +1,4 @@
-"""`--input`: which sources of control events play, with their parts, and how they are opened."""
+"""The option --input: parsing and opening of input sources."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
+
+import click
 
 from overview_dsp.cli.common import read_gesture
 from overview_dsp.cli.options.declaring import option
@@ -27,46 +29,69 @@ PARTS: dict[str, tuple[str, ...]] = {
     "osc": ("map",),
     "midi": ("map",),
 }
-"""Each kind of device, and the parts that may follow its port."""
+"""Allowed settings after the port, for each kind of device."""
 
 MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
 BATCHES_S = 2.0
-"""An app that posts what it measured in batches is silent between them."""
+"""Longest silence of an app that posts batches, s."""
 
 SILENT_OSC_S = 5.0
-"""UDP knows no connection: a sender that touches and is silent for so long has released."""
+"""Silence after which an OSC sender counts as released (UDP has no connection), s."""
 
 FORCE_BLOCK = 128
-"""Frames: the torque changes with each block, 375 times a second at 48 kHz."""
+"""Default block size with a motor, frames: 375 torque updates per second at 48 kHz."""
 
 
 @dataclass(frozen=True)
 class Controls:
-    """Options of inputs and of what is sent back to them."""
+    """Options of inputs and of OSC output."""
 
     heading: ClassVar[str] = "Input"
 
     input: tuple[str, ...] = option(
-        "Input; may be repeated. serial:PORT[,sensor=NAME][,baud=N][,force]: a sensor (imu, roll, "
-        "encoder, potentiometer, simplefoc, a TOML file; else detected), force drives its motor. "
-        "pad:, a DualSense or Joy-Con; http://PHONE:8080 (phyphox); post:PORT (Sensor Logger); "
-        "ble:NAME; each with [,sensor=NAME]. osc:[HOST:]PORT[,map=NAME]: gyrosc, zigsim, touchosc "
-        "or a TOML file. midi:NAME[,map=FILE.toml]. -: lines of standard input, theta2 (rad) and "
-        "touching (0 or 1). Or a gesture or take.",
+        "Input: serial:PORT[,sensor=NAME][,baud=N][,force]; pad: (DualSense, Joy-Con); "
+        "http://PHONE:8080 (phyphox); post:PORT (Sensor Logger); ble:NAME; "
+        "osc:[HOST:]PORT[,map=NAME]; midi:NAME[,map=FILE]; - (lines of theta2, touching); a "
+        "gesture or take. May be repeated.",
         metavar="SOURCE",
     )
     osc_out: str | None = option("Send cursor, torque and events as OSC.", metavar="[HOST:]PORT")
+    replay: str | None = option(
+        "Take or gesture as the input; loop repeats it.", metavar="TAKE.csv[,loop]"
+    )
+    remote: str | None = option(
+        "Serve a page as an input.  [default: 127.0.0.1:8765]",
+        metavar="[HOST:PORT]",
+        is_flag=False,
+        flag_value="",
+    )
+
+    def require_consistent(self, timeline: str | None, follow: str | None) -> None:
+        """Check the options against each other; click.UsageError otherwise."""
+        problems = {
+            f"--remote {self.remote} is an address; name TIMELINE before it": (
+                self.remote and timeline is None and follow is None
+            ),
+            "--follow - and --input - both read standard input; remove one": (
+                follow == "-" and "-" in self.input
+            ),
+            "--replay doesn't apply to --follow; remove one": self.replay and follow is not None,
+            "--replay and --input exclude each other; remove one": self.replay and self.input,
+        }
+        for problem, applies in problems.items():
+            if applies:
+                raise click.UsageError(problem)
 
 
 @dataclass
 class Sources:
-    """Inputs that `--input` names, checked; `opened` opens them.
+    """Checked sources of --input; `open` opens them.
 
     Attributes
     ----------
     lines : LineInput or None
-        Standard input, once it is opened.
+        Standard input, after `open`.
     """
 
     openers: dict[str, Callable[[Player], Input]]
@@ -75,11 +100,11 @@ class Sources:
 
     @property
     def by_lines(self) -> bool:
-        """Whether standard input is one of them."""
+        """True if standard input is one of the sources."""
         return "lines" in self.openers
 
-    def opened(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
-        """Open the sources as one input; `closing` receives what closes each. Errors as they."""
+    def open(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
+        """Open the sources as one input; `closing` receives the close function of each."""
         from overview_dsp.live.inputs.input import SeveralInputs
         from overview_dsp.live.inputs.lines import LineInput
 
@@ -95,12 +120,12 @@ class Sources:
 
 
 def parse_sources(sources: tuple[str, ...]) -> Sources:
-    """Return the sources that --input names; nothing is opened.
+    """Parse the sources of --input; nothing is opened.
 
     Raises
     ------
     InputError
-        Not a source, two of one kind, or a part that this kind doesn't have.
+        An unknown source or setting, or two sources of one kind.
     """
     found = Sources({})
     for source in sources:
@@ -109,10 +134,10 @@ def parse_sources(sources: tuple[str, ...]) -> Sources:
         if source == "-":
             name, opener = "lines", _open_lines
         elif colon and kind in PARTS:
-            where, parts = _parts(source, kind, rest)
+            where, parts = _settings(source, kind, rest)
             if not where and kind != "pad":
-                raise InputError(f"--input {source} names no port; `overview devices` lists them")
-            # what is turned in the hand is one source: one of them
+                raise InputError(f"--input {source} names no port; overview devices lists them")
+            # all sensors share one input of the engine
             name = "serial" if "sensor" in PARTS[kind] else kind
             opener = {"serial": _serial, "osc": _osc, "midi": _midi}.get(kind, _named)(
                 kind, where, parts
@@ -121,24 +146,24 @@ def parse_sources(sources: tuple[str, ...]) -> Sources:
         else:
             name, opener = "take", _take(source)
         if name in found.openers:
-            raise InputError(f"--input {source}: one of a kind; there is one before it")
+            raise InputError(f"--input {source}: a second source of this kind; remove one")
         found.openers[name] = opener
     if "take" in found.openers and len(found.openers) > 1:
-        raise InputError("--input: a gesture or take plays alone; leave it or the others out")
+        raise InputError("--input: a gesture or take excludes other sources; remove it or them")
     return found
 
 
-def _parts(source: str, kind: str, rest: str) -> tuple[str, dict[str, str]]:
-    """Split the parts from a port's name, which may hold commas itself."""
+def _settings(source: str, kind: str, rest: str) -> tuple[str, dict[str, str]]:
+    """Split settings from the name of a port, which can contain commas."""
     parts: dict[str, str] = {}
     while (last := re.fullmatch(r"(.*?),(force|[a-z_]+=[^,]*)", rest)) is not None:
         rest, (key, equals, value) = last[1], last[2].partition("=")
-        takes = PARTS[kind]
-        if key not in takes or bool(equals) == (key == "force"):
+        allowed = PARTS[kind]
+        if key not in allowed or bool(equals) == (key == "force"):
             whose = [f"{one}:" for one, keys in PARTS.items() if key in keys]
-            why = f"{key} is for {', '.join(whose)}" if whose else f"unknown part {key!r}"
-            near = "" if whose else did_you_mean(key, takes)
-            raise InputError(f"--input {source}: {why}{near}; {kind}: takes {', '.join(takes)}")
+            why = f"{key} applies to {', '.join(whose)}" if whose else f"unknown setting {key!r}"
+            near = "" if whose else did_you_mean(key, allowed)
+            raise InputError(f"--input {source}: {why}{near}; {kind}: allows {', '.join(allowed)}")
         parts.setdefault(key, value)
     return rest, parts
 
@@ -168,8 +193,7 @@ def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], 
         baud = int(text) if text.isdecimal() else 0
         if not MIN_BAUD <= baud <= MAX_BAUD:
             raise InputError(
-                f"--input {kind}:{where}: baud={text} is out of range; it is {MIN_BAUD} to "
-                f"{MAX_BAUD}"
+                f"--input {kind}:{where}: baud={text}; must be {MIN_BAUD} to {MAX_BAUD}"
             )
     profile = load_sensor(parts["sensor"]) if "sensor" in parts else Sensor()
     if "force" in parts:
@@ -179,22 +203,22 @@ def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], 
 
 
 def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
-    """Return what opens a pad, a phone's app or a radio."""
+    """Return the opener of a game pad, a phone app or a Bluetooth sensor."""
     from overview_dsp.devices.sensors.profile import load_sensor
     from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput
     from overview_dsp.live.ports.port import Port
 
-    silent_s, usual = SILENT_S, "phone"
+    silent_s, default = SILENT_S, "phone"
     open_port: Callable[[str], Port]
     if kind == "pad":
         from overview_dsp.live.ports.pads import PadPort as open_port  # noqa: N813
         from overview_dsp.live.ports.pads import find_pad
 
-        usual = find_pad(where).kind
+        default = find_pad(where).kind
     elif kind == "ble":
         from overview_dsp.live.ports.bluetooth import BlePort as open_port  # noqa: N813
 
-        usual = "imu"
+        default = "imu"
     elif kind == "post":
         from overview_dsp.live.ports.phones import PostPort as open_port  # noqa: N813
 
@@ -203,7 +227,7 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
         from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
 
         kind, where = "phyphox", f"http:{where}"
-    profile = load_sensor(parts.get("sensor", usual))
+    profile = load_sensor(parts.get("sensor", default))
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
 
 

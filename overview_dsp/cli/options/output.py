@@ -1,4 +1,4 @@
-"""Options of an output device: its channels, gains, mutes, delays, ceilings, and its actuator."""
+"""Options of an output device: settings of its signals, and its actuator."""
 
 from __future__ import annotations
 
@@ -18,22 +18,21 @@ NONE = "none"
 CALLBACK = "OVERVIEW_CALLBACK"
 CALLBACKS = ("native", "python")
 
-ACTUATOR = option("Actuator profile, or none; its limits are enforced.", metavar="NAME")
-DEVICE = option("Output: name or number of `overview devices`, pad, none.", metavar="NAME")
+ACTUATOR = option("Actuator profile, whose limits are enforced; or none.", metavar="NAME")
+DEVICE = option("Output: name or number of overview devices; pad; none.", metavar="NAME")
 SET = option(
-    "Setting of click or tactor, remembered for the device: click.gain=-6 (dB), "
-    "tactor.channel=3+4 (0: none), click.mute=yes, tactor.delay=20 (ms), click.ceiling=-1 (dBFS). "
-    "May be repeated.",
+    "Setting of click or tactor, saved for the device: click.gain=-6 (dB), tactor.channel=3+4 "
+    "(0: none), click.mute=yes, tactor.delay=20 (ms), click.ceiling=-1 (dBFS). May be repeated.",
     "--set",
     metavar="KEY=VALUE",
 )
 
 
 def callback_kind() -> Literal["native", "python"]:
-    """Return which callback PortAudio calls, by the environment variable OVERVIEW_CALLBACK."""
+    """Return the kind of the PortAudio callback, from the variable OVERVIEW_CALLBACK."""
     kind = os.environ.get(CALLBACK) or CALLBACKS[0]
     if kind not in CALLBACKS:
-        raise InputError(f"{CALLBACK}={kind}: must be {' or '.join(CALLBACKS)}")
+        raise InputError(f"{CALLBACK} is {kind}; must be {' or '.join(CALLBACKS)}")
     return cast(Literal["native", "python"], kind)
 
 
@@ -45,22 +44,21 @@ class Output:
 
     device: str | None = DEVICE
     block_size: int | None = option(
-        "Frames per block; 0: the device's own.  [default: 256; 128 with a motor]", metavar="FRAMES"
+        "Frames per block; 0: any.  [default: 256; 128 with a motor]",
+        metavar="FRAMES",
     )
-    sample_rate: float | None = option("Sample rate.  [default: the device's]", metavar="HZ")
+    sample_rate: float | None = option("Sample rate.  [default: that of the device]", metavar="HZ")
     actuator: str | None = ACTUATOR
     settings: tuple[str, ...] = SET
 
     def __post_init__(self) -> None:
         from overview_dsp.signal.engine.engine import MAX_SAMPLE_RATE, MIN_SAMPLE_RATE
 
-        # the device would be asked for its own rate at 0
+        # PortAudio reads 0 as the rate of the device
         rate = self.sample_rate
         if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
-            raise InputError(
-                f"sample rate {rate:g} Hz is out of range; it is {MIN_SAMPLE_RATE:g} to "
-                f"{MAX_SAMPLE_RATE:g} Hz"
-            )
+            allowed = f"{MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
+            raise InputError(f"--sample-rate is {rate:g} Hz; must be {allowed}")
 
 
 def _switch(text: str) -> bool:
@@ -90,11 +88,11 @@ FIELDS: dict[str, tuple[str, Any]] = {
     "delay": ("delay_ms", _number),
     "ceiling": ("ceiling_db", _number),
 }
-"""Each setting of a signal: the field of `SignalSettings`, and how its text is read."""
+"""Field of `SignalSettings` and parser of each setting of a signal."""
 
 
 def output_changes(texts: tuple[str, ...]) -> dict[str, dict[str, Any]]:
-    """Return what --set changes: fields of `SignalSettings` for click and tactor; InputError."""
+    """Parse --set to changed fields of `SignalSettings` for click and tactor; InputError."""
     known = {f"{signal}.{name}": read for signal in ("click", "tactor")
              for name, (_, read) in FIELDS.items()}  # fmt: skip
     changes: dict[str, dict[str, Any]] = {"click": {}, "tactor": {}}
@@ -105,16 +103,16 @@ def output_changes(texts: tuple[str, ...]) -> dict[str, dict[str, Any]]:
 
 
 def calibrated(name: str | None) -> Actuator | None:
-    """Load the actuator of that name or file, with its calibrated gain; None for none."""
+    """Load an actuator by name or file, with its calibrated gain; None for none."""
     from overview_dsp.signal.actuators.calibration import apply_calibration
 
     return None if name is None or name == NONE else apply_calibration(name)
 
 
 def drive_line(actuator: Actuator, protected: ProtectionReport) -> str:
-    """Return an actuator and what its protection did, as one line."""
+    """Return a line about an actuator and its protection."""
     gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""
     return (
-        f"driven for {actuator.title}{gain}: reduced by up to "
-        f"{protected.reduction_db:.1f} dB for its rating, {protected.at_peak} samples at its peak"
+        f"driven for {actuator.title}{gain}: reduced by up to {protected.reduction_db:.1f} dB to "
+        f"its rating, {protected.at_peak} samples at its peak"
     )

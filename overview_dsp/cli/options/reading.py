@@ -1,4 +1,4 @@
-"""Options for how a file becomes a timeline, which window of it is shown, and by which preset."""
+"""Options of reading a timeline, of its window, and of the preset."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import overview_dsp as ov
-from overview_dsp.cli.common import keep_input, progress_bar
+from overview_dsp.cli.common import progress_bar, protect_inputs
 from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
@@ -24,7 +24,7 @@ READ_KEYS: dict[str, tuple[str, Any]] = {
     "max-mb": ("max_mb", float),
     "max-depth": ("max_depth", int),
 }
-"""Each key of --read: the argument of `load_timeline`, and its type."""
+"""Argument of `load_timeline` and type of each key of --read."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,16 @@ class Reading:
     heading: ClassVar[str] = DATA
 
     value_column: str | None = option(
-        "Column of values; COLUMN:share, :price or :plain sets what they are.", metavar="COLUMN"
+        "Column of values; COLUMN:share, :price or :plain sets their type.", metavar="COLUMN"
     )
     time_column: str | None = option(
-        "Column of times; COLUMN:dmy, :hhmm, :s ... sets their format.", metavar="COLUMN"
+        "Column of times; COLUMN:dmy, :hhmm or :s sets their format.", metavar="COLUMN"
     )
     map: str | None = option(
         "Intensity: level, change, activity, volatility, count, or a column.", metavar="WHAT"
     )
     select: str | None = option(
-        "One of several matches or series: its number, its words, or COLUMN=VALUE.", metavar="WHICH"
+        "One of several matches or series: number, words, or COLUMN=VALUE.", metavar="WHICH"
     )
     read: tuple[str, ...] = option(
         "kind=COLUMN, label=COLUMN (event lists), rate=HZ (files without times), duration=S "
@@ -52,15 +52,15 @@ class Reading:
     )
 
     def load_options(self) -> dict[str, Any]:
-        """Return the arguments of `load_timeline` that were given."""
+        """Return the arguments of `load_timeline`, without unset ones."""
         keys = {key: convert for key, (_, convert) in READ_KEYS.items()}
         read = {
             READ_KEYS[key][0]: value
             for key, value in parse_pairs("--read", self.read, keys).items()
         }
         columns = {"value": self.value_column, "time": self.time_column}
-        given = {**columns, "map": self.map, "match": self.select, **read}
-        return {name: value for name, value in given.items() if value is not None}
+        options = {**columns, "map": self.map, "match": self.select, **read}
+        return {name: value for name, value in options.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,11 @@ class Window:
     heading: ClassVar[str] = DATA
 
     window: tuple[str, str] | None = option(
-        "Only this window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.", metavar="START END"
+        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
+        metavar="START END",
     )
     zoom_to: str | None = option(
-        "Window about an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"
+        "Window around an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"
     )
 
     def of(self, timeline: Timeline) -> tuple[float, float] | None:
@@ -82,13 +83,13 @@ class Window:
         Raises
         ------
         InputError
-            Both are given, or one that names no window; the line begins with the option.
+            There are both options, or an invalid one, which the message names.
         """
-        from overview_dsp.data.timeline.moments import window_of, zoom_window
+        from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
         from overview_dsp.validation import located
 
         if self.window and self.zoom_to is not None:
-            raise InputError("--window and --zoom-to both name a window; give one of them")
+            raise InputError("--window and --zoom-to exclude each other; remove one")
         if self.window:
             with located("--window: "):
                 return window_of(timeline, *self.window)
@@ -98,7 +99,7 @@ class Window:
         return None
 
 
-PRESET_OPTION = option("Name or .toml file.  [default: the one that fits the data]")
+PRESET_OPTION = option("Preset: name or .toml file.  [default: the one that fits the data]")
 
 
 @dataclass(frozen=True)
@@ -108,10 +109,10 @@ class PresetChoice:
     heading: ClassVar[str] = PRESET
 
     preset: str | None = PRESET_OPTION
-    linear: bool = option("Keep positions proportional to time: no angle map.")
+    linear: bool = option("Positions proportional to time: no angle map.")
 
     def load(self, name: str) -> Preset:
-        """Load a preset, without its angle map where that is asked for."""
+        """Load a preset, without its angle map if --linear is set."""
         from overview_dsp.signal.surface.angle_map import without_map
 
         preset = ov.load_preset(name)
@@ -119,22 +120,22 @@ class PresetChoice:
 
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
-    """Return the preset that was given, or the bundled one that fits the data."""
+    """Return `preset`, or the bundled one that fits the data."""
     from overview_dsp.design.presets.library import fitting_preset
 
     return preset if preset is not None else fitting_preset(timeline)
 
 
 def open_window(path: str, reading: Reading, window: Window) -> Timeline:
-    """Load the window of a timeline that was given, or the whole; errors as they."""
+    """Load a timeline, and return its selected window or all of it; InputError."""
     whole = open_timeline(path, reading)
-    part = window.of(whole)
-    return whole if part is None else whole.window(*part)
+    limits = window.of(whole)
+    return whole if limits is None else whole.window(*limits)
 
 
 def open_timeline(path: str, reading: Reading) -> Timeline:
-    """Load a timeline, with a progress bar where that takes long; errors as `load_timeline`."""
-    keep_input(path)
+    """Load a timeline, with a progress bar; errors as `load_timeline`."""
+    protect_inputs(path)
     options = reading.load_options()
     with progress_bar(f"reading {path}") as progress:
         return ov.load_timeline(path, progress=progress, **options)

@@ -1,4 +1,4 @@
-"""Options of a server, and its start: address, QR code, certificate."""
+"""Options and start of a server: address, QR code, certificate."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import click
 from overview_dsp.cli.common import note
 from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -27,40 +28,42 @@ HOST, PORT = "127.0.0.1", 8765
 
 @dataclass(frozen=True)
 class Server:
-    """Options of where a server listens, and who may connect."""
+    """Options of the address and the security of a server."""
 
     heading: ClassVar[str] = "Server"
 
-    host: str = option("Address to listen on; 0.0.0.0 for a phone in the network.", default=HOST)
-    port: int = option("TCP port; 0 for a free one.", default=PORT, type=click.IntRange(0, 65535))
-    cert: str | None = option("Certificate in place of its own.", metavar="FILE.pem")
-    key: str | None = option("Key of --cert, if in another file.", metavar="FILE.pem")
+    host: str = option("Address to listen on; 0.0.0.0: the network, for a phone.", default=HOST)
+    port: int = option("TCP port; 0: any free port.", default=PORT, type=click.IntRange(0, 65535))
+    cert: str | None = option("TLS certificate.  [default: a self-signed one]", metavar="FILE.pem")
+    key: str | None = option("Private key, if --cert doesn't have it.", metavar="FILE.pem")
     token_file: str | None = option(
-        "File that keeps the address's token: pages connect again after a restart.", metavar="FILE"
+        "File for the token of the address: pages reconnect after a restart.",
+        metavar="FILE",
     )
 
 
 def server_at(text: str) -> Server:
-    """Return the server at `[HOST][:PORT]`, "" for the usual one; InputError."""
+    """Parse `[HOST][:PORT]`; "" is the default server; InputError."""
     found = re.fullmatch(r"(\[[^\]]+\]|[^:\s]*)(?::(\d{1,5}))?", text)
     port = int(found[2] or PORT) if found else -1
     if found is None or not 0 <= port <= 65535:
         raise InputError(
-            f"--remote {text}: must be HOST:PORT, HOST or :PORT (0 to 65535), such as 0.0.0.0:8765"
+            f"--remote is {text}; must be HOST:PORT, HOST or :PORT (0 to 65535), "
+            "such as 0.0.0.0:8765"
         )
     return Server(found[1].strip("[]") or HOST, port)
 
 
 def require_server() -> None:
-    """InputError, with how to install it, if a package that a server needs is missing."""
+    """Check that the packages of a server are installed; InputError otherwise."""
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
-        raise InputError(f"the page needs {', '.join(missing)}: pip install 'overview-dsp[web]'")
+        raise InputError(f"the page needs {', '.join(missing)}: {install_command('web')}")
 
 
 @dataclass(frozen=True)
 class ServerAddress:
-    """Where a server is: `address` holds the token, `qr` is it as a picture for phones."""
+    """Address of a server with its token, also as a QR code for phones."""
 
     address: str
     fingerprint_sha256: str | None
@@ -68,7 +71,7 @@ class ServerAddress:
 
     @property
     def text(self) -> str:
-        """Lines to display, the address first."""
+        """Text to display: address, fingerprint, QR code."""
         lines = [f"open {self.address}"]
         if self.fingerprint_sha256 is not None:
             lines.append(f"certificate SHA-256 {self.fingerprint_sha256}")
@@ -85,11 +88,10 @@ def open_server(
     crowd: bool = False,
     public: Collection[str] | None = None,
 ) -> Iterator[ServerAddress]:
-    """Serve the page (and a session's `/control`, and more routes) meanwhile; where it is.
+    """Serve the page, the `/control` route of a session, and more routes; yields the address.
 
-    `crowd`: to hundreds of pages; `public`: as in `make_app`.
-
-    The address goes to standard error, with a QR code where a phone can reach it.
+    `crowd` allows hundreds of pages; `public` is an argument of `make_app`. The address is printed
+    on standard error, with a QR code if a phone can reach it.
 
     Raises
     ------
@@ -106,7 +108,7 @@ def open_server(
     near = address.is_loopback(host)
     reached = address.reached_at(host)
     if server.key is not None and server.cert is None:
-        raise InputError("--key belongs to a --cert; give both")
+        raise InputError("--key needs --cert; add it")
     secure, certificate = None, None
     if server.cert is not None:
         certificate = Path(server.cert)

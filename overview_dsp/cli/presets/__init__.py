@@ -1,4 +1,4 @@
-"""`overview presets`: read, make and hear presets."""
+"""The command group `overview presets`."""
 
 from overview_dsp.cli.presets import create, inspect, measure
 from overview_dsp.cli.presets.group import command

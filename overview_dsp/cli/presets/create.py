@@ -1,7 +1,4 @@
-"""`overview presets`: new, edit, morph, randomize.
-
-`overview presets import`: a haptic clip as a layer of a preset.
-"""
+"""The commands `overview presets` new, edit, morph, randomize and import."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import keep_input, show, write_text
+from overview_dsp.cli.common import protect_inputs, show, write_text
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
@@ -25,9 +22,9 @@ if TYPE_CHECKING:
 
 SCHEMA_FILE = "preset.schema.json"
 SCHEMA_LINE = f"#:schema ./{SCHEMA_FILE}"
-"""What editors with Taplo complete and check a preset by."""
+"""First line of a preset, by which editors with Taplo complete and check it."""
 
-BASE = option("Preset to start from.", default="football")
+BASE = option("Preset to extend.", default="football")
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 
@@ -40,44 +37,45 @@ def new(
     output: str | None = option("File.  [default: NAME.toml in your preset folder]"),
     as_json: bool = JSON,
 ) -> None:
-    """Write a preset that extends another, with every parameter in it to be changed."""
+    """Write a preset that extends another one, with every parameter to edit."""
     from overview_dsp.design.presets.library import LIBRARY
     from overview_dsp.design.presets.reference import json_schema
     from overview_dsp.design.presets.writing import started_from
     from overview_dsp.files.toml import SUFFIX
 
     if not _NAME.fullmatch(name):
-        raise InputError(f"{name!r} is no name for a preset: letters, digits, - _ . and blanks")
+        raise InputError(f"preset name is {name!r}; must be letters, digits, - _ . and spaces")
     if output is None and name in LIBRARY.bundled:
         raise InputError(f"{name!r} is a bundled preset's name; choose another one")
     preset = ov.load_preset(base)
-    path = Path(output) if output is not None else make_folder(LIBRARY.own_folder) / (name + SUFFIX)
+    path = (
+        Path(output) if output is not None else make_folder(LIBRARY.user_folder) / (name + SUFFIX)
+    )
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
     write_text(path, f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}")
     ov.load_preset(path)
-    # beside it, as the line says: what this version of the program knows
     write_text(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
-    line = f"{path}: extends {base}; change it with: overview presets edit {output or name}"
+    line = f"{path}: extends {base}; edit it with: overview presets edit {output or name}"
     show(as_json, {"file": str(path), "extends": base}, line)
 
 
 @cli_command("presets edit my-match", group=command)
 def edit(preset: str, *, as_json: bool = JSON) -> None:
-    """Open one of your presets in your editor ($VISUAL, $EDITOR), and check it afterwards."""
+    """Open your PRESET in an editor ($VISUAL, $EDITOR), and check it afterwards."""
     from overview_dsp.design.presets.library import preset_path
 
     if preset in ov.bundled_presets():
         raise InputError(
-            f"{preset!r} is bundled and stays as it is; make your own from it: overview presets "
-            f"new my-{preset} --base {preset}"
+            f"{preset!r} is bundled and can't be edited; extend it: overview presets new "
+            f"my-{preset} --base {preset}"
         )
     path = preset_path(preset)
     try:
         click.edit(filename=str(path))
     except click.ClickException as error:
-        raise InputError(f"{error.message}; set EDITOR to an editor that is there") from None
+        raise InputError(f"{error.message}; set EDITOR to an installed editor") from None
     ov.load_preset(path)
     show(as_json, {"file": str(path), "valid": True}, f"{path}: valid")
 
@@ -87,7 +85,7 @@ def morph(
     first: str,
     second: str,
     *,
-    steps: int = option("Number of presets, both ends among them.", default=5),
+    steps: int = option("Number of presets, including both ends.", default=5),
     output: str = option("Folder for the presets.", default="."),
     as_json: bool = JSON,
 ) -> None:
@@ -115,7 +113,7 @@ def randomize(
     from overview_dsp.files.toml import SUFFIX
 
     if seed < 0:
-        raise InputError(f"seed {seed} is out of range; it is 0 or more")
+        raise InputError(f"--seed is {seed}; must be 0 or more")
     found = ov.presets.randomized(ov.load_preset(preset), seed, amount)
     path = save_preset(found, output if output is not None else found.name + SUFFIX)
     show(as_json, {"files": [str(path)]}, path)
@@ -130,22 +128,22 @@ def import_(
     clip: str,
     *,
     kind: str | None = option(
-        "Event kind that gets it.  [default: of a folder, file names]", "--as", metavar="KIND"
+        "Event kind of the clip.  [default: file names in a folder]", "--as", metavar="KIND"
     ),
     base: str = BASE,
     layer: str = option(
-        "Its vibration as friction, its strikes as click, or both.",
+        "Part of the clip: vibration (as friction), click, or both.",
         type=click.Choice(["both", "tactor", "click"]),
         default="both",
     ),
-    check: bool = option("Only report what is wrong with the clip, by its format."),
+    check: bool = option("Only check the clip against its format."),
     output: str | None = option("File.  [default: PRESET-KIND.toml here]"),
     as_json: bool = JSON,
 ) -> None:
-    """Lay a haptic CLIP (AHAP or .haptic) into a preset: the hand plays it where the event is.
+    """Add a haptic CLIP (AHAP or .haptic) to an event kind of a preset.
 
-    Of an AHAP clip in two files, give either. Of a folder, each clip is laid into the kind that it
-    is named after (goal.ahap), or, with --as, its only one into that.
+    An AHAP clip can have two files; name either. In a folder, each clip is added to the kind in its
+    file name (goal.ahap). With --as, the folder must have one clip.
     """
     from overview_dsp.design.presets.writing import save_preset
     from overview_dsp.files.toml import SUFFIX
@@ -154,22 +152,21 @@ def import_(
     if check:
         _check(clip, as_json)
         return
-    laid = clips_in(clip, kind)
-    for path in laid.values():
-        keep_input(str(path))
+    clips = clips_in(clip, kind)
+    protect_inputs(*map(str, clips.values()))
     preset = made = ov.load_preset(base)
-    for name, path in laid.items():
+    for name, path in clips.items():
         made = with_layer(made, name, read_clip(path), cast("Layer", layer))
-    named = next(iter(laid)) if len(laid) == 1 else Path(clip).name
+    named = next(iter(clips)) if len(clips) == 1 else Path(clip).name
     path = Path(output) if output is not None else Path(f"{preset.name}-{named}{SUFFIX}")
     save_preset(made, path)
-    report = {"file": str(path), "kinds": list(laid), "layer": layer}
-    clips = ", ".join(f"{source} as its {name}" for name, source in laid.items())
-    show(as_json, report, f"{path}: {base} with {clips}")
+    report = {"file": str(path), "kinds": list(clips), "layer": layer}
+    layers = ", ".join(f"{source} as {name}" for name, source in clips.items())
+    show(as_json, report, f"{path}: {base} with {layers}")
 
 
 def _check(clip: str, as_json: bool) -> None:
-    """Say what is wrong with a clip; InputError, with the first fault, if there is any."""
+    """Print all faults of a clip; InputError with the first one."""
     faults = ov.export.check_clip(clip)
     show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))
     for fault in faults[1:]:

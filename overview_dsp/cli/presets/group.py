@@ -1,4 +1,4 @@
-"""`overview presets`: the group, to which the modules beside it add their commands."""
+"""Command group to which the other modules of this package add commands."""
 
 from __future__ import annotations
 
@@ -7,4 +7,4 @@ import click
 
 @click.group(name="presets", epilog="Example: overview presets show football")
 def command() -> None:
-    """Read, make, compare and hear presets."""
+    """List, make, compare and measure presets."""

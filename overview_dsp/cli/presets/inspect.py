@@ -1,4 +1,4 @@
-"""`overview presets`: list, show, check, diff, docs, schema."""
+"""The commands `overview presets` list, show, check, diff, reference and schema."""
 
 from __future__ import annotations
 
@@ -16,17 +16,14 @@ from overview_dsp.errors import InputError
 def list_(
     *,
     tags: tuple[str, ...] = option(
-        "Only those with it: a use (discreet listening: 'in company') or a scale, energy=4, "
-        "tempo<3, roughness>2. May be repeated.",
+        "Tag: a use ('in company') or a scale (energy=4, tempo<3, roughness>2). May be repeated.",
         "--tag",
         metavar="TAG",
     ),
-    use: str | None = option(
-        "Only those for it: football, stocks, weather, ...", "--for", metavar="USE"
-    ),
+    use: str | None = option("Kind of data: football, stocks, weather.", "--for", metavar="USE"),
     as_json: bool = JSON,
 ) -> None:
-    """List the bundled presets and your own, and what each is for."""
+    """List the bundled presets and yours, with their purpose."""
     from overview_dsp.design.presets.library import (
         LIBRARY,
         load_preset,
@@ -39,13 +36,13 @@ def list_(
     for tag in tags:
         require_tag(tag)
 
-    def wanted(name: str) -> bool:
+    def matches(name: str) -> bool:
         preset = load_preset(name)
         return all(tagged(preset, tag) for tag in tags) and (use is None or serves(preset, use))
 
-    names = [*LIBRARY.bundled, *LIBRARY.own]
+    names = [*LIBRARY.bundled, *LIBRARY.user]
     if tags or use is not None:
-        names = [name for name in names if wanted(name)]
+        names = [name for name in names if matches(name)]
     list_profiles(
         names,
         load_preset,
@@ -59,12 +56,12 @@ def list_(
         as_json,
     )
     if not names and not as_json:
-        click.echo("no preset is like that; overview presets list has all, with --json their tags")
+        click.echo("no preset matches; overview presets list --json lists all with their tags")
 
 
 @cli_command("presets show football", group=command)
 def show(preset: str, *, as_json: bool = JSON) -> None:
-    """Show every parameter of PRESET with its value, range and meaning, and its event kinds."""
+    """Show all parameters of PRESET with values, ranges and meanings, and its event kinds."""
     from overview_dsp.design.presets.describe import describe, describe_json
 
     loaded = ov.load_preset(preset)
@@ -73,7 +70,7 @@ def show(preset: str, *, as_json: bool = JSON) -> None:
 
 @cli_command("presets check my-preset.toml", group=command)
 def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool = JSON) -> None:
-    """Check PRESETS (names or .toml files): file, line, key and range of the first fault."""
+    """Check PRESETS (names or .toml files); errors name file, line, key and range."""
     faults = []
     report = []
     for name in presets:
@@ -98,7 +95,7 @@ def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool =
 def diff(first: str, second: str, *, as_json: bool = JSON) -> None:
     """Compare two presets, value by value."""
     found = ov.presets.differences(ov.load_preset(first), ov.load_preset(second))
-    rows = [(one.id, _shown(one.first), _shown(one.second), one.unit) for one in found]
+    rows = [(one.id, _format(one.first), _format(one.second), one.unit) for one in found]
     widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
     lines = [
         f"{id:<{widths[0]}}  {before:>{widths[1]}}  {after:>{widths[2]}}  {unit}".rstrip()
@@ -107,12 +104,12 @@ def diff(first: str, second: str, *, as_json: bool = JSON) -> None:
     show_report(as_json, [vars(one) for one in found], *(lines or ["no difference"]))
 
 
-def _shown(value: object) -> str:
+def _format(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else "-" if value is None else str(value)
 
 
-@cli_command("presets docs > parameters.md", group=command)
-def docs(*, as_json: bool = JSON) -> None:
+@cli_command("presets reference > parameters.md", group=command)
+def reference_(*, as_json: bool = JSON) -> None:
     """Print the parameter reference, as Markdown."""
     from overview_dsp.design.presets.reference import reference, reference_json
 
@@ -126,8 +123,8 @@ def docs(*, as_json: bool = JSON) -> None:
 def schema() -> None:
     """Print the JSON Schema of preset files, for completion in TOML editors.
 
-    With it beside a preset, the preset's first line "#:schema ./preset.schema.json" is all that
-    editors with Taplo need; `overview presets new` writes both.
+    Editors with Taplo read it if the first line of the preset is "#:schema ./preset.schema.json".
+    overview presets new writes both.
     """
     from overview_dsp.design.presets.reference import json_schema
 

@@ -1,7 +1,4 @@
-"""`overview presets`: audition, feel, tune: what a preset is like.
-
-The options of an observer: what it gets, whose hands move, which random numbers.
-"""
+"""The commands `overview presets` audition, feel and tune."""
 
 from __future__ import annotations
 
@@ -42,38 +39,38 @@ TIMELINES = argument(metavar="[TIMELINE]...")
 
 @dataclass(frozen=True)
 class Observer:
-    """Options of an observer; the others are arguments of `measure.observe`."""
+    """Options of a simulated observer."""
 
     heading: ClassVar[str] = "Observer"
 
     modality: tuple[str, ...] = option(
-        "What an observer gets; may be repeated.  [default: all three]",
+        "Senses of the observer. May be repeated.  [default: all three]",
         type=click.Choice(["touch", "sound", "both"]),
     )
     movement: str | None = option(
-        "An observer's strokes: steady (sweeps, a tap, the recoil), arm (releases early), "
-        "all of these, or mixed (speeds up, hesitates, turns back).  [default: all]",
+        "Strokes: steady (sweeps, a tap, the recoil), arm (early release), all of these, or "
+        "mixed (also changes of speed, pauses, returns).  [default: all]",
         type=click.Choice(["all", "steady", "arm", "mixed"]),
     )
     seed: int | None = option("Seed of the observer.  [default: 0]", type=click.IntRange(min=0))
 
     def arguments(self) -> dict[str, Any]:
-        """Return the arguments of `measure.observe` that were given."""
-        given = {"modalities": self.modality or None, "hands": self.movement, "seed": self.seed}
-        return {name: value for name, value in given.items() if value is not None}
+        """Return the arguments of `measure.observe`, without unset ones."""
+        options = {"modalities": self.modality or None, "hands": self.movement, "seed": self.seed}
+        return {name: value for name, value in options.items() if value is not None}
 
 
 @cli_command("presets audition heart -o heart.wav", group=command)
 def audition(
     preset: str,
     *,
-    output: str | None = option("The sound file.  [default: PRESET-audition.wav here]"),
+    output: str | None = option("Sound file.  [default: PRESET-audition.wav]"),
     seed: int = SEED,
     as_json: bool = JSON,
 ) -> None:
-    """Sweep over every kind of event of PRESET, a sound file, and a picture beside it.
+    """Render a sweep over every event kind of PRESET, and draw it.
 
-    Left is what is heard, right what is felt.
+    Left has the clicks, right the tactor signal. The picture is written beside the sound file.
     """
     from overview_dsp.measure.pictures import plot_gallery
     from overview_dsp.offline.plots.saving import save_figure
@@ -96,14 +93,18 @@ def audition(
     show(as_json, report, f"{path}: {', '.join(loaded.kinds)}, out and back", pictures[0])
 
 
-@cli_command("presets feel football match.json --plot feel.png", group=command)
+@cli_command(
+    "presets feel football match.json --plot feel.png",
+    group=command,
+    first="plot observer modality movement window zoom_to select as_json",
+)
 def feel(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
     *,
-    plot: str | None = option("Also draw it, to a .png, .svg or .pdf file."),
+    plot: str | None = option("Draw the report to a .png, .svg or .pdf file."),
     observer: bool = option(
-        "Report which kinds an observer with human limits tells apart, and takes for another.",
+        "Simulate an observer with human limits who must recognize the kinds.",
         heading=Observer.heading,
     ),
     observing: Observer,
@@ -111,35 +112,34 @@ def feel(
     reading: Reading,
     window: Window,
 ) -> None:
-    """Measure what a finger gets of each kind of PRESET: slow, medium, fast, a tap, the recoils.
+    """Measure how strong and how distinct the event kinds of PRESET feel, at several speeds.
 
-    On a made-up timeline with every kind of the preset. Says which kinds could not be
-    distinguished, which are masked or merged, and what to change.
+    Without TIMELINE, the report uses an artificial timeline with every kind. It names kinds that
+    can't be distinguished, that are masked or merged, and possible changes.
 
-    On TIMELINEs, each event where it lies, in its crowd: medians and spreads by kind, whether the
-    order of importance is kept, what is missed, masked, and lost beside which other kind.
+    With TIMELINEs, it measures each event in context: medians and ranges by kind, the order of
+    importance, and missed, masked and confused events.
 
-    A human arm beside the sweeps: how far the disk lags, which events it never reaches, what
-    scrubbing and a tap give. An arm speeds up, slows down and releases without waiting.
+    The report also simulates a human arm, which accelerates, brakes and releases early: the lag of
+    the disk, the events it never reaches, scrubbing and taps.
 
-    With --observer: what can be told apart in sweeps of 1 to 30 s, a recoil, a tap and an arm's
-    movements, by touch, by sound and by both. It learns on random timelines like real ones, and is
-    asked about others and about every TIMELINE given.
+    --observer simulates which kinds a user distinguishes by touch, by sound and by both. The
+    observer learns on random timelines. Its test uses other random timelines and every TIMELINE.
     """
     from overview_dsp.offline.plots.saving import require_picture
 
     loaded = ov.load_preset(preset)
-    given = []
+    loaded_timelines = []
     for path in timelines:
-        given.append(open_window(path, reading, window))
-        if not given[-1].events:
-            raise InputError(f"{path}: has no events; there is nothing to distinguish")
+        loaded_timelines.append(open_window(path, reading, window))
+        if not loaded_timelines[-1].events:
+            raise InputError(f"{path}: has no events to distinguish")
     if plot is not None:
         require_picture(plot)
     if not observer:
-        refuse_options("is for --observer; add that, or leave it out", Observer)
+        refuse_options("needs --observer; add it, or remove the option", Observer)
     measured = _observed if observer else _measured
-    report, figure = measured(loaded, given, **observing.arguments())
+    report, figure = measured(loaded, loaded_timelines, **observing.arguments())
     if plot is not None:
         from overview_dsp.offline.plots.saving import save_picture
 
@@ -152,7 +152,9 @@ def feel(
         click.echo(f"note: {line}")
 
 
-def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[Felt, Callable[[], Figure]]:
+def _measured(
+    preset: Preset, timelines: list[Timeline]
+) -> tuple[MeasuredFeel, Callable[[], Figure]]:
     from overview_dsp.measure.arm import arm_report
     from overview_dsp.measure.pictures import plot_feel
     from overview_dsp.measure.report import feel_report
@@ -168,38 +170,38 @@ def _measured(preset: Preset, timelines: list[Timeline]) -> tuple[Felt, Callable
             progress=lambda part: progress(part / 2),
         )
         arm = arm_report(preset, measured, progress=lambda part: progress(0.5 + part / 2))
-    return Felt(first, arm), lambda: plot_feel(first)
+    return MeasuredFeel(first, arm), lambda: plot_feel(first)
 
 
-class Felt:
-    """How a preset feels: its kinds of events, and an arm beside a sweep."""
+class MeasuredFeel:
+    """Report on the event kinds of a preset, and on a human arm."""
 
     def __init__(self, kinds: FeelReport, arm: ArmReport) -> None:
-        """Both reports are of the same timelines."""
+        """Combine two reports on the same timelines."""
         self._kinds, self._arm = kinds, arm
 
     def to_json(self) -> dict[str, Any]:
-        """Return the kinds, with the arm under a key of its own."""
+        """Return both reports as JSON; that of the arm is under `arm`."""
         return {**self._kinds.to_json(), "arm": self._arm.to_json()}
 
     def table(self) -> str:
-        """Return the kinds, then the arm beside the sweep."""
+        """Return both reports as text tables."""
         return f"{self._kinds.table()}\n\n{self._arm.table()}"
 
     def warnings(self) -> list[str]:
-        """Return which kinds are alike, where the order isn't kept, and what an arm misses."""
+        """Return the warnings of both reports."""
         return [*self._kinds.warnings(), *self._arm.warnings()]
 
 
 def _observed(
-    preset: Preset, timelines: list[Timeline], **asked: Any
+    preset: Preset, timelines: list[Timeline], **options: Any
 ) -> tuple[ObserverReport, Callable[[], Figure]]:
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.pictures import plot_observer
 
     announce_compile("process_lanes")
     with progress_bar(f"observing {preset.name}") as progress:
-        report = observe(preset, timelines, progress=progress, **asked)
+        report = observe(preset, timelines, progress=progress, **options)
     return report, lambda: plot_observer(report)
 
 
@@ -208,44 +210,41 @@ def tune(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
     *,
-    order: str | None = option("Kinds from the strongest down, joined by >."),
-    separate: bool = option(
-        "Separate all kinds, by one just noticeable step in any way they are felt."
-    ),
+    order: str | None = option("Order of kinds from the strongest, joined by >."),
+    separate: bool = option("Separate all kinds by one just-noticeable difference (JND)."),
     seed: int = option("Seed of the search.", default=0),
-    output: str | None = option("The file.  [default: PRESET-tuned.toml here]"),
+    output: str | None = option("File.  [default: PRESET-tuned.toml]"),
     as_json: bool = JSON,
     reading: Reading,
     window: Window,
 ) -> None:
-    """Move heights and widths until each kind of the target is two steps above the next.
+    """Tune heights and widths until each kind in --order is two JNDs stronger than the next.
 
-    On TIMELINEs, measured where the events lie; it says what can't be reached there.
-    Without, on a made-up timeline of the target's kinds alone.
+    With TIMELINEs, the kinds are measured in context; without, on an artificial timeline.
 
-    With --separate until no two kinds of PRESET feel alike; a target's kinds are then a step above
-    the next. The file keeps what else PRESET's says: what it extends, variables and comments.
+    With --separate, no two kinds of PRESET feel the same, and each kind in --order is one JND
+    stronger than the next. The file keeps everything else in PRESET: base, variables and comments.
     """
     from overview_dsp.design.presets.retuning import save_retuned
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.measure.tuning import tune as tune_kinds
 
     if order is None and not separate:
-        raise InputError("give --order KIND>KIND, --separate, or both")
+        raise InputError("no target; add --order KIND>KIND, --separate, or both")
     if timelines and (separate or order is None):
-        raise InputError("--separate is for a preset's kinds alone; leave it or the timelines out")
+        raise InputError("--separate doesn't apply to TIMELINEs; remove it or them")
     loaded = ov.load_preset(preset)
     target = [] if order is None else [name.strip() for name in order.split(">")]
-    given = [open_window(path, reading, window) for path in timelines]
+    measured = [open_window(path, reading, window) for path in timelines]
     announce_compile()
     with progress_bar(f"tuning {loaded.name}") as progress:
-        found = tune_kinds(loaded, target, given or None, separate, seed, progress)
+        found = tune_kinds(loaded, target, measured or None, separate, seed, progress)
     names = list(loaded.kinds) if separate else target
     path = Path(output) if output is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
-    moved = {name: _moved(loaded.kinds[name], found.preset.kinds[name]) for name in names}
+    moved = {name: _changed_values(loaded.kinds[name], found.preset.kinds[name]) for name in names}
     _, made = save_retuned(preset, {name: keys for name, keys in moved.items() if keys}, path)
     reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
-    wanted = "from any other" if separate else "above the next"
+    relation = "from any other" if separate else "above the next"
     number = "one" if separate else "two"
     report = {
         "file": str(path),
@@ -257,8 +256,8 @@ def tune(
     show(
         as_json,
         report,
-        *(_change(name, loaded.kinds[name], made.kinds[name]) for name in names),
-        f"{path}: each at least {found.least_steps:.2f} steps {wanted} at every speed; {number} "
+        *(_change_text(name, loaded.kinds[name], made.kinds[name]) for name in names),
+        f"{path}: each at least {found.least_steps:.2f} JNDs {relation} at every speed; {number} "
         f"{reached}",
         *(f"not reached: {line}" for line in found.unreached),
     )
@@ -267,15 +266,15 @@ def tune(
 TUNED = ("height", "width_percent", "width_ms")
 
 
-def _moved(before: EventKind, after: EventKind) -> dict[str, float]:
-    """Return the values of a kind that were moved."""
+def _changed_values(before: EventKind, after: EventKind) -> dict[str, float]:
+    """Return the changed values of a kind."""
     return {
         key: getattr(after, key) for key in TUNED if getattr(after, key) != getattr(before, key)
     }
 
 
-def _change(name: str, before: EventKind, after: EventKind) -> str:
-    """Return what was moved, as one line."""
+def _change_text(name: str, before: EventKind, after: EventKind) -> str:
+    """Return the changes of a kind as one line."""
     if before.width_percent is not None and after.width_percent is not None:
         width = f"{before.width_percent:g} to {after.width_percent:.3g} %"
     else:

@@ -1,14 +1,13 @@
-"""Where a crowd rises above its murmur: the background, the excitement, and its peaks.
+"""Excitement of a crowd, the loudness above the background, and its peaks.
 
-**Background**: what the loudness over 1 s exceeds nine tenths of the time, within a minute before
-and after. So a murmur's own ups and downs are little above it, and a cheer that fills half of a
-minute doesn't lift it. Silence (below -70 LUFS) says nothing about a crowd and is left out; 20 LU
-below the recording's integrated loudness is the lowest a background can be.
+**Background**: the 10th percentile of the loudness over 1 s, within a minute before and after. So a
+murmur is little above it, and a cheer of half a minute does not raise it. Silence (below -70 LUFS)
+is left out. The background is at least the integrated loudness less 20 LU.
 
-**Excitement**: loudness over 1 s above that background, LU, 0 where it is below.
+**Excitement**: loudness over 1 s above that background, LU, at least 0.
 
-**Peaks**: excitement of `MIN_PEAK_LU` or more that falls by `MIN_FALL_LU` on both sides before it
-gets any higher. A `cheer` stays above half its height for `CHEER_S` or longer; a `burst` (a
+**Peaks**: excitement of `MIN_PEAK_LU` or more that falls by `MIN_FALL_LU` on both sides before a
+higher value. A `cheer` stays above half its height for `CHEER_S` or longer; a `burst` (a
 whistle, a bang, a shout) is shorter.
 """
 
@@ -22,20 +21,20 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.units import clock_text
 
 WINDOW_STEPS = STEPS_PER_S
-"""Loudness is taken over 1 s here: momentary loudness is restless, short-term loudness late."""
+"""Loudness is averaged over 1 s: momentary loudness varies too much, short-term loudness lags."""
 
 REACH_S = 60
 PERCENTILE = 10.0
 MAX_DEPTH_LU = 20.0
 
 MIN_PEAK_LU = 6.0
-"""An even murmur's loudest second is up to 3 LU above its background; twice that is no chance."""
+"""An even murmur's loudest second is up to 3 LU above its background; twice that is not random."""
 
 MIN_FALL_LU = 4.0
 CHEER_S = 2.0
 
 ORDINARY_LU = 10.0
-"""The height of an event of weight 1: heard as twice as loud as the background."""
+"""Height of an event of weight 1, perceived as twice as loud as the background."""
 
 _GRID_STEPS = STEPS_PER_S  # the background is slow: once a second is enough
 _CHUNK = 4096
@@ -49,14 +48,14 @@ def background(loudness: NDArray[np.float64], integrated: float) -> NDArray[np.f
     loudness
         LUFS over 1 s at each step, NaN where missing, shape (n,).
     integrated
-        LUFS of the whole.
+        Integrated loudness of the recording, LUFS.
     """
     heard = np.where(loudness > SILENCE_LUFS, loudness, np.nan)
     lowest = max(SILENCE_LUFS, integrated - MAX_DEPTH_LU)
     seconds = np.arange(0, len(heard), _GRID_STEPS)
     reach = REACH_S * _GRID_STEPS
     padded = np.pad(heard, reach, constant_values=np.nan)
-    # every fifth step: neighbours share most of their second anyway
+    # every fifth step is enough, since neighbouring windows overlap
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1)[seconds, ::5]
     found = np.concatenate(
         [_percentile(windows[i : i + _CHUNK]) for i in range(0, len(windows), _CHUNK)]
@@ -66,7 +65,7 @@ def background(loudness: NDArray[np.float64], integrated: float) -> NDArray[np.f
 
 
 def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the percentile of each row without its NaN; NaN for a row of nothing else."""
+    """Return the percentile of each row, ignoring NaN; NaN for a row of NaN only."""
     ordered = np.sort(windows, axis=1)  # NaN last
     known = np.count_nonzero(~np.isnan(ordered), axis=1)
     place = PERCENTILE / 100.0 * np.maximum(known - 1, 0)
@@ -78,7 +77,7 @@ def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def excitement(loudness: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far the loudness is above its background, LU, not below 0; NaN where missing."""
+    """Return the loudness above the background, LU, at least 0; NaN if missing."""
     return np.maximum(loudness - slow, 0.0)
 
 
@@ -90,11 +89,11 @@ def peaks(above: NDArray[np.float64], time_s: NDArray[np.float64]) -> tuple[Even
     above
         Excitement at each step, LU, shape (n,), NaN where missing.
     time_s
-        When, shape (n,).
+        Times, shape (n,).
     """
     from scipy.signal import find_peaks, peak_widths
 
-    # with nothing before the start and after the end: a cheer that is cut off is one too
+    # 0 before the start and after the end, so that a truncated cheer counts, too
     height = np.concatenate([[0.0], np.nan_to_num(above), [0.0]])
     found, measured = find_peaks(height, height=MIN_PEAK_LU, prominence=MIN_FALL_LU)
     widths = peak_widths(

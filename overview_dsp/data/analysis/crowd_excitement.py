@@ -1,4 +1,4 @@
-"""A crowd's excitement made from football events: the kind of curve of the paper's figure 4.
+"""Excitement of a crowd, derived from football events, like the curve of the paper's figure 4.
 
 Each event raises the curve before it and lets it fall more slowly after it. Event i, at t_i, of
 amplitude a_i, contributes ::
@@ -11,9 +11,9 @@ and contributions combine like independent causes, over an ambient floor ::
     excitement(t) = 1 - (1 - ambient) * prod_i (1 - c_i(t))
 
 so the curve stays within [ambient, 1] and no event hides another. An event of weight w counts as
-w equal ones: a_i = 1 - (1 - a_kind)^w.
+w equal events: a_i = 1 - (1 - a_kind)^w.
 
-The formula and its constants are this project's own: figure 4 shows the shape, no numbers.
+The formula and its constants are this project's own: figure 4 shows only the shape.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ RISE_S = 30.0
 """Time constant before an event, s: an attack builds up within a minute."""
 
 FALL_S = 120.0
-"""Time constant after an event, s: a goal is sung about for some minutes."""
+"""Time constant after an event, s: the singing after a goal lasts some minutes."""
 
 AMBIENT = 0.06
-"""The murmur when nothing happens."""
+"""Value without any event."""
 
 STEP_S = 5.0
 """Spacing of the curve's points, s: a sixth of the rise; event times are points as well."""
 
 MAX_DURATION_S = 86_400.0
-"""Longest timeline that gets a curve, s (a day): seconds around an event vanish in a longer one."""
+"""Longest timeline that gets a curve, s (a day): an event would be too short in a longer one."""
 
 MAX_EVENTS = 5_000
 """Most events that get a curve: some thirty times those of a match."""
@@ -87,18 +87,18 @@ def crowd_curve(
     ambient
         The floor, 0 to 1.
     unit
-        The unit the Intensity states.
+        Unit of the Intensity.
 
     Returns
     -------
     Intensity
         Values in [ambient, 1] at every `STEP_S`, at the end, and at each event.
     """
-    heard = [event for event in events if event.kind in AMPLITUDES]
+    counted = [event for event in events if event.kind in AMPLITUDES]
     grid = np.arange(0.0, duration_s, STEP_S)
-    time_s = np.unique(np.concatenate((grid, [event.time_s for event in heard], [duration_s])))
+    time_s = np.unique(np.concatenate((grid, [event.time_s for event in counted], [duration_s])))
     quiet = np.full(time_s.shape, 1.0 - ambient)
-    for event in heard:
+    for event in counted:
         # Python floats: a huge weight overflows to infinity (amplitude 1) without a warning
         amplitude = -math.expm1(event.weight * math.log1p(-AMPLITUDES[event.kind]))
         since = time_s - event.time_s
@@ -109,18 +109,18 @@ def crowd_curve(
 def derive_intensity(
     events: Iterable[Event], duration_s: float
 ) -> tuple[Intensity | None, str, tuple[str, ...]]:
-    """Return the curve, its provenance and notes; no curve where it would make no sense.
+    """Return the curve (or None), its provenance and notes.
 
-    None without football events, and, with a note that says so, for a timeline longer than
-    `MAX_DURATION_S` or of more than `MAX_EVENTS` events.
+    There is no curve without football events. For a timeline longer than `MAX_DURATION_S` or with
+    more than `MAX_EVENTS` events, there is a note instead.
     """
-    heard = [event for event in events if event.kind in FOOTBALL_KINDS]
-    if not heard:
+    counted = [event for event in events if event.kind in FOOTBALL_KINDS]
+    if not counted:
         return None, "", ()
-    if duration_s > MAX_DURATION_S or len(heard) > MAX_EVENTS:
+    if duration_s > MAX_DURATION_S or len(counted) > MAX_EVENTS:
         note = (
             f"no crowd-excitement curve was derived: that is for up to {MAX_DURATION_S:g} s and "
             f"{MAX_EVENTS} events"
         )
         return None, "", (note,)
-    return crowd_curve(heard, duration_s), PROVENANCE, ()
+    return crowd_curve(counted, duration_s), PROVENANCE, ()

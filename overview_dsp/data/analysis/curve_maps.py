@@ -1,4 +1,4 @@
-"""What becomes friction: the level, its change, its activity, its volatility, or another column.
+"""Mapping of a series to friction: level, change, activity, volatility, or another column.
 
 `--map level`
     The value itself.
@@ -11,13 +11,13 @@
     Standard deviation of the changes of the last 20 samples, or of the last 30 days (s, min, h, d,
     w, y).
 `--map count`, `count:6h`
-    How many rows there are in a window (`counting`).
+    Number of rows in a window (`counting`).
 `--map COLUMN`
     The level of another column.
 
-A change isn't taken over a gap. The first value after one (and the very first) has none of its own:
-it takes that of the step after it, so that the curve reaches as far as the data. The same holds for
-volatility until half of its window is there.
+There is no change over a gap. The first value, and the first one after a gap, have the change of
+the next value, so that the curve is as long as the data. Volatility is extended in the same way
+until half of its window has values.
 """
 
 from __future__ import annotations
@@ -27,59 +27,59 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, shown
 
 MAPS = ("level", "change", "activity", "volatility")
-"""What a series may be mapped by, besides its columns' names."""
+"""Mappings of a series, in addition to the names of its columns."""
 
 PERCENTILES = (1.0, 99.0)
-"""Percentiles of the mapped curve that become 0 and 1: one wild value moves nothing."""
+"""Percentiles of the mapped curve that become 0 and 1: one outlier has no effect."""
 
 WINDOW_SAMPLES = 20
-"""Samples of volatility: a month of trading days."""
+"""Default window of volatility, samples: a month of trading days."""
 
 NOT_ABOVE_0 = "some values are 0 or below: steps are in the unit of the values, not per cent"
-"""Says why a price's steps aren't per cent."""
+"""Note for a price whose steps are not per cent."""
 
 
-def span_s(words: str) -> float | None:
-    """Return a time above 0 with its unit (`6h`, `30d`) in s; None for what is none."""
-    has_unit = words.strip()[-1:].isalpha()
-    return (length_s(words) or None) if has_unit else None
+def span_s(text: str) -> float | None:
+    """Return the seconds of a time above 0 with a unit (`6h`, `30d`), None for other texts."""
+    has_unit = text.strip()[-1:].isalpha()
+    return (length_s(text) or None) if has_unit else None
 
 
 @dataclass(frozen=True)
 class Map:
-    """A wish taken apart: one of `MAPS`, or `column` with its name in `argument`."""
+    """Mapping: one of `MAPS`, or `column` with its name in `argument`."""
 
     name: str
     argument: str = ""
 
     @classmethod
-    def of(cls, wish: str | None, headers: frozenset[str]) -> Map:
-        """Read a `--map` value; what isn't one of `MAPS` is a column (in `headers`, lower case).
+    def of(cls, option: str | None, headers: frozenset[str]) -> Map:
+        """Parse a `--map` option: one of `MAPS`, or a column in `headers` (lower case).
 
         Raises
         ------
         InputError
-            Neither; the line names both.
+            The option is neither a mapping nor a column.
         """
-        if wish is None:
+        if option is None:
             return cls("level")
-        name, _, argument = (part.strip() for part in wish.partition(":"))
-        if wish.strip().lower() in headers and wish.strip().lower() not in MAPS:
-            return cls("column", wish.strip())
+        name, _, argument = (part.strip() for part in option.partition(":"))
+        if option.strip().lower() in headers and option.strip().lower() not in MAPS:
+            return cls("column", option.strip())
         if name.lower() in MAPS:
             found = cls(name.lower(), argument.lower())
             found.check()
             return found
         raise InputError(
-            f"map {shown(wish)}: neither {', '.join(MAPS)}, count nor a column of the table"
+            f"map is {shown(option)}; must be {', '.join(MAPS)}, count or a column of the table"
         )
 
     def check(self) -> None:
-        """Refuse an argument that its map doesn't take; InputError says what it does."""
+        """Raise InputError for an argument that the mapping does not take."""
         if self.name in ("change", "activity"):
             if self.argument not in ("", "percent", "difference"):
                 raise InputError(
@@ -90,10 +90,10 @@ class Map:
             if self.argument:
                 self.window()
         elif self.argument:
-            raise InputError(f"map {self.name} takes nothing after it; leave the colon out")
+            raise InputError(f"map {self.name} takes no argument; remove the colon")
 
     def window(self) -> tuple[float, bool]:
-        """The window of volatility, and whether it is seconds (else samples)."""
+        """Return the window of volatility, and whether it is in seconds (else samples)."""
         if not self.argument:
             return float(WINDOW_SAMPLES), False
         samples = self.argument.removesuffix(".0")
@@ -108,15 +108,15 @@ class Map:
         return seconds, True
 
     def in_per_cent(self, relative: bool) -> bool:
-        """Return whether changes are per cent, `relative` unless asked otherwise."""
+        """Return whether changes are per cent: as requested, else `relative`."""
         return {"percent": True, "difference": False}.get(self.argument, relative)
 
     def unit(self, unit: str, relative: bool) -> str:
-        """The unit of the curve, of a column's unit."""
+        """Return the unit of the curve from the unit of its column."""
         return "%" if relative and self.name not in ("level", "column") else unit
 
-    def words(self, header: str) -> str:
-        """What the curve is, of a column's name."""
+    def description(self, header: str) -> str:
+        """Return a description of the curve from the name of its column."""
         if self.name == "volatility":
             span = self.argument if self.window()[1] else f"{self.window()[0]:g} samples"
             return f"the volatility of {header} (standard deviation of changes, last {span})"
@@ -127,23 +127,23 @@ class Map:
 
 
 def curve(
-    wish: Map, level: NDArray[np.float64], step: NDArray[np.float64], time_s: NDArray[np.float64]
+    mapping: Map, level: NDArray[np.float64], step: NDArray[np.float64], time_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return what is mapped of each sample, NaN where the level is missing.
+    """Return the mapped value of each sample, NaN if the level is missing.
 
     Parameters
     ----------
     level, step, time_s
         The mapped column, its changes (`steps`) and the times, shape (n,).
     """
-    if wish.name in ("level", "column"):
+    if mapping.name in ("level", "column"):
         return level
-    wanted = ~np.isnan(level)
-    if wish.name == "volatility":
-        spread = volatility(step, time_s, *wish.window())
-        return filled(np.where(wanted, spread, np.nan), wanted)
-    change = filled(step, wanted)
-    return change if wish.name == "change" else np.abs(change)
+    present = ~np.isnan(level)
+    if mapping.name == "volatility":
+        spread = volatility(step, time_s, *mapping.window())
+        return filled(np.where(present, spread, np.nan), present)
+    change = filled(step, present)
+    return change if mapping.name == "change" else np.abs(change)
 
 
 def steps(
@@ -152,18 +152,18 @@ def steps(
     relative: bool,
     factors: dict[int, float] | None = None,
 ) -> NDArray[np.float64]:
-    """Return each value's change from the one before it.
+    """Return the change of each value from the one before it.
 
     Parameters
     ----------
     value
         Shape (n,), NaN = missing.
     breaks
-        Indices i whose step to i + 1 is a hole.
+        Indices i for which the step to i + 1 is a hole.
     relative
-        In per cent; a step from 0 or below has none.
+        Whether changes are per cent, NaN from 0 or below.
     factors
-        For samples after a share split, what to multiply them by for the comparison.
+        Factors for samples after a share split, by their index.
 
     Returns
     -------
@@ -190,7 +190,7 @@ def volatility(
 ) -> NDArray[np.float64]:
     """Return the standard deviation of the changes in the window that ends at each sample.
 
-    NaN where less than half of it (and fewer than two changes) is there.
+    It is NaN if less than half of the window, or fewer than two changes, have values.
     """
     count = len(change)
     if seconds:
@@ -216,11 +216,11 @@ def volatility(
     return np.where(number >= least, np.sqrt(variance) * size, np.nan)
 
 
-def filled(value: NDArray[np.float64], wanted: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Give wanted samples without a value that of the next sample that has one, else the last."""
+def filled(value: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Replace NaN of present samples by the next value, else by the last one."""
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:
-        return np.where(wanted, 0.0, value)
+        return np.where(present, 0.0, value)
     after = np.searchsorted(known, np.arange(len(value)), side="left")
     nearest = known[np.minimum(after, len(known) - 1)]
-    return np.where(wanted & np.isnan(value), value[nearest], value)
+    return np.where(present & np.isnan(value), value[nearest], value)

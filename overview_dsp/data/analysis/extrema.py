@@ -1,15 +1,15 @@
-"""Rules that find events in a series: crossings, peaks and troughs.
+"""Crossings, peaks and troughs of a series.
 
 Crossings are of one to three round numbers (1, 2, 2.5 or 5 times a power of ten apart), those
 nearest to the middle of the series' central 80 %. A level is crossed when the series, having been
 more than the hysteresis below it, gets more than that above it (or the reverse); the event is at
-the first sample past the level on that way. The hysteresis is 3 % of the central range, and
-doubles, up to 24 %, while there are more than `MOST_CROSSINGS` crossings; if there still are, only
-the middle level is kept, and none if that isn't enough.
+the first sample on the other side. The hysteresis is 3 % of the central range, and
+doubles, up to 24 %, while there are more than `MOST_CROSSINGS` crossings. If there still are, only
+the middle level is used, or none.
 
-Peaks and troughs count by prominence: how far one must go down from a peak on the way to higher
-ground (or to the end of the series), the smaller of both sides. A long series is searched by its
-lowest and highest samples.
+The prominence of a peak is its height above the lowest point between it and the next higher peak
+(or the end of the series); the smaller one of both sides counts. Of a long series, only the lowest
+and highest samples are searched.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_CROSSINGS = 16
-"""Most crossings: more would be a texture, not positions."""
+"""Maximum number of crossings; more would be perceived as a texture."""
 
 _LEVELS = 3
 _HYSTERESIS = (0.03, 0.06, 0.12, 0.24)
@@ -29,7 +29,7 @@ _HYSTERESIS = (0.03, 0.06, 0.12, 0.24)
 
 @dataclass(frozen=True)
 class Crossing:
-    """The sample after which the series stays across `level`; `up` or down."""
+    """Crossing of a level at the sample `index`, upwards or downwards."""
 
     index: int
     level: float
@@ -37,7 +37,7 @@ class Crossing:
 
 
 def round_levels(low: float, high: float) -> list[float]:
-    """Return one to three round numbers strictly between two values; none in a span too narrow."""
+    """Return one to three round numbers strictly between two values, none if they are too close."""
     span = high - low
     if not math.isfinite(span) or span <= 0.0 or span < 1e-9 * max(abs(low), abs(high)):
         return []
@@ -68,7 +68,7 @@ def crossings(
     Returns
     -------
     tuple
-        Crossings by index, the levels that were used (none: too many crossings), the hysteresis.
+        Crossings by index, the levels used (none for too many crossings), and the hysteresis.
     """
     levels = round_levels(low, high)
     if not levels:
@@ -87,7 +87,7 @@ def crossings(
 def _ways_across(
     value: NDArray[np.float64], level: float, margin: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the last sample clearly on one side, and the first clearly on the other, of each."""
+    """Return the last sample beyond the hysteresis before each crossing, and the first after it."""
     above = value > level + margin
     decided = np.flatnonzero(above | (value < level - margin))
     turned = np.flatnonzero(np.diff(above[decided])) + 1
@@ -107,8 +107,8 @@ def _of_level(
 
 
 MAX_EXTREMA = 200_000
-"""Extrema looked at one by one; more are thinned to the lowest and highest of equal stretches,
-which keeps every prominent one."""
+"""Maximum number of extrema that are examined; of more, only the lowest and highest of equal runs
+are kept, among them all prominent ones."""
 
 
 def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -122,7 +122,7 @@ def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.flo
     Returns
     -------
     tuple
-        Indices (first sample of a flat top), ascending, and prominences, > 0. The ends are none.
+        Indices (first sample of a flat top), ascending, and prominences, > 0. Ends do not count.
     """
     turns = _turns(value)
     if len(turns) > MAX_EXTREMA:
@@ -130,7 +130,7 @@ def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.flo
     if len(turns) < 3:
         return turns[:0], np.empty(0)
     levels = value[turns]
-    # highs and lows take turns; an end may be either
+    # highs and lows alternate; an end may be either
     highs = np.arange(0 if levels[0] > levels[1] else 1, len(turns), 2)
     height = levels[highs]
     before = np.where(highs > 0, levels[highs - 1], height)
@@ -143,7 +143,7 @@ def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.flo
 
 
 def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Both ends and every sample where the series turns; of a flat stretch its first."""
+    """Return both ends and all turning points, the first sample of a flat run."""
     moved = np.flatnonzero(np.diff(value)) + 1
     distinct = np.concatenate(([0], moved)).astype(np.int64)
     if len(distinct) < 3:
@@ -162,15 +162,15 @@ def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np
 
 
 def _bases(heights: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
-    """For each high the lowest level between it and higher ground on its left.
+    """Return for each high the lowest level between it and the next higher one on its left.
 
-    `before` is the low just before each. From each high the way to the left goes over runs of 2**k
-    highs, the longest first, as long as none in them is higher.
+    `before` has the low just before each high. The search moves left by runs of 2**k highs, the
+    longest first, while no high in a run is higher.
     """
     tallest, lowest = [heights], [before]
     while (span := 1 << (len(tallest) - 1)) < len(heights):
-        tallest.append(np.maximum(tallest[-1], _moved(tallest[-1], span)))
-        lowest.append(np.minimum(lowest[-1], _moved(lowest[-1], span)))
+        tallest.append(np.maximum(tallest[-1], _shifted(tallest[-1], span)))
+        lowest.append(np.minimum(lowest[-1], _shifted(lowest[-1], span)))
     at = np.arange(len(heights)) - 1
     bases = before
     for k in reversed(range(len(tallest))):
@@ -180,23 +180,23 @@ def _bases(heights: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray
     return bases
 
 
-def _moved(row: NDArray[np.float64], span: int) -> NDArray[np.float64]:
-    """A row moved to the right, its beginning as it was."""
+def _shifted(row: NDArray[np.float64], span: int) -> NDArray[np.float64]:
+    """Return a row shifted to the right; its first values are repeated."""
     return np.concatenate((row[:span], row[:-span]))
 
 
 MOST_SAMPLES = 400_000
-"""Samples that are kept; beyond, every two runs become one."""
+"""Maximum number of samples that are kept; then the length of runs doubles."""
 
 RUN = 64
-"""Samples in a run at first."""
+"""Initial number of samples in a run."""
 
 STEPS = 16
-"""How many of the largest steps up, and down, are kept besides."""
+"""Number of largest steps in each direction that are kept, too."""
 
 
 def lows_and_highs(value: NDArray[np.float64], run: int) -> NDArray[np.int64]:
-    """Return where the lowest and the highest of each `run` values are (the first of equal ones).
+    """Return the indices of the lowest and the highest of each `run` values (the first ones).
 
     Parameters
     ----------
@@ -222,22 +222,22 @@ def lows_and_highs(value: NDArray[np.float64], run: int) -> NDArray[np.int64]:
 
 @dataclass
 class Thinner:
-    """Takes samples block by block and keeps the lowest and highest of equal runs.
+    """Reduction of samples, block by block, to the lowest and highest of equal runs.
 
-    Every prominent turning point, both extremes and the largest steps are among those kept, at
-    their own times.
+    It keeps every prominent turning point, both extremes and the largest steps, at their exact
+    times.
     """
 
     run: int = RUN
     count: int = 0
     _parts: list[NDArray[np.float64]] = field(default_factory=list)
-    _kept: int = 0
+    _stored: int = 0
     _steps: NDArray[np.float64] = field(default_factory=lambda: np.empty((3, 0)))
 
     def add(
         self, time_s: NDArray[np.float64], value: NDArray[np.float64], step: NDArray[np.float64]
     ) -> None:
-        """Take samples with a value, in order, shape (n,); `step` NaN = none."""
+        """Add samples with a value, in order, shape (n,); `step` may be NaN."""
         if not len(value):
             return
         self.count += len(value)
@@ -245,15 +245,15 @@ class Thinner:
         self._steps = _largest(np.concatenate((self._steps, _largest(samples)), axis=1))
         part = samples[:, lows_and_highs(value, self.run)]
         self._parts.append(part)
-        self._kept += part.shape[1]
-        while self._kept > MOST_SAMPLES:
+        self._stored += part.shape[1]
+        while self._stored > MOST_SAMPLES:
             whole = np.concatenate(self._parts, axis=1)
             whole = whole[:, lows_and_highs(whole[1], 4)]
-            self._parts, self._kept = [whole], whole.shape[1]
+            self._parts, self._stored = [whole], whole.shape[1]
             self.run *= 2
 
     def finish(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return times, values and steps of the samples kept, in order."""
+        """Return times, values and steps of the kept samples, in order."""
         whole = np.concatenate((*self._parts, self._steps), axis=1)
         _, first = np.unique(whole[0], return_index=True)
         time_s, value, step = whole[:, first]
@@ -261,7 +261,7 @@ class Thinner:
 
 
 def _largest(samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The samples with the largest steps up and down."""
+    """Return the samples with the largest steps up and down."""
     known = np.flatnonzero(~np.isnan(samples[2]))
     step = samples[2, known]
     if len(known) > 2 * STEPS:

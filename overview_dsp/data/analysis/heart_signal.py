@@ -1,4 +1,4 @@
-"""A sampled signal that is read in parts, and where it says nothing."""
+"""Sampled signals of a heart, read in parts, and stretches without signal."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ Spans = list[tuple[int, int]]
 """Runs of samples, (first, end), ascending, not overlapping."""
 
 MIN_GAP_S = 0.1
-"""A shorter run of missing samples is bridged: no beat can hide in it."""
+"""Shorter runs of missing samples are interpolated: they are too short for a beat."""
 
 FLAT_S = 3.0
-"""A signal that keeps one exact value this long is a lead that is off, not a heart that rests: a
-pause has noise on it."""
+"""A signal with one exact value for this long is a disconnected lead; a pause of the heart has
+noise."""
 
 _BLOCK = 1 << 20
 
@@ -29,15 +29,15 @@ class Signal(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the signal."""
 
     @property
     def rate(self) -> float:
-        """Samples a second, > 0."""
+        """Sample rate, Hz, > 0."""
 
     @property
     def length(self) -> int:
-        """How many samples."""
+        """Number of samples."""
 
     def read(self, first: int, end: int) -> NDArray[np.float64]:
         """Return the samples from `first` up to `end`, shape (end - first,)."""
@@ -53,7 +53,7 @@ class Samples:
 
     @property
     def length(self) -> int:
-        """How many samples."""
+        """Number of samples."""
         return len(self.values)
 
     def read(self, first: int, end: int) -> NDArray[np.float64]:
@@ -62,7 +62,7 @@ class Samples:
 
 
 def recorded(signal: Signal) -> Intensity | None:
-    """Return a signal as a curve for a picture, None if there is no sample."""
+    """Return a signal as a curve for a picture, None for fewer than two samples."""
     builder = CurveBuilder(np.float32)
     for first in range(0, signal.length, _BLOCK):
         builder.append(signal.read(first, min(first + _BLOCK, signal.length)))
@@ -72,13 +72,13 @@ def recorded(signal: Signal) -> Intensity | None:
 
 
 def runs(marked: NDArray[np.bool_]) -> Spans:
-    """Return the runs of True."""
+    """Return the runs of True values."""
     edges = np.flatnonzero(np.diff(marked.view(np.int8), prepend=0, append=0)).reshape(-1, 2)
     return [(first, end) for first, end in edges.tolist()]
 
 
 class SilenceFinder:
-    """Finds missing and flat stretches of a signal that is fed block by block."""
+    """Detector of missing and flat stretches of a signal, block by block."""
 
     def __init__(self, rate: float) -> None:
         self._shortest = {"missing": MIN_GAP_S * rate, "flat": FLAT_S * rate}
@@ -89,7 +89,7 @@ class SilenceFinder:
         self.lost = 0
 
     def feed(self, block: NDArray[np.float64]) -> None:
-        """Take the next samples."""
+        """Process the next samples."""
         if not len(block):
             return
         self._follow("missing", ~np.isfinite(block), 0)

@@ -1,7 +1,7 @@
-"""Beats in a signal: QRS complexes (`qrs`), pulse waves by Elgendi's method.
+"""Detection of heartbeats: QRS complexes (`qrs`), or pulse waves by Elgendi's method.
 
-A signal is an ECG if a good part of its power lies where QRS complexes have theirs (8 to 30 Hz), a
-pulse wave (PPG, blood pressure) if nearly all lies below.
+A signal is an ECG if much of its power is in the band of QRS complexes (8 to 30 Hz), and a pulse
+wave (PPG, blood pressure) if nearly all of it is below.
 """
 
 from __future__ import annotations
@@ -17,42 +17,42 @@ from overview_dsp.data.analysis.qrs import REFRACTORY_S, band_passed, find_qrs
 
 BLOCK_S = 300.0
 MARGIN_S = 15.0
-"""A block is searched with this much of its neighbours: the detector's thresholds settle in it."""
+"""Overlap of a block with its neighbours, in which the thresholds of the detector settle."""
 
 MIN_PART_S = 2.0
-"""A shorter part between two gaps is too short to learn thresholds in."""
+"""Minimum length of a part between two gaps, for the thresholds of the detector."""
 
 MIN_RATE = 50.0
-"""Samples a second a heartbeat's shape needs."""
+"""Minimum sample rate for the shape of a heartbeat, Hz."""
 
 _PULSE_BELOW = 0.1
 """A pulse wave's power from 8 to 30 Hz over that from 0.7 to 8 Hz; measured: 0.0002 (PPG), 0.7 to
 1.9 (four ECGs)."""
 
 NOISY_ABOVE = 0.7
-"""What is highest between the beats, as part of a beat's height, where beats are no longer told
-from noise."""
+"""Highest value between beats, relative to the height of a beat, above which beats can't be
+distinguished from noise."""
 
 _DOUBTFUL_ABOVE = 0.4
-"""Above it noise alone may look like beats for a while: of ten seconds of it, 1 in 100 lies below;
-a heart lies above it for so long at 6 dB and less."""
+"""Above this value, noise alone may look like beats: 1 in 100 stretches of ten seconds of noise is
+below. A heart is above it for ten seconds at 6 dB signal-to-noise ratio or less."""
 
 _DOUBTFUL_S = 12.0
-"""A stretch between noisy ones, or a recording, of mostly doubtful beats counts if it is as long as
-this: noise doesn't look like a heart for so long."""
+"""Minimum length of a stretch of mostly doubtful beats that counts: noise does not look like a
+heart for this long."""
 
 _LEAST_NOISY_S = 4.0
-"""A shorter noisy stretch is left: its beats are judged by those around it."""
+"""Minimum length of a noisy stretch that becomes a gap."""
 
 _LEAST_CLEAN_S = 6.0
-"""Between two noisy stretches a shorter one gives no heart rate and goes with them."""
+"""Minimum length of a clean stretch between two noisy ones; a shorter one is joined with them."""
 
 Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """What a search found.
+    """Result of a search for beats.
 
     Attributes
     ----------
@@ -61,9 +61,9 @@ class Detection:
     silent
         Stretches without signal.
     noisy
-        Stretches whose noise hides the beats; none of `beats` lies in one.
+        Stretches in which noise hides the beats; they contain none of `beats`.
     lost
-        Missing samples outside of these, bridged.
+        Number of missing samples outside of these, which were interpolated.
     what
         `ECG` or `pulse wave`.
     """
@@ -87,18 +87,18 @@ def find_beats(
     Parameters
     ----------
     signal
-        Of `MIN_RATE` or more.
+        Signal with a sample rate of at least `MIN_RATE`.
     what
         `ECG` or `pulse wave`; None = detected from its spectrum.
     progress
-        Called with the part done, 0 to 1.
+        Called with the finished fraction, 0 to 1.
     gaps
-        Whether what lies in noise is left out; False to compare the bare search with others'.
+        Whether beats in noise are left out; False for comparisons with other detectors.
 
     Raises
     ------
     InputError
-        What reading the signal raises.
+        The signal can't be read.
     """
     finder = SilenceFinder(signal.rate)
     block, margin = round(BLOCK_S * signal.rate), round(MARGIN_S * signal.rate)
@@ -125,19 +125,19 @@ def find_beats(
                 if first <= beat < end and (not found or beat - found[-1] >= near):
                     found.append(beat)
         progress(end / signal.length)
-    noisy = _worth_a_gap(noisy, doubtful, signal.length, signal.rate) if gaps else []
+    noisy = _merged_noise(noisy, doubtful, signal.length, signal.rate) if gaps else []
     clear = [beat for beat in found if not any(begin <= beat < stop for begin, stop in noisy)]
     return Detection(np.array(clear, np.int64), finder.finish(), noisy, finder.lost, what or "ECG")
 
 
 def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
-    """Return spans moved by so many samples, what of them lies between `first` and `end`."""
+    """Return spans shifted by `by` samples and cut to `first` and `end`."""
     moved = [(max(begin + by, first), min(stop + by, end)) for begin, stop in spans]
     return [(begin, stop) for begin, stop in moved if begin < stop]
 
 
-def _worth_a_gap(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spans:
-    """Return noisy stretches without short ones and with what can't be trusted between them."""
+def _merged_noise(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spans:
+    """Return noisy stretches without short ones, merged where beats between them are doubtful."""
     joined: Spans = [(0, 0)]
     for begin, stop in [*noisy, (length, length)]:
         clear = begin - joined[-1][1]
@@ -155,7 +155,7 @@ def _worth_a_gap(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spa
 def silent_parts(
     signal: Signal, progress: Callable[[float], None] = lambda part: None
 ) -> tuple[Spans, int]:
-    """Return the stretches without signal, and how many samples are missing outside of them."""
+    """Return the stretches without signal, and the number of missing samples outside of them."""
     finder = SilenceFinder(signal.rate)
     block = round(BLOCK_S * signal.rate)
     for first in range(0, signal.length, block):
@@ -166,7 +166,7 @@ def silent_parts(
 
 
 def _clean_parts(samples: NDArray[np.float64], rate: float) -> Spans:
-    """Return the parts between stretches without signal that are long enough to search."""
+    """Return the parts with signal that are long enough to search."""
     finder = SilenceFinder(rate)
     finder.feed(samples)
     usable = np.ones(len(samples), np.bool_)
@@ -176,7 +176,7 @@ def _clean_parts(samples: NDArray[np.float64], rate: float) -> Spans:
 
 
 def _bridged(part: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the part with its few missing samples interpolated, for the detector's filters."""
+    """Return the part with missing samples interpolated, for the filters of the detector."""
     known = np.isfinite(part)
     if known.all():
         return part
@@ -194,7 +194,7 @@ def _is_ecg(part: NDArray[np.float64], rate: float) -> bool:
 
 
 def _pulses(part: NDArray[np.float64], rate: float) -> Indices:
-    """Return the systolic peaks' positions.
+    """Return the positions of the systolic peaks.
 
     Elgendi et al., "Systolic peak detection in acceleration photoplethysmograms", PLoS ONE 8(10),
     2013: where the squared signal's mean over a peak (111 ms) exceeds that over a beat (667 ms).

@@ -1,12 +1,12 @@
-"""Loudness by ITU-R BS.1770 and EBU R 128, from a stream, in memory of a few numbers a second.
+"""Loudness by ITU-R BS.1770 and EBU R 128, streamed, with a few numbers per second in memory.
 
-The samples are K-weighted, squared, weighted by channel and summed over steps of 100 ms. Every
-figure is a mean over steps: momentary over 400 ms, short-term over 3 s.
+The samples are K-weighted, squared, weighted by channel and summed over steps of 100 ms. Loudness
+is a mean over steps: momentary over 400 ms, short-term over 3 s.
 
-The Recommendation gives the weighting's coefficients for 48 kHz only. These formulas (Brecht De
-Man, "Evaluation of implementations of the EBU R128 loudness measurement", AES 145, 2018; the same
-in libebur128) give those at 48 kHz to 1e-7 and the same response elsewhere, as far as the bilinear
-transform allows.
+The Recommendation has coefficients for 48 kHz only. The formulas in this module agree with them to
+1e-7, and have the same response at other rates, as far as the bilinear transform allows (Brecht De
+Man, "Evaluation of implementations of the EBU R128 loudness measurement", AES 145, 2018; also in
+libebur128).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MIN_RATE = 4000
-"""Lowest sample rate, Hz: below it the shelf would lie beyond half the rate."""
+"""Lowest sample rate, Hz: below it, the shelf would be above half the rate."""
 
 _SHELF_HZ = 1681.974450955533
 _SHELF_DB = 3.999843853973347
@@ -36,10 +36,10 @@ MOMENTARY_STEPS = 4
 SHORT_TERM_STEPS = 30
 
 SILENCE_LUFS = -70.0
-"""The absolute gate of BS.1770: what is quieter is silence, and read as this."""
+"""Absolute gate of BS.1770: anything quieter is silence and gets this value."""
 
 MAX_SAMPLE = 1e6
-"""A sample 120 dB above full scale is no sound but a broken file's, and counts as missing."""
+"""Samples more than 120 dB above full scale come from broken files and count as missing."""
 
 _RELATIVE_GATE_LU = -10.0
 _BLOCK_SAMPLES = 1_000_000
@@ -68,7 +68,7 @@ def k_weighting(sample_rate: float) -> NDArray[np.float64]:
     ]
     k = math.tan(math.pi * _HIGH_PASS_HZ / sample_rate)
     a0 = 1.0 + k / _HIGH_PASS_Q + k * k
-    # the numerator isn't divided by a0: so it stands in the Recommendation's table
+    # the numerator is not divided by a0, as in the table of the Recommendation
     poles = [1.0, 2.0 * (k * k - 1.0) / a0, (1.0 - k / _HIGH_PASS_Q + k * k) / a0]
     return np.array([shelf, [1.0, -2.0, 1.0, *poles]], dtype=np.float64)
 
@@ -86,11 +86,11 @@ class Steps:
     energy : float64 (steps,)
         Sum of the weighted squares of the samples in each step.
     count : int64 (steps,)
-        How many samples that sum holds: those that aren't missing.
+        Number of samples in that sum, without missing ones.
     missing : tuple of (first, end)
         Runs of missing samples (NaN, infinite, absurd) of one step or longer.
     lost
-        How many samples are missing outside of these.
+        Number of missing samples outside of these.
     """
 
     sample_rate: int
@@ -134,23 +134,23 @@ class Steps:
 
 
 class StepMeter:
-    """Feed it the blocks of a recording; `finish` gives its steps.
+    """Meter for the blocks of a recording; `finish` returns its steps.
 
     Parameters
     ----------
     sample_rate
         Hz, `MIN_RATE` or more.
     weights
-        What each channel's power counts.
+        Weight of the power of each channel.
     """
 
     def __init__(self, sample_rate: int, weights: tuple[float, ...]) -> None:
         self._rate = sample_rate
-        self._heard = np.array([i for i, weight in enumerate(weights) if weight > 0.0])
-        self._all_heard = len(self._heard) == len(weights)
-        self._weights = np.array(weights)[self._heard]
+        self._weighted = np.array([i for i, weight in enumerate(weights) if weight > 0.0])
+        self._all_weighted = len(self._weighted) == len(weights)
+        self._weights = np.array(weights)[self._weighted]
         self._filter = k_weighting(sample_rate)
-        self._state = np.zeros((2, 2, len(self._heard)))
+        self._state = np.zeros((2, 2, len(self._weighted)))
         self._frames = 0
         self._energy: list[NDArray[np.float64]] = []
         self._count: list[NDArray[np.int64]] = []
@@ -160,17 +160,17 @@ class StepMeter:
 
     @property
     def block_frames(self) -> int:
-        """Samples a block: whole seconds, so that every block but the last ends with a step."""
+        """Block size, samples: whole seconds, so that all blocks but the last end with a step."""
         return self._rate * max(1, round(_BLOCK_SAMPLES / (self._rate * len(self._weights))))
 
     def feed(self, block: NDArray[np.floating[Any]]) -> None:
-        """Take the next (frames, channels): `block_frames`, the last one fewer."""
+        """Process the next block (frames, channels): `block_frames`, or fewer in the last one."""
         from scipy.signal import sosfilt
 
         frames = len(block)
-        heard = block if self._all_heard else block[:, self._heard]
+        selected = block if self._all_weighted else block[:, self._weighted]
         with np.errstate(invalid="ignore"):  # a signalling NaN would warn; it is missing, below
-            samples = np.array(heard, dtype=np.float64)
+            samples = np.array(selected, dtype=np.float64)
         bad: NDArray[np.bool_] | None = None
         # two passes instead of a mask; a NaN anywhere makes both NaN
         if not (samples.max() <= MAX_SAMPLE and samples.min() >= -MAX_SAMPLE):
@@ -179,7 +179,7 @@ class StepMeter:
         self._record_missing(bad, frames)
         weighted, self._state = sosfilt(self._filter, samples, axis=0, zi=self._state)
         np.square(weighted, out=weighted)
-        # of one channel, a product a row costs as much as half the filter
+        # a matrix product of one channel takes half as long as the filter
         alone = len(self._weights) == 1
         power = weighted[:, 0] * self._weights[0] if alone else weighted @ self._weights
         if bad is not None:
@@ -195,13 +195,13 @@ class StepMeter:
         self._frames += frames
 
     def so_far(self) -> Steps:
-        """Return what was fed until now; more may be."""
+        """Return the steps so far; more blocks may follow."""
         other = copy.copy(self)
         other._missing = list(self._missing)
         return other.finish()
 
     def finish(self) -> Steps:
-        """Return what was fed."""
+        """Return the steps of all blocks."""
         self._end_run(self._frames)
         return Steps(
             self._rate,

@@ -1,23 +1,23 @@
-"""QRS complexes in an ECG, found by shape and rhythm together, and where noise hides them.
+"""Detection of QRS complexes in an ECG by shape and rhythm, and of noise that hides them.
 
-Four looks at a part of a few minutes, each with the beats of the one before:
+Four passes over a part of a few minutes, each starting from the beats of the one before:
 
-1. How alike to a beat each moment is: the energy of the QRS band over a window of 150 ms, times its
-   correlation with the median of all beats found so far, over the usual height of a beat there. The
-   correlation is what sets a beat apart from an electrode's knock of the same height (averaged
+1. Similarity of each moment to a beat: the energy of the QRS band over 150 ms, times its
+   correlation with the median of all beats found so far, over the usual height of a beat. The
+   correlation distinguishes a beat from the motion of an electrode of the same height (averaged
    templates: Moody and Mark, "QRS morphology representation and noise estimation using the
    Karhunen-Loeve transform", Computers in Cardiology 1989; the band: Pan and Tompkins, IEEE Trans.
-   Biomed. Eng. 32(3), 1985). From the second look on the signal is whitened by what lies between
-   the beats, so that the correlation is a matched filter in that noise (Hamilton and Tompkins,
+   Biomed. Eng. 32(3), 1985). From the second pass on, the signal is whitened by the noise between
+   the beats, so that the correlation is a matched filter (Hamilton and Tompkins,
    "Adaptive matched filtering for QRS detection", Proc. IEEE EMBS 1988).
-2. Of the peaks of that, the sequence with the greatest sum of heights over a threshold, less what
-   its intervals cost that differ from the usual one (dynamic programming as in Ellis, "Beat
-   tracking by dynamic programming", J. New Music Res. 36(1), 2007). In a clean signal intervals
-   cost hardly anything, so that an arrhythmia stays one; the noisier it is, the more they say.
+2. Sequence of the peaks with the greatest sum of heights over a threshold, less a cost for
+   intervals that differ from the usual one (dynamic programming as in Ellis, "Beat
+   tracking by dynamic programming", J. New Music Res. 36(1), 2007). The cost is small in
+   a clean signal, so that arrhythmias are kept, and grows with the noise.
 
-Beats of another shape (ventricular ones) are looked for in the pauses that are left, where they
-stand clear of the noise. `tools/measure_beats.py` compares all this with other detectors; its
-numbers were chosen by a random search on other noise than is measured there.
+Beats of another shape (ventricular ones) are then searched in pauses, where they exceed the noise.
+`tools/measure_beats.py` compares this detector with others. The constants were chosen by a random
+search on other noise.
 """
 
 from __future__ import annotations
@@ -28,59 +28,58 @@ import numpy as np
 from numpy.typing import NDArray
 
 REFRACTORY_S = 0.2
-"""No heart beats twice within it."""
+"""Minimum time between two beats."""
 
 _WORK_HZ = 500.0
-"""A signal of twice this rate or more is searched at a lower one."""
+"""Signals of at least twice this rate are decimated."""
 
 _BAND_HZ = (8.0, 30.0)
 _WIDE_HZ = (4.0, 30.0)
-"""Where a QRS complex has its power, and a ventricular one too."""
+"""Band of a QRS complex, including a ventricular one."""
 
 _WHITE_HZ = (4.0, 50.0)
-"""Where the whitened signal has its power."""
+"""Band of the whitened signal."""
 
 _BEAT_S = 0.1
-"""What lies within it of a beat isn't taken for noise."""
+"""Distance from a beat up to which the signal does not count as noise."""
 
 _SPECTRUM_S = 1.0
 _LEAST_POWER = 1e-6
-"""Noise weaker than this part of its strongest is as strong as that: a line that mains hum, or no
-noise at all, leaves isn't magnified without end."""
+"""Minimum noise power, relative to its maximum, that limits the gain of the whitening."""
 
 _HALF_S = 0.075
-"""Half the window that holds a complex."""
+"""Half the window of a complex."""
 
 _UNLIKE = 0.3
-"""What of its energy counts for a peak that doesn't look like the beats at all."""
+"""Weight of the energy of a peak that has no similarity to the beats."""
 
 _LIKENESS_POWER = 2.4
 _LEAST_HEIGHT = 0.15
 _MOST_HEIGHT = 1.3
 _THRESHOLD = (0.38, 0.55)
 _INTERVAL_COST = (0.08, 0.8)
-"""The height from which a peak counts for a beat and the most that an odd interval costs, in a
-clean signal and in a noisy one."""
+"""Minimum height of a beat, and maximum cost of an interval, in a clean and in a noisy signal."""
 
 _NOISY_FROM = (0.3, 0.6)
-"""A signal is clean below the one and noisy above the other; heights as `find_qrs` returns them."""
+"""Noise heights (as from `find_qrs`) below which a signal is clean, and above which it is noisy."""
 
 _COST_PER_OCTAVE = 1.45
 _INTERVAL_REACH_S = 3.0
-_LOOKS = 4
+_PASSES = 4
 _AROUND = 8
-"""Beats on either side that a beat is compared with."""
+"""Number of beats on either side to which a beat is compared."""
 
 _WINDOW_S = 2.0
-"""A slow heart beats once in it."""
+"""Time in which even a slow heart beats once."""
 
 _PAUSE = 1.4
-"""A pause is this many times the usual interval around it."""
+"""Minimum length of a pause, as a multiple of the usual interval around it."""
 
 _LEAST_PART = 0.4
 _SURE_PART = 0.8
 _T_WAVE_S = 0.42
-"""In a pause a beat is so much of the usual height, or, where a T wave may be, the other."""
+"""Minimum height of a beat in a pause, relative to the usual height; the higher one applies in the
+time of a T wave."""
 
 _CLEAR_OF_NOISE = 1.8
 
@@ -96,14 +95,14 @@ def find_qrs(part: Floats, rate: float) -> tuple[Indices, Floats]:
     part : (n,)
         In any unit, pointing up or down.
     rate
-        Samples a second.
+        Sample rate, Hz.
 
     Returns
     -------
     int64 (beats,)
-        Where the R waves are, in samples, ascending.
+        Positions of the R waves, in samples, ascending.
     float64 (n,)
-        What is highest between the beats, as part of a beat's usual height.
+        Highest value between beats, relative to the usual height of a beat.
     """
     from scipy.signal import resample_poly
 
@@ -116,7 +115,7 @@ def find_qrs(part: Floats, rate: float) -> tuple[Indices, Floats]:
 
 
 def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
-    """Return the beats and the noise's height beside theirs, shape (n,)."""
+    """Return the beats and the height of the noise relative to theirs, shape (n,)."""
     from scipy.signal import find_peaks
 
     band = band_passed(signal, rate, *_BAND_HZ)
@@ -124,14 +123,14 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
     norm = np.sqrt(np.maximum(_summed(band**2, half), 0.0))
     beats = np.zeros(0, np.int64)
     height = _over_usual(norm, rate)
-    for look in range(_LOOKS):
+    for pass_number in range(_PASSES):
         peaks, _ = find_peaks(height, height=_LEAST_HEIGHT, distance=max(1, round(0.1 * rate)))
         if not len(peaks):
             return beats, np.ones(len(signal))
         noisy = np.ones(len(peaks))
         usual = np.full(len(peaks), np.nan)
         if len(beats) > 1:
-            noise = _noise_beside(height, beats, rate, 0.12)
+            noise = _noise_height(height, beats, rate, 0.12)
             low, high = _NOISY_FROM
             noisy = np.clip((noise[peaks] - low) / (high - low), 0.0, 1.0)
             usual = _usual_interval(beats, peaks)
@@ -139,36 +138,38 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
         beats = peaks[
             _best_sequence(peaks / rate, gain, usual / rate, _between(_INTERVAL_COST, noisy))
         ]
-        if look == _LOOKS - 1:
+        if pass_number == _PASSES - 1:
             break
         white = _whitened(signal, beats, rate)
         norm = np.sqrt(np.maximum(_summed(white**2, half), 0.0))
-        template = _template(white, _on_peaks(beats, band, on_r) if look == 0 else beats, half)
+        template = _template(
+            white, _on_peaks(beats, band, on_r) if pass_number == 0 else beats, half
+        )
         if template is None:
             break
         likeness = np.correlate(white, template, "same") / np.maximum(norm, 1e-12)
         alike = _UNLIKE + (1.0 - _UNLIKE) * np.clip(likeness, 0.0, 1.0) ** _LIKENESS_POWER
         height = _over_usual(norm * alike, rate)
-    # so near that it is another sample of the same wave, whatever the other beats look like
+    # move each beat to the largest sample of its wave
     beats = _on_peaks(beats, band, max(1, round(0.02 * rate)))
     beats = _with_other_shapes(beats, band_passed(signal, rate, *_WIDE_HZ), rate)
-    return beats, _noise_beside(height, beats, rate, 0.12)
+    return beats, _noise_height(height, beats, rate, 0.12)
 
 
 def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) -> Indices:
-    """Return which peaks are beats: a path of the greatest gain less its intervals' cost.
+    """Return the indices of the peaks that are beats: the path of greatest gain less cost.
 
     Parameters
     ----------
     at_s, gain, usual_s, cost : (n,)
-        Of each peak: its time, what it adds, the usual interval (NaN = unknown, any is as good) and
-        what the oddest interval costs.
+        For each peak: its time, its gain, the usual interval (NaN = unknown) and the maximum cost
+        of an interval.
     """
     total = gain.copy()
     before = np.full(len(gain), -1)
     first = np.searchsorted(at_s, at_s - _INTERVAL_REACH_S)
     last = np.searchsorted(at_s, at_s - REFRACTORY_S - 0.05, side="right")
-    best_far, far, passed = -math.inf, -1, 0  # of what lies more than any interval behind
+    best_far, far, passed = -math.inf, -1, 0  # best peak more than the longest interval before
     for i in range(len(gain)):
         low, high = int(first[i]), int(last[i])
         while passed < low:
@@ -196,7 +197,7 @@ def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) ->
 
 
 def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
-    """Return the signal with what lies between its beats made equally strong at all frequencies."""
+    """Return the signal, filtered so that the noise between beats has a flat spectrum."""
     from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
     from scipy.signal import welch
 
@@ -212,7 +213,7 @@ def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
     hz, power = welch(np.interp(at, at[beside], wide[beside]), rate, nperseg=size)
     if not power.max() > 0.0:
         return wide
-    length = next_fast_len(len(wide) + size, real=True)  # what a filter smears beyond an end is cut
+    length = next_fast_len(len(wide) + size, real=True)  # longer, for the tail of the filter
     each_hz = rfftfreq(length, 1.0 / rate)
     gain = 1.0 / np.sqrt(np.interp(each_hz, hz, np.maximum(power, _LEAST_POWER * power.max())))
     gain[(each_hz < _WHITE_HZ[0]) | (each_hz > _WHITE_HZ[1])] = 0.0
@@ -220,7 +221,7 @@ def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
 
 
 def _template(band: Floats, beats: Indices, half: int) -> Floats | None:
-    """Return the median beat, of norm 1; None of too few."""
+    """Return the median beat, normalised; None for too few beats."""
     at = beats[(beats >= 2 * half) & (beats < len(band) - 2 * half)]
     if len(at) < 3:
         return None
@@ -232,14 +233,14 @@ def _template(band: Floats, beats: Indices, half: int) -> Floats | None:
 
 
 def _on_peaks(at: Indices, band: Floats, reach: int) -> Indices:
-    """Return the positions moved to where the signal is largest within `reach` of each."""
+    """Return the position of the largest value within `reach` of each position."""
     near = np.clip(at[:, None] + np.arange(-reach, reach + 1), 0, len(band) - 1)
     nearest = np.argmax(np.abs(band[near]), axis=1)
     return np.asarray(near[np.arange(len(at)), nearest], dtype=np.int64)
 
 
 def _with_other_shapes(beats: Indices, wide: Floats, rate: float) -> Indices:
-    """Return the beats and the high peaks between those that lie too far apart."""
+    """Return the beats, and high peaks in pauses between them."""
     from scipy.ndimage import maximum_filter1d
     from scipy.signal import find_peaks
 
@@ -248,7 +249,7 @@ def _with_other_shapes(beats: Indices, wide: Floats, rate: float) -> Indices:
     size = np.abs(wide)
     tall = maximum_filter1d(size, 2 * round(0.06 * rate) + 1)[beats]
     size /= np.maximum(np.interp(np.arange(len(size)), beats, around(tall, _AROUND, 50.0)), 1e-12)
-    noise = _noise_beside(size, beats, rate, 0.35)  # without the T waves
+    noise = _noise_height(size, beats, rate, 0.35)  # without the T waves
     usual = _usual_interval(beats, beats)
     edges = np.concatenate([[0], beats, [len(size)]])
     allowed = _PAUSE * np.minimum(np.append(usual[:1], usual), np.append(usual, usual[-1:]))
@@ -265,8 +266,8 @@ def _with_other_shapes(beats: Indices, wide: Floats, rate: float) -> Indices:
     return np.sort(np.concatenate([beats, np.array(added, np.int64)]))
 
 
-def _noise_beside(height: Floats, beats: Indices, rate: float, reach_s: float) -> Floats:
-    """Return how high the signal is between beats, shape (n,): the usual highest of 2 s."""
+def _noise_height(height: Floats, beats: Indices, rate: float, reach_s: float) -> Floats:
+    """Return the height of the signal between beats, shape (n,): the usual maximum of 2 s."""
     rest = height.copy()
     reach = round(reach_s * rate)
     near = beats[:, None] + np.arange(-reach, reach + 1)
@@ -275,13 +276,13 @@ def _noise_beside(height: Floats, beats: Indices, rate: float, reach_s: float) -
 
 
 def _over_usual(height: Floats, rate: float) -> Floats:
-    """Return heights as parts of the usual beat's around them."""
+    """Return heights relative to the usual beat around them."""
     usual = _along(around(_highest(height, rate), 5, 40.0), len(height), rate)
     return height / np.maximum(usual, 1e-12)
 
 
 def _highest(height: Floats, rate: float) -> Floats:
-    """Return the highest of each `_WINDOW_S`; a shorter last one is at least the one before."""
+    """Return the maximum of each `_WINDOW_S`; a shorter last one has at least the one before."""
     size = max(1, round(_WINDOW_S * rate))
     count = -(-len(height) // size)
     found = np.pad(height, (0, count * size - len(height))).reshape(count, size).max(axis=1)
@@ -305,7 +306,7 @@ def around(values: Floats, reach: int, percentile: float) -> Floats:
     """Return a percentile of each value and `reach` on either side."""
     padded = np.pad(values, reach, constant_values=np.nan)
     ordered = np.sort(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1), axis=1)
-    # NaN is sorted to the end; np.nanpercentile does the same a row at a time, 30 times slower
+    # NaN is sorted to the end; np.nanpercentile is 30 times slower
     place = (np.count_nonzero(np.isfinite(ordered), axis=1) - 1) * (percentile / 100.0)
     below, rows = place.astype(np.int64), np.arange(len(ordered))
     low, high = ordered[rows, below], ordered[rows, np.ceil(place).astype(np.int64)]

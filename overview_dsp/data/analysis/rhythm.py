@@ -1,4 +1,4 @@
-"""From beats to what is felt: the heart rate, premature and missed beats.
+"""Heart rate, premature and missed beats, computed from the times of beats.
 
 Codes of beats: PhysioBank's, https://archive.physionet.org/physiobank/annotations.shtml.
 """
@@ -40,7 +40,7 @@ BEATS: dict[str, tuple[str, str]] = {
     "Q": ("unclassified", "unclassifiable"),
     "?": ("unclassified", "not classified during learning"),
 }
-"""Code of a beat: its kind and its words."""
+"""Event kind and label for the code of a beat."""
 
 OTHERS: dict[str, tuple[str, str]] = {
     "x": ("blocked_atrial", "P wave that no beat follows"),
@@ -51,41 +51,41 @@ OTHERS: dict[str, tuple[str, str]] = {
     "s": ("st_change", "ST segment changes"),
     "T": ("st_change", "T wave changes"),
     "~": ("signal_quality", "signal quality changes"),
-    "|": ("artefact", "looks like a beat and is none"),
+    "|": ("artefact", "looks like a beat, but is not"),
     '"': ("comment", ""),
 }
-"""Code of what is no beat: its kind and its words. Codes in neither table (waves, measurements) are
-left out and counted."""
+"""Event kind and label for other codes. Codes in neither table (waves, measurements) are left out
+and counted."""
 
 ORDINARY = frozenset({NORMAL, "bundle_branch_block", "paced"})
-"""Kinds that make up a steady rhythm: ever so many of them are the ground, not what stands out."""
+"""Kinds of a steady rhythm."""
 
 AVERAGED_BEATS = 8
-"""The heart rate is that of 8 intervals around a beat: short enough to follow a sprint, and a
-premature beat with its pause cancels out, since they take as long as two ordinary ones."""
+"""The heart rate is the mean over 8 intervals around a beat, which is short enough to follow a
+sprint. A premature beat and its pause cancel, since they last as long as two ordinary beats."""
 
 VARIABILITY_BEATS = 30
 
 USUAL_BEATS = 8
-"""The usual interval at a place is the median of those of so many beats on either side."""
+"""The usual interval is the median over this number of beats on either side."""
 
 PREMATURE_BELOW = 0.8
-"""An interval this much of the usual one ends with a premature beat."""
+"""An interval below this fraction of the usual one ends with a premature beat."""
 
 MISSED_ABOVE = 1.5
-"""An interval this many times the usual one lacks a beat."""
+"""An interval above this multiple of the usual one lacks a beat."""
 
 COMPENSATED = 2.5
-"""A premature beat's short interval and the pause after it make up to two usual ones; together this
-many lack a beat."""
+"""A premature interval and the following pause last up to two usual intervals. Above this sum, a
+beat is missing."""
 
 ORDINARY_EARLY = 0.3
-"""How early, as part of the usual interval, a premature beat of weight 1 is."""
+"""Earliness of a premature beat of weight 1, as a fraction of the usual interval."""
 
 MIN_WEIGHT = 0.5
 
 MAX_EVENTS = 16_000
-"""Most events of one timeline, what a surface can hold (16384) with some to spare."""
+"""Maximum number of events of one timeline, below that of a surface (16384)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,9 +97,9 @@ class Beats:
     time_s : float64 (n,)
         Strictly ascending.
     kind, label : tuples (n,)
-        What each is, for a preset and for a person.
+        Event kind and label of each beat.
     annotated
-        Whether the source says what each beat is; if not, prematurity is inferred from the
+        Whether the kinds come from annotations; if not, premature beats are detected from the
         intervals.
     """
 
@@ -110,9 +110,9 @@ class Beats:
 
 
 def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
-    """Return beats a minute at each beat, the mean of `AVERAGED_BEATS` intervals; None without any.
+    """Return the beats per minute at each beat, averaged over `AVERAGED_BEATS` intervals, or None.
 
-    No interval that a gap lies in counts.
+    Intervals with a gap do not count.
     """
     times, values = [], []
     for part in _unbroken(time_s, gaps):
@@ -127,9 +127,9 @@ def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
 
 
 def variability(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
-    """Return the RMSSD at each beat, ms: the root mean square of successive intervals' differences.
+    """Return the RMSSD at each beat, ms: the root mean square of successive differences.
 
-    Over `VARIABILITY_BEATS` of them around the beat; None where no three beats follow each other.
+    It covers `VARIABILITY_BEATS` differences around the beat. None without three beats in a row.
     """
     times, values = [], []
     for part in _unbroken(time_s, gaps):
@@ -149,21 +149,20 @@ def variability(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
 
 
 def mean_rate(time_s: NDArray[np.float64], gaps: Gaps) -> float | None:
-    """Return the beats a minute over all intervals that no gap lies in."""
+    """Return the beats per minute over all intervals without gaps."""
     parts = _unbroken(time_s, gaps)
     spans = math.fsum(float(part[-1] - part[0]) for part in parts)
     return 60.0 * sum(len(part) - 1 for part in parts) / spans if parts else None
 
 
 def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]:
-    """Return an event a beat and one a missed beat, in order of time, and notes."""
+    """Return an event for each beat and for each missed beat, by time, and notes."""
     usual = np.full(len(beats.time_s), np.nan)
     interval = np.full(len(beats.time_s), np.nan)  # the one that ends with the beat
-    place = 0
     for part in _unbroken(beats.time_s, gaps):
-        place = int(np.searchsorted(beats.time_s, part[0]))
-        interval[place + 1 : place + len(part)] = np.diff(part)
-        usual[place + 1 : place + len(part)] = _local_median(np.diff(part))
+        index = int(np.searchsorted(beats.time_s, part[0]))
+        interval[index + 1 : index + len(part)] = np.diff(part)
+        usual[index + 1 : index + len(part)] = _local_median(np.diff(part))
     part_of_usual = interval / usual
 
     ordinary: list[Event] = []
@@ -195,12 +194,12 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
 
 
 def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], tuple[str, ...]]:
-    """Return what a surface can hold, the steady beats left out first, and a note that says so."""
+    """Return at most `MAX_EVENTS` events, steady beats left out first, and notes on that."""
     notes: tuple[str, ...] = ()
     if len(ordinary) + len(others) > MAX_EVENTS and ordinary:
         notes = (
-            f"the {len(ordinary)} steady beats are no events, as a timeline holds up to "
-            f"{MAX_EVENTS}: they are in the curve; a shorter recording keeps them",
+            f"the {len(ordinary)} steady beats are left out, as a timeline has at most "
+            f"{MAX_EVENTS} events: they are in the curve; a shorter recording keeps them",
         )
         ordinary = []
     if len(others) > MAX_EVENTS:
@@ -210,7 +209,7 @@ def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], t
 
 
 def _is_early(part_of_usual: NDArray[np.float64], i: int) -> bool:
-    """Distinguish a premature beat from those of a run of quick ones: a longer pause follows it."""
+    """Return whether a beat is premature and not one of several fast ones: a pause follows it."""
     return i + 1 >= len(part_of_usual) or not part_of_usual[i + 1] < 0.9
 
 
@@ -230,7 +229,7 @@ def _local_median(intervals: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _unbroken(time_s: NDArray[np.float64], gaps: Gaps) -> list[NDArray[np.float64]]:
-    """Return the runs of two or more beats that no gap parts."""
+    """Return the runs of two or more beats without gaps."""
     if len(time_s) < 2:
         return []
     starts = np.array([start for start, _ in gaps])

@@ -1,27 +1,27 @@
-"""The events of a series, by rule, each at the exact time of a sample; labels give value and date.
+"""Rules that find events in a series, each at the time of a sample; labels have value and date.
 
 `highest`, `lowest`
-    The largest and the smallest value (the first, if it comes back).
+    The largest and the smallest value (the first occurrence).
 `record_high`, `record_low`
-    A peak above all before it, a trough below all before it, once a tenth of the timeline has
-    passed.
+    A peak above all earlier values, a trough below all earlier values, after a tenth of the
+    timeline.
 `peak`, `trough`
     Turning points: the eight most prominent of each (records among them), of at least a tenth of
-    the range (1st to 99th percentile), a hundredth of the timeline apart.
+    the range (1st to 99th percentile), at least a hundredth of the timeline apart.
 `largest_rise`, `largest_fall`
     The up to five largest steps from one sample to the next, among the largest twentieth of all;
-    weight: 1.5 for the largest, less as the root of the size, at least 0.5.
+    weight 1.5 for the largest, in proportion to the square root of the size, at least 0.5.
 `crossing_up`, `crossing_down`
-    Round levels crossed, with hysteresis (`crossings`).
+    Crossings of round levels, with hysteresis (`extrema`).
 `split`
-    A share split the prices aren't adjusted for (`splits`); steps are taken without it.
+    A share split for which prices are not adjusted (`share_splits`); steps leave it out.
 `century` to `second`
     Ticks of the calendar (`timeline.ticks`).
 
 Prominence and steps of prices are relative (logarithms and per cent), of other series in their
-unit. A step over a gap is no move.
+unit. Steps over gaps do not count.
 
-The events of a part are found by the rules of the whole, on its own samples (`PartRules`).
+Events of a window follow the same rules, on its samples (`WindowRules`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ KINDS = (
     "highest", "lowest", "record_high", "record_low", "peak", "trough", "largest_rise",
     "largest_fall", "crossing_up", "crossing_down", "split", *ticks.KINDS,
 )  # fmt: skip
-"""Every kind a series may have."""
+"""All event kinds of series."""
 
 TURNS = 8
 MOVES = 5
@@ -57,18 +57,18 @@ APART = 0.01
 RECORDS_AFTER = 0.1
 _LARGE_STEP = 95.0
 _HEAVIEST, _LIGHTEST = 1.5, 0.5
-_LESSER = 200  # of a part: more than a window shows, so that it can choose those apart
+_LESSER = 200  # of a window: more than it shows, so that it can choose distant ones
 _TINY = 1e-300
-_FAINT = 0.1  # the lightest of a part's other changes, which are lighter than its largest
+_FAINT = 0.1  # minimum weight of the smaller changes of a window
 
 MOST_SAMPLES = 2048
-"""Samples looked at; of more, the lowest and the highest of equal runs and the largest steps."""
+"""Maximum number of samples of a window; of more, extremes of equal runs and largest steps."""
 
 _NONE = np.empty(0)
 
 
 def value_text(value: float, unit: str = "") -> str:
-    """Return `702.1`, `35.6 °C`, `1251000`, `3.5 %`."""
+    """Return a value as text: `702.1`, `35.6 °C`, `1251000`, `3.5 %`."""
     figures = f"{value:.6g}"
     if "e" in figures and abs(value) < 1e15:
         figures = f"{value:.0f}"
@@ -77,26 +77,26 @@ def value_text(value: float, unit: str = "") -> str:
 
 @dataclass(frozen=True)
 class Calendar:
-    """Names the times of a series: a date where it has only those, else a date and a clock.
+    """Formatter of the times of a series: dates, dates with time of day, or clock times.
 
     Parameters
     ----------
     start
-        The moment of time 0; None gives clock times from 0.
+        Moment of time 0; None for clock times from 0.
     dates_only
-        All samples are at the same time of day.
+        Whether all samples are at midnight.
     """
 
     start: datetime | None
     dates_only: bool
 
     def text(self, time_s: float) -> str:
-        """Return `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
+        """Return a time as text: `2012-09-19`, `2012-09-19 16:00`, `12:30.5`."""
         if self.start is None:
             return clock_text(time_s)
         try:
             moment = self.start + timedelta(seconds=time_s)
-        except OverflowError:  # rounding took the calendar's last moment past it
+        except OverflowError:  # rounding beyond the last moment of the calendar
             moment = datetime.max
         if self.dates_only:
             return f"{moment.date().isoformat()}"
@@ -108,24 +108,24 @@ class Calendar:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """What events are found in: samples with a value, in order.
+    """Samples with a value, in order of time, in which events are found.
 
     Parameters
     ----------
     time_s, value
         Shape (n,), n >= 1, finite.
     step
-        Change of each sample from the one before it, NaN where there is none, shape (n,).
+        Change of each sample from the one before it, or NaN, shape (n,).
     relative
-        Steps are per cent.
+        Whether steps are per cent.
     unit
-        Of the values.
+        Unit of the values.
     calendar
-        Names times.
+        Formatter of times.
     splits
-        Their indices count samples of this series.
+        Share splits; their indices refer to samples of this series.
     every
-        These are all samples, not just the lowest and highest of runs.
+        Whether these are all samples, not only the lowest and highest of runs.
     """
 
     time_s: NDArray[np.float64]
@@ -137,13 +137,13 @@ class Series:
     splits: tuple[Split, ...] = ()
     every: bool = True
 
-    def event(self, kind: str, index: int, words: str, weight: float = 1.0) -> Event:
-        """An event at a sample, labelled with words and its date."""
+    def event(self, kind: str, index: int, text: str, weight: float = 1.0) -> Event:
+        """Return an event at a sample, labelled with a text and its date."""
         time_s = float(self.time_s[index])
-        return Event(time_s, kind, f"{words}, {self.calendar.text(time_s)}", weight)
+        return Event(time_s, kind, f"{text}, {self.calendar.text(time_s)}", weight)
 
-    def shown(self, index: int) -> str:
-        """The value of a sample, in words."""
+    def value_text(self, index: int) -> str:
+        """Return the value of a sample as text."""
         return value_text(float(self.value[index]), self.unit)
 
 
@@ -155,25 +155,26 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
     crossing_events, crossing_note = _crossings(series)
     events += [*turn_events, *_moves(series), *crossing_events]
     events += [
-        series.event("split", split.index, f"{split.ratio} split to {series.shown(split.index)}")
+        series.event(
+            "split", split.index, f"{split.ratio} split to {series.value_text(split.index)}"
+        )
         for split in series.splits
     ]
     notes = []
     if turn_events:
-        least = turns.least_words(series)
+        least = turns.least_text(series)
         notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
     if crossing_note:
         notes.append(crossing_note)
     return [*events, *ticks.ticks(series.calendar.start, duration_s)], notes
 
 
-def find_part_events(series: Series, duration_s: float) -> Iterator[Event]:
-    """Give what is found in a part of a series, what matters most first, each of another sample.
+def find_window_events(series: Series, duration_s: float) -> Iterator[Event]:
+    """Yield the events of a window of a series, most important first, at different samples.
 
-    First what the rules find in a whole one (without ticks and splits; extremes and records are
-    those of the part, and say so), then its other turning points by their prominence, then its
-    other changes by their size; these are made (and named, which takes longest) as they are asked
-    for.
+    First come those of the rules for a whole series, without ticks and splits. Labels of extremes
+    and records contain "here". Then come the other turning points by prominence and the other
+    changes by size, which are created only when requested.
     """
     turns = _Turns.of(series)
     extremes, ranked = _extremes(series, " here")
@@ -191,10 +192,10 @@ def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
         return set(), []
     high, low = int(np.argmax(series.value)), int(np.argmin(series.value))
     if series.value[high] == series.value[low]:
-        return set(), []  # a constant series has no highest place
-    weight = _LIGHTEST if here else 1.0  # those of a part are no extremes of the whole
+        return set(), []  # a constant series has no extremes
+    weight = _LIGHTEST if here else 1.0  # extremes of a window are less important
     events = [
-        series.event(kind, at, f"{kind}{here} {series.shown(at)}{_often(series, at)}", weight)
+        series.event(kind, at, f"{kind}{here} {series.value_text(at)}{_often(series, at)}", weight)
         for kind, at in (("highest", high), ("lowest", low))
     ]
     return {high, low}, events
@@ -207,10 +208,10 @@ def _often(series: Series, index: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Turns:
-    """The turning points of a series, those of prices by ratios.
+    """Turning points of a series, measured by ratios for prices.
 
-    `found` has the indices and prominences of peaks (sign 1) and troughs (sign -1); `least` is the
-    prominence from which they count in a whole series, 0 if none does.
+    `found` has the indices and prominences of peaks (sign 1) and troughs (sign -1). `least` is the
+    minimum prominence in a whole series, 0 if there is none.
     """
 
     level: NDArray[np.float64]
@@ -233,7 +234,7 @@ class _Turns:
         found = {sign: peaks(sign * level) for sign in (1.0, -1.0)}
         return cls(level, ratios, max(least, 0.0), found)
 
-    def least_words(self, series: Series) -> str:
+    def least_text(self, series: Series) -> str:
         if self.ratios:
             return f"{100.0 * math.expm1(self.least):.3g} % prominence"
         return f"{value_text(self.least, series.unit)} prominence"
@@ -242,7 +243,7 @@ class _Turns:
 def _prominent(
     series: Series, turns: _Turns, extremes: set[int], duration_s: float, here: str = ""
 ) -> list[Event]:
-    """Peaks and troughs, those of them that are records under that name."""
+    """Return peaks and troughs, with records named as such."""
     events: list[Event] = []
     for sign, kind, record in ((1.0, "peak", "record_high"), (-1.0, "trough", "record_low")):
         if not turns.least:
@@ -265,12 +266,12 @@ def _prominent(
             is_record = late and level[index] > best_before
             name = record if is_record else kind
             words = name.replace("_", " ") + (here if is_record else "")
-            events.append(series.event(name, index, f"{words} {series.shown(index)}"))
+            events.append(series.event(name, index, f"{words} {series.value_text(index)}"))
     return events
 
 
 def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator[Event]:
-    """The other turning points (weight: as the root of their size), then the other changes."""
+    """Yield the other turning points (weight by the root of their size), then other changes."""
     size = np.zeros(len(series.value))
     for found, prominence in turns.found.values():
         size[found] = prominence
@@ -292,7 +293,7 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
             continue
         if prominence > 0.0:
             kind = "peak" if k in tops else "trough"
-            words = f"{kind} {series.shown(k)}"
+            words = f"{kind} {series.value_text(k)}"
             weight = max(_LIGHTEST, math.sqrt(prominence / largest[0]))
         else:
             kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
@@ -305,7 +306,7 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
 def _moved(series: Series, i: int) -> str:
     step = float(series.step[i])
     by = f"{step:+.2f} %" if series.relative else _signed(step, series.unit)
-    return f"{by} to {series.shown(i)}"
+    return f"{by} to {series.value_text(i)}"
 
 
 def _moves(series: Series) -> list[Event]:
@@ -326,7 +327,7 @@ def _moves(series: Series) -> list[Event]:
 
 
 def _largest(size: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Indices of the largest, the first of equal ones first; without sorting all."""
+    """Return the indices of the largest values, the first of equal ones first."""
     least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
     some = np.flatnonzero(size >= least)
     return some[np.argsort(-size[some], kind="stable")[:count]]
@@ -350,7 +351,8 @@ def _crossings(series: Series) -> tuple[list[Event], str]:
     for crossing in found:
         way = "up" if crossing.up else "down"
         verb = "rises above" if crossing.up else "falls below"
-        words = f"{verb} {value_text(crossing.level, series.unit)} ({series.shown(crossing.index)})"
+        value = series.value_text(crossing.index)
+        words = f"{verb} {value_text(crossing.level, series.unit)} ({value})"
         events.append(series.event(f"crossing_{way}", crossing.index, words))
     shown = ", ".join(value_text(level) for level in levels)
     return events, (
@@ -360,19 +362,19 @@ def _crossings(series: Series) -> tuple[list[Event], str]:
 
 
 @dataclass(frozen=True, eq=False)
-class PartRules:
-    """The samples of a part (`timeline.fine_events.Rules`).
+class WindowRules:
+    """Rules for the events of a window (`timeline.window_events.Rules`).
 
     Parameters
     ----------
     series
-        Those of the whole, or the lowest and highest of runs of them.
+        Samples of the whole series, or only the lowest and highest of runs.
     start_s, end_s
-        The part, on the whole's axis.
+        Window on the time axis of the whole series.
     curve
-        The whole's values at all samples, where `series` has only some; else None.
+        Values at all samples, if `series` has only some; else None.
     gaps
-        Of the whole.
+        Gaps of the whole series.
     """
 
     series: Series
@@ -381,17 +383,17 @@ class PartRules:
     curve: Intensity | None = None
     gaps: Gaps = ()
 
-    def cut(self, start_s: float, end_s: float) -> PartRules:
-        """Return the same for a part of this one."""
+    def cut(self, start_s: float, end_s: float) -> WindowRules:
+        """Return the rules for a window of this one."""
         return replace(self, start_s=self.start_s + start_s, end_s=self.start_s + end_s)
 
     def found(self, duration_s: float) -> Iterator[Event]:
-        """Give what is found, what matters most first; each of another sample."""
-        series = self._all() or self.part()
-        yield from find_part_events(_thinned(series), duration_s)
+        """Yield the events, most important first, at different samples."""
+        series = self._all() or self.window_series()
+        yield from find_window_events(_thinned(series), duration_s)
 
-    def part(self) -> Series:
-        """Return the samples of the part that `series` has, on an axis that begins with it."""
+    def window_series(self) -> Series:
+        """Return the samples of the window, on a time axis that begins with it."""
         series = self.series
         first, stop = np.searchsorted(series.time_s, (self.start_s, self.end_s))
         stop += int(stop < len(series.time_s) and series.time_s[stop] == self.end_s)
@@ -411,7 +413,7 @@ class PartRules:
         return Calendar(start + timedelta(seconds=self.start_s), calendar.dates_only)
 
     def _all(self) -> Series | None:
-        """All samples of the part, from the curve; None if that isn't there or has too many."""
+        """Return all samples of the window from the curve, None without a curve or for too many."""
         if self.curve is None:
             return None
         part = self.curve.cut(self.start_s, self.end_s)
@@ -424,17 +426,17 @@ class PartRules:
         return _of(time_s, value, gaps, series, _NONE)
 
 
-def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> PartRules:
-    """Return the rules for a series that is the curve of values, such as one a file keeps.
+def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> WindowRules:
+    """Return the rules for a series of which all samples are in a curve.
 
     Parameters
     ----------
     curve
-        The values at all samples.
+        Values at all samples.
     relative
-        Steps are per cent.
+        Whether steps are per cent.
     timeline
-        Whose series it is: its gaps, splits and calendar count.
+        Timeline with gaps, splits and calendar of the series.
     """
     time_s = np.asarray(curve.time_s[:])
     calendar = Calendar(timeline.start, only_dates(timeline.start, time_s))
@@ -442,7 +444,7 @@ def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> PartRules:
     splits = np.array([event.time_s for event in timeline.events if event.kind == "split"])
     value = np.asarray(curve.value, dtype=np.float64)
     series = _of(time_s, value, timeline.gaps, like, splits)
-    return PartRules(series, 0.0, timeline.duration_s)
+    return WindowRules(series, 0.0, timeline.duration_s)
 
 
 def only_dates(start: datetime | None, time_s: NDArray[np.float64]) -> bool:
@@ -459,7 +461,7 @@ def _of(
     like: Series,
     splits: NDArray[np.float64],
 ) -> Series:
-    """A series of samples with their steps: none over a gap, nor to a share split."""
+    """Return a series of samples, with no steps over gaps and share splits."""
     ends = np.concatenate(([end for _, end in gaps], splits))
     after = np.unique(np.searchsorted(time_s, ends))  # a gap may end between two samples
     over = after[(after > 0) & (after < len(time_s))] - 1
@@ -467,14 +469,18 @@ def _of(
     return replace(like, time_s=time_s, value=value, step=step, every=True)
 
 
-def _thinned(part: Series) -> Series:
-    if len(part.value) <= MOST_SAMPLES:
-        return part
-    run = -(-2 * len(part.value) // MOST_SAMPLES)
-    size = np.nan_to_num(np.abs(part.step))
+def _thinned(series: Series) -> Series:
+    if len(series.value) <= MOST_SAMPLES:
+        return series
+    run = -(-2 * len(series.value) // MOST_SAMPLES)
+    size = np.nan_to_num(np.abs(series.step))
     kept = np.zeros(len(size), np.bool_)
-    kept[lows_and_highs(part.value, run)] = True
+    kept[lows_and_highs(series.value, run)] = True
     kept[np.argpartition(size, len(size) - 32)[-32:]] = True
     return replace(
-        part, time_s=part.time_s[kept], value=part.value[kept], step=part.step[kept], every=False
+        series,
+        time_s=series.time_s[kept],
+        value=series.value[kept],
+        step=series.step[kept],
+        every=False,
     )

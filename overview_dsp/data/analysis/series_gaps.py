@@ -1,16 +1,16 @@
-"""Where a series has no data: runs of missing values, and holes between samples.
+"""Gaps of a series: runs of missing values, and holes between samples.
 
-A gap reaches from the last sample with a value to the next one with a value. A step from one row to
-the next is a hole where it is much longer than usual:
+A gap lasts from the last sample with a value to the next one. A hole is a step from one row to the
+next that is much longer than usual:
 
 - *evenly sampled* (95 % of steps within a tenth of the usual, the median): longer than 1.5 usual
   steps; 2 for series of whole days, months and years alike;
-- *unevenly sampled*: longer than 3 times the step that 99 % stay below;
+- *unevenly sampled*: longer than 3 times the 99th percentile of the steps;
 - *business days* (days by the calendar, none of them a Saturday or Sunday): weekends and holidays
-  are no holes. A step is one if it is longer than 7 days and than twice the longest step of at most
-  14 days which returns at least 1.5 times a year;
-- *sessions* (several samples a day, and nights without any): steps from day to day by the rules for
-  days, steps within a day by those for samples; pauses of most days (a lunch break) are no holes.
+  are not holes. Let h be the longest step of at most 14 days that occurs at least 1.5 times per
+  year. A hole is longer than 7 days and longer than 2 h;
+- *sessions* (several samples per day, none at night): the rules for days apply from day to day,
+  those for samples within a day. Pauses on most days (a lunch break) are not holes.
 """
 
 from __future__ import annotations
@@ -33,21 +33,18 @@ _MOST_DAYS = 0.5
 
 @dataclass(frozen=True)
 class Holes:
-    """Which steps are holes, and the rule in words.
+    """Holes of a series, and a description of the rule.
 
     Parameters
     ----------
     after
-        Indices i of samples whose step to sample i + 1 is a hole.
+        Indices i for which the step to sample i + 1 is a hole.
     rule
-        For a note.
-    usual_s
-        The usual step, s.
+        Description of the rule, for a note.
     """
 
     after: NDArray[np.int64]
     rule: str
-    usual_s: float
 
 
 def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
@@ -56,31 +53,29 @@ def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
     Parameters
     ----------
     time_s
-        Seconds of all rows, shape (n,), n >= 2, strictly increasing, with or without a value.
+        Times of all rows, s, shape (n,), n >= 2, strictly increasing.
     start
-        The calendar moment of time 0.
+        Calendar moment of time 0.
     """
     step = np.diff(time_s)
+    found = None if start is None else _calendar_holes(time_s, step, start)
+    return Holes(*(found or _plain(step)))
+
+
+def _calendar_holes(
+    time_s: NDArray[np.float64], step: NDArray[np.float64], start: datetime
+) -> tuple[NDArray[np.int64], str] | None:
+    """Return the holes of business days or of sessions, None for other series."""
     usual = float(np.median(step))
-    if start is None:
-        after, rule = _plain(step)
-        return Holes(after, rule, usual)
     midnight_s = start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond / 1e6
-    # a hair: times computed from fractions may fall just short of midnight
+    # a margin: rounding may put times just before midnight
     day = np.floor((time_s + midnight_s + 1e-6) / DAY_S).astype(np.int64)
     days = day[np.diff(day, prepend=day[0] - 1) > 0]
     weekday = (days + start.weekday()) % 7
     working = bool((weekday < 5).all()) and len(np.unique(weekday)) >= 3
     if 0.9 * DAY_S <= usual <= 1.2 * DAY_S:
-        if working:
-            after, rule = _business(np.diff(day))
-            return Holes(after, rule, usual)
-    elif usual <= _SESSION_STEP_S:
-        found = _sessions(step, day, working)
-        if found is not None:
-            return Holes(*found, usual)
-    after, rule = _plain(step)
-    return Holes(after, rule, usual)
+        return _business(np.diff(day)) if working else None
+    return _sessions(step, day, working) if usual <= _SESSION_STEP_S else None
 
 
 def _plain(step: NDArray[np.float64]) -> tuple[NDArray[np.int64], str]:
@@ -89,12 +84,12 @@ def _plain(step: NDArray[np.float64]) -> tuple[NDArray[np.int64], str]:
 
 
 def _limit(step: NDArray[np.float64]) -> tuple[float, str]:
-    """Longest step that is no hole, and the rule in words."""
+    """Return the maximum usual step, and a description of the rule."""
     usual = float(np.median(step))
     if float(np.percentile(step, _EVEN_SHARE)) <= _EVEN_WITHIN * usual:
         return _EVEN_FACTOR * usual, f"a step longer than {_span(_EVEN_FACTOR * usual)} is a gap"
     common = float(np.percentile(step, _UNEVEN_SHARE))
-    if len(step) < 100:  # a single hole would be its own percentile
+    if len(step) < 100:  # a single hole would be the percentile itself
         common = min(common, float(np.percentile(step, 90.0)) * 2.0)
     limit = _UNEVEN_FACTOR * common
     return limit, f"samples are uneven: a step longer than {_span(limit)} is a gap"
@@ -108,16 +103,14 @@ def _business(days: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
         if count >= max(2.0, _HOLIDAYS_A_YEAR * years):
             holiday = length
     limit = max(_SHORTEST_CLOSURE, 2 * holiday)
-    rule = (
-        f"business days: weekends and holidays are no gaps, a step of more than {limit} days is one"
-    )
+    rule = f"business days: weekends and holidays are not gaps, a step over {limit} days is one"
     return np.flatnonzero(days > limit), rule
 
 
 def _sessions(
     step: NDArray[np.float64], day: NDArray[np.int64], working: bool
 ) -> tuple[NDArray[np.int64], str] | None:
-    """Holes of a series with nights; None if it has none."""
+    """Return the holes of a series with nights; None for other series."""
     over = np.diff(day)
     inside = step[over == 0]
     nights = step[over > 0]
@@ -126,25 +119,25 @@ def _sessions(
     limit, _ = _limit(inside)
     if float(np.median(nights)) <= limit:
         return None
-    # pauses that most days have, such as a lunch break
+    # pauses on most days, such as a lunch break
     pauses = np.sort(inside[inside > limit])[::-1]
     days = len(nights) + 1
     if len(pauses) >= _MOST_DAYS * days:
         limit = 1.5 * float(pauses[int(_MOST_DAYS * days) - 1])
     if working:
         after, _ = _business(over[over > 0])
-        rule = "sessions: nights, weekends and holidays are no gaps"
+        rule = "sessions: nights, weekends and holidays are not gaps"
     else:
         most = float(np.median(over[over > 0]))
         after = np.flatnonzero(over[over > 0] > 1.5 * most)
-        rule = "sessions: nights are no gaps"
+        rule = "sessions: nights are not gaps"
     across = np.flatnonzero(over > 0)[after]
     within = np.flatnonzero((over == 0) & (step > limit))
     rule = f"{rule}, a pause of more than {_span(limit)} within a day is one"
     return np.sort(np.concatenate((across, within))), rule
 
 
-def gaps_of(
+def find_gaps(
     time_s: NDArray[np.float64], value: NDArray[np.float64], holes: NDArray[np.int64]
 ) -> tuple[tuple[float, float], ...]:
     """Return the gaps of a series, merged: missing values and holes.
@@ -154,7 +147,7 @@ def gaps_of(
     time_s, value
         Shape (n,); NaN = missing.
     holes
-        As `Holes.after`.
+        Indices of the samples before holes, as in `Holes.after`.
     """
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:
@@ -165,14 +158,14 @@ def gaps_of(
     edges = np.flatnonzero(np.diff(open_step.astype(np.int8), prepend=0, append=0))
     spans = []
     for begin, end in edges.reshape(-1, 2).tolist():
-        # two runs that share a lone sample stay two: it is known there
+        # two gaps with a single known sample between them stay separate
         points = [begin, *(known[(known > begin) & (known < end)]).tolist(), end]
         spans += [(float(time_s[a]), float(time_s[b])) for a, b in itertools.pairwise(points)]
     return tuple(spans)
 
 
 def _span(seconds: float) -> str:
-    """A time span in words."""
+    """Return a time span as text."""
     for unit, size in (("days", DAY_S), ("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.3g} {unit}"

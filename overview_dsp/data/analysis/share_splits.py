@@ -1,17 +1,17 @@
-"""Share splits in prices that weren't adjusted for them: a jump that is none of the share's worth.
+"""Detection of share splits in prices that are not adjusted for them.
 
-Where an adjusted column is there, it decides: the factor between it and the price jumps at a split
-(and a little at a dividend), and at nothing else. A step of at least a fifth whose factor jumps as
-far as the price is a split; one whose factor stays is a move, however near to a whole ratio.
+An adjusted column decides, if there is one: its ratio to the price changes only at a split, and a
+little at a dividend. A step of at least a fifth in price and ratio is a split. A step in the price
+only is a change of value.
 
-Without one, a step counts as a split only if all of these hold
+Without an adjusted column, a step is a split only if all of these conditions hold:
 
-- the price falls by a third or more or rises by a half or more, 8 times as far as its steps usually
-  do (robust deviation);
+- the price falls by a third or more or rises by a half or more, 8 times the
+  robust deviation of its steps;
 - it is a whole ratio (2:1, 3:1, 3:2, 1:10 ...): the opening price within 2 % of the last close, or,
   with no opening prices, the close within 1 %;
-- it lasts: the median of ten samples after it is nearer to the new price than to the old one;
-- it isn't a day of alarm: price times volume stays below 3 times the median of the 20 days before.
+- it lasts: the median of the next ten samples is nearer to the new price than to the old one;
+- trade is normal: price times volume is below 3 times the median of the 20 days before.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 RATIOS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 50.0)
-"""New shares for an old one; a reverse split has the inverse."""
+"""New shares per old share; a reverse split has the inverse."""
 
 _WORDS = {1.5: "3:2", 2.5: "5:2"}
 _LEAST_FACTOR = math.log(1.2)
@@ -34,10 +34,10 @@ _ALARM, _BEFORE, _AFTER = 3.0, 20, 10
 
 @dataclass(frozen=True)
 class Split:
-    """A split between a sample and sample `index`.
+    """Share split directly before sample `index`.
 
-    `ratio` is such as `2:1` (two new shares for an old one), `factor` what prices from there on are
-    multiplied by to compare with those before.
+    `ratio` is a text such as `2:1` (two new shares per old share). Prices from `index` on, times
+    `factor`, are comparable with those before.
     """
 
     index: int
@@ -51,19 +51,19 @@ def find_splits(
     opening: NDArray[np.float64] | None = None,
     volume: NDArray[np.float64] | None = None,
 ) -> list[Split]:
-    """Find splits the price isn't adjusted for.
+    """Find splits for which the price is not adjusted.
 
     Parameters
     ----------
     price
         The close, shape (n,), NaN = missing.
     adjusted, opening, volume
-        The columns beside it, where the table has them, same shape.
+        Other columns of the table, of the same shape, or None.
 
     Returns
     -------
     list
-        In order; none for a column with values of 0 or below.
+        Splits in order, empty for a column with values of 0 or below.
     """
     known = np.flatnonzero(~np.isnan(price))
     if len(known) < 3 or float(price[known].min()) <= 0.0:
@@ -81,7 +81,11 @@ def find_splits(
         if opening is not None and opening[here] > 0.0:
             at, near = opening[here], _NEAR_OPEN
         ratio = _whole(math.log(price[before] / at), near)
-        if ratio and _lasts(price[known], k + 1) and not _alarm(price, volume, known, k + 1):
+        if (
+            ratio
+            and _lasts(price[known], k + 1)
+            and not _is_heavy_trading(price, volume, known, k + 1)
+        ):
             found.append(Split(here, ratio, _factor(ratio)))
     return found
 
@@ -99,7 +103,7 @@ def _by_factor(
         large = np.flatnonzero(np.abs(jump) >= _LEAST_FACTOR)
     found = []
     for k in large.tolist():
-        # a wrong adjusted value jumps too; the price doesn't with it
+        # a wrong adjusted value changes the ratio without the price
         if not math.isfinite(jump[k]) or abs(step[k] + jump[k]) > 0.5 * abs(jump[k]):
             continue
         ratio = _whole(jump[k], _NEAR_FACTOR)
@@ -109,7 +113,7 @@ def _by_factor(
 
 
 def _whole(log_ratio: float, near: float) -> str:
-    """The whole ratio within `near` of this one, or empty."""
+    """Return the whole-number ratio within `near` of this one, or ""."""
     size = abs(log_ratio)
     best = min(RATIOS, key=lambda ratio: abs(size - math.log(ratio)))
     if abs(size - math.log(best)) > math.log1p(near):
@@ -129,7 +133,7 @@ def _lasts(price: NDArray[np.float64], at: int) -> bool:
     return abs(after - new) < abs(after - old)
 
 
-def _alarm(
+def _is_heavy_trading(
     price: NDArray[np.float64],
     volume: NDArray[np.float64] | None,
     known: NDArray[np.int64],

@@ -2,7 +2,7 @@
 
 ::
 
-    {"duration_s": ..., "until_s": ..., "title": ..., "notes": [...], "provenance": ...,
+    {"duration_s": ..., "known_until_s": ..., "title": ..., "notes": [...], "provenance": ...,
      "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      where they differ
      "gone": [event], "new": [event], "details_gone": [...], "details_new": [...],
      "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
@@ -37,7 +37,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
 EXCITEMENT = "excitement"
-_PLAIN = ("title", "duration_s", "until_s", "provenance")
+_PLAIN = ("title", "duration_s", "known_until_s", "provenance")
 _LISTED = ("notes", "gaps", "gap_reasons")
 
 
@@ -62,6 +62,8 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         if "whole" in change:
             return native.decode(change["whole"])
         fields: dict[str, Any] = {name: change[name] for name in _PLAIN if name in change}
+        if "until_s" in change:  # the key's name before version 0.2
+            fields["known_until_s"] = change["until_s"]
         for name in _LISTED:
             if name in change:
                 fields[name] = tuple(
@@ -73,7 +75,7 @@ def applied(old: Timeline, change: Mapping[str, Any]) -> Timeline:
         events = _changed(old.events, change, "")
         fields |= {"events": events, "details": _changed(old.details, change, "details_")}
         if "curve" in change:
-            until = fields.get("until_s", old.until_s)
+            until = fields.get("known_until_s", old.known_until_s)
             reach = fields.get("duration_s", old.duration_s) if until is None else until
             fields["intensity"] = _curve(old.intensity, change["curve"], events, reach)
         return replace(old, **fields)
@@ -106,7 +108,7 @@ def _curve_parts(old: Intensity | None, new: Timeline) -> Any:
     curve = new.intensity
     if curve is None:
         return None
-    reach = new.duration_s if new.until_s is None else new.until_s
+    reach = new.duration_s if new.known_until_s is None else new.known_until_s
     if reach > 0.0 and curve == _excitement(new.events, reach):
         return EXCITEMENT
     times, values = np.asarray(curve.time_s[:]), np.asarray(curve.value)

@@ -29,11 +29,11 @@ from overview_dsp.data.feeds.feed_history import (
     event_key,
     merged_gaps,
 )
+from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.samples import MAX_VALUE
 from overview_dsp.errors import InputError, shown
 from overview_dsp.public import counted, short
 from overview_dsp.units import clock_text
@@ -99,7 +99,7 @@ class LiveTimeline:
     --------
     >>> live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
     >>> live.append(events=[ov.Event(786.2, "goal", "1-0 Parris")])
-    >>> live.snapshot().until_s
+    >>> live.snapshot().known_until_s
     786.2
     >>> live.map = "so far"
     >>> live.snapshot().duration_s
@@ -360,7 +360,7 @@ class LiveTimeline:
         --------
         >>> live = ov.LiveTimeline(expect_s=5880.0)
         >>> live.replace(match.window(0.0, 2400.0))
-        >>> live.snapshot().until_s
+        >>> live.snapshot().known_until_s
         2400.0
         """
         with self._lock:
@@ -380,7 +380,11 @@ class LiveTimeline:
         with self._lock:
             if self._document is not None:
                 document = self._document
-                return document.duration_s if document.until_s is None else document.until_s
+                return (
+                    document.duration_s
+                    if document.known_until_s is None
+                    else document.known_until_s
+                )
             last_s = self._samples.last_s if len(self._samples) else 0.0
             return max(self._clock_s, self._kept.last_s, last_s)
 
@@ -570,7 +574,7 @@ class LiveTimeline:
         --------
         >>> live = ov.LiveTimeline(map="so far")
         >>> live.append(events=[ov.Event(1000.0, "goal")])
-        >>> live.felt().duration_s, live.felt().until_s
+        >>> live.felt().duration_s, live.felt().known_until_s
         (1030.0, 1000.0)
         """
         with self._lock:
@@ -579,20 +583,20 @@ class LiveTimeline:
             if self.ended or now == 0.0 or shown.duration_s >= now * (1.0 + ROOM):
                 return shown
             if self._felt is None or self._felt[0] is not shown:
-                room = replace(shown, duration_s=now * (1.0 + ROOM), until_s=now)
+                room = replace(shown, duration_s=now * (1.0 + ROOM), known_until_s=now)
                 self._felt = (shown, room)
             return self._felt[1]
 
     def _build(self) -> Timeline:
         duration_s, now = self.duration_s, self.now_s
         growing = self._end_s is None and self._map == "whole" and self._expect_s is not None
-        until_s = now if growing and now < duration_s else None
+        known_until_s = now if growing and now < duration_s else None
         if self._document is not None:
             document = self._document
-            if document.duration_s == duration_s and document.until_s == until_s:
+            if document.duration_s == duration_s and document.known_until_s == known_until_s:
                 return document
-            return replace(document, duration_s=duration_s, until_s=until_s)
-        reach = duration_s if until_s is None else now
+            return replace(document, duration_s=duration_s, known_until_s=known_until_s)
+        reach = duration_s if known_until_s is None else now
         # periods first, as the readers of matches list them: the same products to the bit
         events = sorted(
             self._kept.events.values(), key=lambda one: (one.kind != "period", one.time_s)
@@ -624,7 +628,7 @@ class LiveTimeline:
             notes=notes,
             start=self._start,
             details=tuple(self._kept.details.values()),
-            until_s=until_s,
+            known_until_s=known_until_s,
         )
 
     def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:

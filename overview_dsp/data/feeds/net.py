@@ -14,6 +14,7 @@ from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
 from overview_dsp.data.feeds.sources import CHUNK_BYTES, ENDS_WITHIN_S, Came, LostError, is_feed
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 ASK_EVERY_S = 1.0
 """How often a file is asked for; `Retry-After` is respected."""
@@ -133,7 +134,7 @@ class WebSocket:
             from websockets.sync.client import connect
         except ImportError:
             raise InputError(
-                "a WebSocket needs the package websockets: pip install 'overview-dsp[web]'"
+                f"a WebSocket needs the package websockets: {install_command('web')}"
             ) from None
         try:
             with connect(

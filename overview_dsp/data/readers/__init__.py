@@ -1,7 +1,8 @@
-"""Files in, one Timeline out: a registry of formats, one reader each, the bundled timelines."""
+"""Readers of all supported file formats, and the bundled timelines."""
 
 from __future__ import annotations
 
+from overview_dsp.data.readers.data_file import Format
 from overview_dsp.data.readers.formats import FORMATS
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.readers.registry import (
@@ -10,7 +11,6 @@ from overview_dsp.data.readers.registry import (
     list_matches,
     load_timeline,
 )
-from overview_dsp.data.readers.source import Format
 
 __all__ = [
     "BUNDLED",

@@ -1,7 +1,7 @@
-"""The formats that can be read, in the order in which a file is tried.
+"""Supported file formats, in the order in which they are tried.
 
 A new format is one module with `sniff(source) -> bool` and `read(source, options) -> Timeline`, and
-one entry in `FORMATS`; other packages bring theirs by an entry point (`plugins`).
+one entry in `FORMATS`. Other packages add formats by an entry point (`plugins`).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from overview_dsp.data.readers import native
 from overview_dsp.data.readers.audio import reader as audio
 from overview_dsp.data.readers.cardiac import samples_table as heart_table
 from overview_dsp.data.readers.cardiac import wfdb_reader
+from overview_dsp.data.readers.data_file import DataFile, Format
 from overview_dsp.data.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.data.readers.football import (
     metrica,
@@ -22,16 +23,15 @@ from overview_dsp.data.readers.football import (
     wyscout,
 )
 from overview_dsp.data.readers.plugins import package_readers
-from overview_dsp.data.readers.series import series
-from overview_dsp.data.readers.source import Format, Source
+from overview_dsp.data.readers.series import series_reader
 from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
 from overview_dsp.data.readers.tables.table import Table
 
-SERIES_OPTIONS = series.OPTIONS
-"""The options of tables of series."""
+SERIES_OPTIONS = series_reader.OPTIONS
+"""Options of formats of series."""
 
 LIMITS = frozenset({"max_mb", "max_depth"})
-"""The options every format takes."""
+"""Options of every format."""
 
 _LISTED = frozenset({"duration_s", "time", "kind", "label"})
 
@@ -39,20 +39,20 @@ _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
 
 def _series(
-    name: str, sniff: Callable[[Source], bool], open_table: Callable[[Source], Table]
+    name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
 ) -> Format:
-    return Format(name, sniff, series.reading(open_table), SERIES_OPTIONS)
+    return Format(name, sniff, series_reader.reading(open_table), SERIES_OPTIONS)
 
 
 FORMATS: tuple[Format, ...] = (
-    # before the formats of whole JSON documents, which lines of them are not
+    # before the formats of whole JSON documents
     Format(
-        "table of events (one JSON object a line)",
+        "table of events (one JSON object per line)",
         event_table.sniff_lines,
         event_table.read_lines,
         _LISTED,
     ),
-    _series("series (one JSON object a line)", json.sniff_lines, json.JsonLinesTable),
+    _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
     Format(
         "StatsBomb events (JSON list with period, timestamp and type)",
@@ -132,13 +132,13 @@ FORMATS: tuple[Format, ...] = (
         frozenset({"rate", "value", "time", "map", "max_mb"}),
     ),
     Format(
-        "recording (WAV, FLAC, Ogg, MP3, AIFF and what else libsndfile opens)",
+        "recording (WAV, FLAC, Ogg, MP3, AIFF and all others of libsndfile)",
         audio.sniff,
         audio.read,
         frozenset({"map", "max_mb"}),
     ),
     _series("track (GPX, TCX)", tracks.sniff, tracks.open_table),
-    _series("log (lines with a date each, for map count)", logs.sniff, logs.LogTable),
+    _series("log (each line with a date, for map count)", logs.sniff, logs.LogTable),
     _series(
         "series (CSV, TSV: a table with a column of times and one of values)",
         delimited.sniff,
@@ -153,14 +153,14 @@ FORMATS: tuple[Format, ...] = (
         "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.ParquetTable
     ),
 )
-"""The formats of this package, asked in this order."""
+"""Formats of this package, in the order in which they are tried."""
 
 
 def formats() -> tuple[Format, ...]:
-    """Return all formats that can be read, in the order they are asked: other packages' first."""
+    """Return all formats in the order in which they are tried, those of other packages first."""
     return (*package_readers(), *FORMATS)
 
 
 def is_series(known: Format) -> bool:
-    """Return whether a format is a table of a series, whose rows may be counted too."""
+    """Return whether a format is a table of a series, whose rows can be counted, too."""
     return known.options == SERIES_OPTIONS

@@ -1,27 +1,27 @@
-"""The native JSON format: one object that holds a whole Timeline.
+"""Native JSON format: one object that contains a Timeline.
 
 ::
 
-    {"overview_timeline": 1,                 the format's version, required
-     "title": "Home 1-0 Away",               the file's name if left out
+    {"overview_timeline": 1,                 version of the format, required
+     "title": "Home 1-0 Away",               name of the file if left out
      "duration_s": 5640.0,                   required
-     "until_s": 3780.0,                      up to where it has happened, all if left out
+     "known_until_s": 3780.0,               end of the known part of a growing timeline, optional
      "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
-     "intensity": {"time_s": [0, 5],         } either of these two
-                   "value": [0.1, 0.4],      } may be left out
+     "intensity": {"time_s": [0, 5],         } required without events
+                   "value": [0.1, 0.4],      }
                    "unit": "dB",             unit optional
-                   "percentiles": [1, 99]},  what becomes 0 and 1, [0, 100] if left out
+                   "percentiles": [1, 99]},  become 0 and 1; default [0, 100]
      "gaps": [[300.0, 310.0]],               optional
-     "gap_reasons": ["lead off"],            why, a text for each gap, optional
+     "gap_reasons": ["lead off"],            reason of each gap, optional
      "events": [{"time_s": 786.2, "kind": "goal",
                  "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
-     "details": [{"time_s": 783.9, "kind": "touch"}],   felt when zoomed, as events; optional
-     "series": {"per_cent": true},           events of windows are found in the curve, or in the
-                                             time_s, value and unit beside per_cent; optional
+     "details": [{"time_s": 783.9, "kind": "touch"}],   shown in windows, optional
+     "series": {"per_cent": true},           series for finding events of windows: the curve, or
+                                             else time_s, value and unit; optional
      "provenance": "where the data are from",                      optional
-     "notes": ["what a person should know"]}                       optional
+     "notes": ["messages for the user"]}                       optional
 
-Unknown keys, wrong types, NaN and Infinity are errors that name their place.
+Unknown keys, wrong types, NaN and Infinity are errors with their location.
 """
 
 from __future__ import annotations
@@ -35,61 +35,63 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.series_events import PartRules, Series, rules_of
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.analysis.series_events import Series, WindowRules, rules_of
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 VERSION = 1
-"""The version of the format this module reads and writes."""
+"""Version of the format."""
 
 MAX_POINTS = 5_000_000
-"""Points of a curve in a native file: about as many as a file that can be read again holds."""
+"""Maximum number of points of a curve, so that the file can be read again."""
 
 _KEY = "overview_timeline"
 _TOP_KEYS = (
-    _KEY, "title", "duration_s", "until_s", "start", "intensity", "gaps", "gap_reasons", "events",
-    "details", "series", "provenance", "notes",
+    _KEY, "title", "duration_s", "known_until_s", "start", "intensity", "gaps", "gap_reasons",
+    "events", "details", "series", "provenance", "notes",
 )  # fmt: skip
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
 _EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a JSON object with the key `overview_timeline`."""
     if not source.looks_like_json or f'"{_KEY}"' not in source.text:
         return False
     return isinstance(source.json, dict) and _KEY in source.json
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
-    """Read a native file (takes no options); InputError names the file and the place."""
-    document = source.json  # its errors name the file themselves
+def read(source: DataFile, options: LoadOptions) -> Timeline:
+    """Read a native file (without options); InputError names the file and the location."""
+    document = source.json  # its errors include the file
     with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
 
 
 def decode(document: object, default_title: str = "") -> Timeline:
-    """Make a Timeline of a parsed native document.
+    """Return the Timeline of a parsed native document.
 
     Parameters
     ----------
     document
-        What `source.parse_json` gives.
+        Parsed JSON.
     default_title
-        The title if the document has none.
+        Title for a document without one.
 
     Raises
     ------
     InputError
-        An unknown or missing key, a wrong type, a broken invariant; the line names the place,
+        An unknown or missing key, a wrong type, a value out of range; the message has the location,
         such as `events[3].time_s`.
     """
+    if isinstance(document, dict) and "until_s" in document:  # the key's name before version 0.2
+        document = {("known_until_s" if k == "until_s" else k): v for k, v in document.items()}
     top = _table(document, "the document", _TOP_KEYS, required=(_KEY, "duration_s"))
     version = top[_KEY]
     if isinstance(version, bool) or version != VERSION:
@@ -111,13 +113,13 @@ def decode(document: object, default_title: str = "") -> Timeline:
         provenance=top.get("provenance", ""),
         notes=tuple(_list(top.get("notes", []), "notes")),
         start=_moment(top["start"]) if "start" in top else None,
-        until_s=top.get("until_s"),
+        known_until_s=top.get("known_until_s"),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
 
 def encode(timeline: Timeline) -> bytes:
-    """Return a Timeline as native JSON, UTF-8: one line a top-level key, one line an event.
+    """Return a Timeline as native JSON in UTF-8, with one line per top-level key and per event.
 
     Raises
     ------
@@ -128,7 +130,7 @@ def encode(timeline: Timeline) -> bytes:
         _KEY: VERSION,
         "title": timeline.title,
         "duration_s": timeline.duration_s,
-        "until_s": timeline.until_s,
+        "known_until_s": timeline.known_until_s,
         "start": timeline.start.isoformat() if timeline.start is not None else None,
         "provenance": timeline.provenance or None,
         "notes": timeline.notes or None,
@@ -143,13 +145,13 @@ def encode(timeline: Timeline) -> bytes:
         curve = timeline.intensity
         if curve.count > MAX_POINTS:
             raise InputError(
-                f"the curve has {curve.count} points; a native file holds up to {MAX_POINTS}, give "
+                f"the curve has {curve.count} points; a native file has at most {MAX_POINTS}: give "
                 "a shorter window"
             )
         scaled = curve.percentiles != EXTREMES
         scale = f', "percentiles": {_json(curve.percentiles)}' if scaled else ""
         entries["intensity"] = _points(curve, f'"unit": {_json(curve.unit)}{scale},\n')
-    if isinstance(timeline.rules, PartRules):
+    if isinstance(timeline.rules, WindowRules):
         entries["series"] = _series(timeline.rules, timeline.intensity)
     return ("{" + ",\n ".join(f'"{key}": {body}' for key, body in entries.items()) + "}\n").encode()
 
@@ -167,16 +169,16 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     timeline : Timeline
-        What is written.
+        Timeline to write.
     path : str or path
-        The file.
+        File name.
 
     Raises
     ------
     InputError
-        A curve of too many points for a JSON file, a place that can't be written.
+        A curve with too many points, or a path that can't be written.
     OutputError
-        A full disk.
+        The disk is full.
 
     Examples
     --------
@@ -187,13 +189,13 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     path = validation.path(path, "a timeline's file")
     validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
     data = encode(timeline)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_bytes(data)
 
 
-def _series(rules: PartRules, curve: Intensity | None) -> str:
-    """The series in which a window's events are found: the curve itself where it is that."""
-    series = rules.part()
+def _series(rules: WindowRules, curve: Intensity | None) -> str:
+    """Return the series in which events of windows are found, without values if it is the curve."""
+    series = rules.window_series()
     shared = f'"per_cent": {_json(series.relative)}'
     same = curve is not None and (
         rules.curve is not None
@@ -207,15 +209,15 @@ def _series(rules: PartRules, curve: Intensity | None) -> str:
     return _points(series, f'{shared}, "unit": {_json(series.unit)},\n')
 
 
-def _rules(given: object, timeline: Timeline) -> PartRules:
-    table = _table(given, "series", _SERIES_KEYS, required=("per_cent",))
+def _rules(value: object, timeline: Timeline) -> WindowRules:
+    table = _table(value, "series", _SERIES_KEYS, required=("per_cent",))
     per_cent = table.pop("per_cent")
     if not isinstance(per_cent, bool):
         raise InputError(f"series.per_cent is {shown(per_cent)}; give true or false")
     with validation.located("series: "):
         curve = _intensity(table) if table else timeline.intensity
         if curve is None:
-            raise InputError("there is no intensity that it could be; give time_s and value")
+            raise InputError("there is no intensity; give time_s and value")
         if curve.last_s > timeline.duration_s:
             raise InputError("it reaches beyond the end of the timeline (duration_s)")
     return rules_of(curve, per_cent, timeline)
@@ -230,24 +232,24 @@ def _json(value: object) -> str:
 
 
 def _table(
-    value: object, place: str, known: tuple[str, ...], required: tuple[str, ...]
+    value: object, location: str, known: tuple[str, ...], required: tuple[str, ...]
 ) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"{place} is {shown(value)}, not an object {{...}}")
+        raise InputError(f"{location} is {shown(value)}, not an object {{...}}")
     for key in value:
         if key not in known:
             raise InputError(
-                f"{place} has an unknown key {shown(key)}; known are {', '.join(known)}"
+                f"{location} has an unknown key {shown(key)}; known are {', '.join(known)}"
             )
     for key in required:
         if key not in value:
-            raise InputError(f"{place} lacks the key '{key}'; add it")
+            raise InputError(f"{location} lacks the key '{key}'; add it")
     return value
 
 
-def _list(value: object, place: str) -> list[Any]:
+def _list(value: object, location: str) -> list[Any]:
     if not isinstance(value, list):
-        raise InputError(f"{place} is {shown(value)}, not a list [...]")
+        raise InputError(f"{location} is {shown(value)}, not a list [...]")
     return value
 
 
@@ -279,21 +281,21 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
     listed = _list(value, key)
     if len(listed) > MAX_EVENTS:
         raise InputError(
-            f"{key} has {len(listed)} entries, more than the {MAX_EVENTS} that are read; cut the "
-            "file into parts, or make a curve of them"
+            f"{key} has {len(listed)} entries, at most {MAX_EVENTS} are allowed; split the "
+            "file, or write a curve instead"
         )
     for i, entry in enumerate(listed):
-        place = f"{key}[{i}]"
-        row = _table(entry, place, _EVENT_KEYS, required=("time_s", "kind"))
-        time_s = validation.number(row["time_s"], f"{place}.time_s", hint)
+        location = f"{key}[{i}]"
+        row = _table(entry, location, _EVENT_KEYS, required=("time_s", "kind"))
+        time_s = validation.number(row["time_s"], f"{location}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:
-            raise InputError(f"{place}.time_s is {time_s!r}, outside the timeline; {hint}")
+            raise InputError(f"{location}.time_s is {time_s!r}, outside the timeline; {hint}")
         events.append(
             Event(
                 time_s,
-                validation.kind(row["kind"], f"{place}.kind"),
-                validation.text(row.get("label", ""), f"{place}.label"),
-                validation.positive(row.get("weight", 1.0), f"{place}.weight"),
+                validation.kind(row["kind"], f"{location}.kind"),
+                validation.text(row.get("label", ""), f"{location}.label"),
+                validation.positive(row.get("weight", 1.0), f"{location}.weight"),
             )
         )
     return tuple(events)

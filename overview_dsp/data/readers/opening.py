@@ -1,9 +1,8 @@
-"""What a caller gives, opened as a file: paths, addresses, bytes, open files, compressed ones.
+"""Opening of data as files: paths, URLs, bytes, open files and compressed files.
 
-Bytes, open files and addresses are spooled, and compressed files (gzip, bzip2, xz, ZIP) unpacked,
-into a temporary file for as long as they are read, within a limit. A megabyte of a bomb unpacks to
-a gigabyte, so unpacking stops at the limit whatever the file says of its size; xz and ZIP may not
-take memory of their choice either.
+Bytes, open files and URLs are copied, and compressed files (gzip, bzip2, xz, ZIP) unpacked, to a
+temporary file with a size limit. A malicious megabyte can unpack to a gigabyte, so unpacking stops
+at the limit, whatever size the file states. The memory for xz and ZIP is limited, too.
 """
 
 from __future__ import annotations
@@ -23,17 +22,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.data.readers.source import UNNAMED, LoadOptions, Source
+from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 MAX_MB = 256.0
-"""What a compressed file may unpack to, MB (2**20 bytes), without `max_mb`."""
+"""Maximum unpacked size, MB (2**20 bytes), unless `max_mb` is set."""
 
 MAX_SPOOLED_MB = 1024.0
-"""What an open file or an address may hold, MB, without `max_mb`."""
+"""Maximum size of an open file or the content of a URL, MB, unless `max_mb` is set."""
 
 MAX_DIRECTORY_BYTES = 1 << 20
-"""Largest table of contents of a ZIP archive that is read: some ten thousand files."""
+"""Maximum size of the directory of a ZIP archive: about ten thousand files."""
 
 _XZ_MEMORY = 128 * 2**20
 _CHUNK = 1 << 20
@@ -51,46 +51,43 @@ _MARKS = (
 )
 _URL = re.compile(r"([a-z][a-z0-9+.\-]*::)*[a-z][a-z0-9+.\-]+://", re.IGNORECASE)
 _SECRETS = re.compile(r"(?<=://)[^/@]*@|[?#].*")
-_INSTALL = 'an address needs fsspec: pip install "overview-dsp[urls]", or save the data to a file'
 
 
 def is_url(data: object) -> bool:
-    """Return whether data are given by an address: `https://...`, `s3://...`, `memory://...`."""
+    """Return whether data are a URL: `https://...`, `s3://...`, `memory://...`."""
     return isinstance(data, str) and _URL.match(data) is not None
 
 
 def is_content(data: object) -> bool:
-    """Return whether data are a file's content or an open file."""
+    """Return whether data are the content of a file, or an open file."""
     return isinstance(data, bytes | bytearray | memoryview) or callable(getattr(data, "read", None))
 
 
 @contextlib.contextmanager
-def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Source]:
-    """Yield data as a `Source`, from a temporary file where they are no plain file.
+def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[DataFile]:
+    """Yield data as a `DataFile`, from a temporary file if they are not a plain file.
 
     Parameters
     ----------
     data
-        A path, or what `is_url` or `is_content` says yes to; an open file is read from where it
-        stands.
+        A path, a URL, the content of a file, or an open file, read from its current position.
     options
         `max_mb`.
     missing
-        What the error line of a path that isn't there ends with.
+        Hint at the end of the error for a missing file.
 
     Raises
     ------
     InputError
-        As `Source.open`; an address that can't be opened, a file that can't be read; a damaged
-        archive, one of several files, one packed twice; more than the limit (the line has it and
-        the option that raises it).
+        As `DataFile.open`; a URL or file that can't be opened; an archive that is damaged, packed
+        twice or has several files; more data than the limit.
     """
     with contextlib.ExitStack() as stack:
         path, label = data, ""
         if is_url(data) or is_content(data):
             path, label = stack.enter_context(_spooled(data, options))
         try:
-            source = Source.open(path, options, label)
+            source = DataFile.open(path, options, label)
         except InputError as error:
             hint = missing if isinstance(error.__cause__, FileNotFoundError) else ""
             raise InputError(f"{error}{hint}") from error
@@ -103,18 +100,18 @@ def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[Sourc
 
 @contextlib.contextmanager
 def _spooled(data: Any, options: LoadOptions) -> Iterator[tuple[Path, str]]:
-    """Yield a temporary file with the data, and what error lines call them."""
+    """Yield a temporary file with the data, and their name in error messages."""
     with contextlib.ExitStack() as stack:
         name, label = UNNAMED, "the data given"
         if is_url(data):
             label = _SECRETS.sub("", data)
             name = label.rstrip("/").rpartition("/")[2]
-            data = stack.enter_context(_opened_address(data, label))
+            data = stack.enter_context(_opened_url(data, label))
         elif not isinstance(data, bytes | bytearray | memoryview):
-            given = getattr(data, "name", None)
+            file_name = getattr(data, "name", None)
             label = "the open file"
-            if isinstance(given, str) and given:
-                name, label = os.path.basename(given), given
+            if isinstance(file_name, str) and file_name:
+                name, label = os.path.basename(file_name), file_name
         if name in ("", ".", "..") or "\0" in name:
             name = UNNAMED
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="overview-")))
@@ -126,15 +123,14 @@ def _spooled(data: Any, options: LoadOptions) -> Iterator[tuple[Path, str]]:
 
 
 def _write(path: Path, parts: Iterable[bytes], limit_mb: float, beyond: str) -> int:
-    """Write a temporary file and return its size; `beyond` is what is wrong with a larger one."""
+    """Write a temporary file and return its size; `beyond` is the error of a larger one."""
     size = 0
     with open(path, "wb") as target:
         for part in parts:
             size += len(part)
             if size > limit_mb * 2**20:
                 raise InputError(
-                    f"{beyond}; raise the limit with max_mb (--read max-mb=MB) if that is what it "
-                    "should hold"
+                    f"{beyond}; if that is intended, raise the limit with max_mb (--read max-mb=MB)"
                 )
             target.write(part)
     return size
@@ -149,7 +145,7 @@ def _parts(data: Any, label: str) -> Iterator[bytes]:
             part = data.read(_CHUNK)
             if isinstance(part, str):
                 part = part.encode("utf-8", "surrogateescape")
-        # whatever lies behind a `read` may fail in its own way: a socket, a closed file, an archive
+        # `read` of any object (a socket, an archive) may raise any error
         except Exception as error:
             raise InputError(f"{label}: can't be read ({_reason(error)})") from error
         if not isinstance(part, bytes | bytearray):
@@ -160,15 +156,17 @@ def _parts(data: Any, label: str) -> Iterator[bytes]:
 
 
 @contextlib.contextmanager
-def _opened_address(url: str, label: str) -> Iterator[Any]:
+def _opened_url(url: str, label: str) -> Iterator[Any]:
     try:
         import fsspec
     except ImportError as error:
-        raise InputError(_INSTALL) from error
+        raise InputError(
+            f"a URL needs fsspec: {install_command('urls')}, or save the data to a file"
+        ) from error
     with contextlib.ExitStack() as stack:
         try:
             stream = stack.enter_context(fsspec.open(url, "rb"))
-        # each kind of storage has errors of its own; a missing library says what to install
+        # every storage has its own errors; that of a missing library names the package
         except Exception as error:
             raise InputError(
                 f"{label}: can't be opened ({_reason(error)}); check the address"
@@ -181,18 +179,18 @@ def _reason(error: Exception) -> str:
 
 
 def packing(head: bytes) -> str | None:
-    """Return how a file is compressed, by its first bytes; None if it isn't."""
+    """Return the compression of a file from its first bytes, None if it is not compressed."""
     if head[:3] == b"BZh" and head[3:4].isdigit() and head[4:10] in (b"1AY&SY", b"\x17rE8P\x90"):
         return _BZIP2
     return next((name for mark, name in _MARKS if head.startswith(mark)), None)
 
 
-def _unpacked(source: Source, packed: str, folder: Path) -> Source:
+def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
     where, options = source.where, source.options
     limit_mb = options.max_mb if options.max_mb is not None else MAX_MB
     if packed not in _READERS:
         raise InputError(f"{where}: a {packed} archive can't be read; unpack it first")
-    # the name a reader takes as the title, "match.json" of "match.json.gz"
+    # readers use the name as title: "match.json" for "match.json.gz"
     name = Path(source.path.name).stem
     target = folder / ("data" if name in ("", ".", "..") else name)
     try:
@@ -212,20 +210,20 @@ def _unpacked(source: Source, packed: str, folder: Path) -> Source:
             f"{where}: can't be unpacked ({packed}: {reason}); get it again"
         ) from error
     if size == 0:
-        raise InputError(f"{where}: holds an empty file; check how it was made")
-    inner = Source.open(target, options)
+        raise InputError(f"{where}: contains an empty file; check how it was made")
+    inner = DataFile.open(target, options)
     if packing(inner.head) is not None:
-        raise InputError(f"{where}: holds another compressed file; unpack it first")
+        raise InputError(f"{where}: contains another compressed file; unpack it first")
     return replace(inner, origin=source.path, label=source.label)
 
 
-def _streamed(open_file: Callable[..., Any], source: Source) -> Iterator[bytes]:
+def _streamed(open_file: Callable[..., Any], source: DataFile) -> Iterator[bytes]:
     with open_file(source.path, "rb") as stream:
         yield from iter(lambda: stream.read(_CHUNK), b"")
 
 
-def _xz(source: Source) -> Iterator[bytes]:
-    # by hand: lzma.open takes as much memory as the file asks for
+def _xz(source: DataFile) -> Iterator[bytes]:
+    # not lzma.open, which takes as much memory as the file requests
     with open(source.path, "rb") as stream:
         rest = b""
         decompressor = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_XZ_MEMORY)
@@ -245,7 +243,7 @@ def _xz(source: Source) -> Iterator[bytes]:
                 yield data
 
 
-def _zip(source: Source) -> Iterator[bytes]:
+def _zip(source: DataFile) -> Iterator[bytes]:
     _check_directory(source)
     with zipfile.ZipFile(source.path) as archive:
         members = [
@@ -282,22 +280,22 @@ _SHEETS = {
     "Index/Document.iwa": "a Numbers or Pages file",
     "word/document.xml": "a Word document",
 }
-"""What is packed like an archive and is a document, by a file that each one has."""
+"""Documents in ZIP format, by a file that each kind contains."""
 
 
-def _is_arrays(source: Source) -> bool:
-    """Return whether a ZIP archive is NumPy's of several arrays, which is read packed."""
+def _is_arrays(source: DataFile) -> bool:
+    """Return whether a ZIP archive contains several NumPy arrays, which is read packed."""
     _check_directory(source)
     try:
         with zipfile.ZipFile(source.path) as archive:
             names = archive.namelist()
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
-        return False  # said when it is unpacked
+        return False  # unpacking raises the error
     return len(names) > 1 and all(name.endswith(".npy") for name in names)
 
 
-def _check_directory(source: Source) -> None:
-    """Refuse an archive whose table of contents alone would take much memory."""
+def _check_directory(source: DataFile) -> None:
+    """Raise InputError for an archive whose directory alone would take much memory."""
     with open(source.path, "rb") as stream:
         stream.seek(max(0, source.size - 65_536 - 22))
         tail = stream.read(65_536 + 22)
@@ -310,7 +308,7 @@ def _check_directory(source: Source) -> None:
         )
 
 
-_READERS: dict[str, Callable[[Source], Iterator[bytes]]] = {
+_READERS: dict[str, Callable[[DataFile], Iterator[bytes]]] = {
     _GZIP: partial(_streamed, gzip.open),
     _BZIP2: partial(_streamed, bz2.open),
     _XZ: _xz,

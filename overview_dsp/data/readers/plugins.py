@@ -1,15 +1,15 @@
-"""Formats that other packages read: the entry-point group `overview_dsp.readers`.
+"""File formats of other packages: the entry-point group `overview_dsp.readers`.
 
-What an entry point names (a module will do) has
+The object of an entry point (usually a module) has
 
-- `name`: what an error line calls the format;
-- `sniff(head: bytes) -> bool`: whether a file that begins so is in it; up to 64 kB, cheap;
-- `read(path: str, **options) -> Timeline`: InputError for what is wrong with the file;
-- `options` (optional): which of those of `load_timeline` it takes, such as `("rate", "value")`;
-- `matches(path: str) -> list of str` (optional): a line on each of several in a file.
+- `name`: name of the format in error messages;
+- `sniff(head: bytes) -> bool`: whether a file with these first bytes (64 kB) has the format;
+- `read(path: str, **options) -> Timeline`: raises InputError for errors in the file;
+- `options` (optional): options of `load_timeline` that it takes, such as `("rate", "value")`;
+- `matches(path: str) -> list of str` (optional): one line per match in a file of several.
 
-They are asked before the formats of this package. A reader that can't be loaded is warned of once
-and left out; an error of one that isn't an InputError becomes a line that names the package.
+These formats are tried before those of this package. A reader that can't be loaded is left out
+with one warning. An error that is not an InputError is reported with the name of the package.
 """
 
 from __future__ import annotations
@@ -22,50 +22,51 @@ from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
-from overview_dsp.data.readers.source import Format, LoadOptions, Source
+from overview_dsp.data.readers.data_file import DataFile, Format, LoadOptions
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.installation import install_command
 
 GROUP = "overview_dsp.readers"
 
 _OPTIONS = frozenset({"duration_s", "value", "time", "map", "rate", "match"})
-"""What a reader may take."""
+"""Options that a reader may take."""
 
 
 @functools.cache
 def package_readers() -> tuple[Format, ...]:
-    """Return the readers of installed packages, in the order of their names."""
+    """Return the formats of installed packages, sorted by name."""
     found = []
     for point in sorted(entry_points(group=GROUP), key=lambda point: (_package(point), point.name)):
         package = _package(point)
         try:
-            given = point.load()
-            missing = [n for n in ("name", "sniff", "read") if not hasattr(given, n)]
-            options = _option_names(getattr(given, "options", ()))
-        except Exception as error:  # whatever its import meets
-            _warn(package, f"can't be loaded ({_said(error)})")
+            reader = point.load()
+            missing = [n for n in ("name", "sniff", "read") if not hasattr(reader, n)]
+            options = _option_names(getattr(reader, "options", ()))
+        except Exception as error:  # its import may raise any error
+            _warn(package, f"can't be loaded ({_error_text(error)})")
             continue
         if missing:
             _warn(package, f"has no {' and no '.join(missing)}")
             continue
-        found.append(_format_of(given, package, options))
+        found.append(_format_of(reader, package, options))
     return tuple(found)
 
 
-def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
-    """Return the format of what an entry point names; its reader fails with one line."""
+def _format_of(reader: Any, package: str, options: frozenset[str]) -> Format:
+    """Return the format of an entry point; errors of its reader become one line."""
 
-    def sniff(source: Source) -> bool:
+    def sniff(source: DataFile) -> bool:
         try:
-            return bool(given.sniff(source.head))
-        except Exception as error:  # it doesn't claim the file, then
-            _warn(package, f"failed to look at a file ({_said(error)})")
+            return bool(reader.sniff(source.head))
+        except Exception as error:  # then the file is not of this format
+            _warn(package, f"failed to look at a file ({_error_text(error)})")
             return False
 
-    def read(source: Source, asked: LoadOptions) -> Timeline:
-        taken = {name: getattr(asked, name) for name in options & asked.given()}
+    def read(source: DataFile, options_set: LoadOptions) -> Timeline:
+        taken = {name: getattr(options_set, name) for name in options & options_set.names_set()}
         with _one_line(source, package):
-            timeline = given.read(str(source.path), **taken)
+            timeline = reader.read(str(source.path), **taken)
         if not isinstance(timeline, Timeline):
             raise InputError(
                 f"{source.where}: the reader of {package} gave a {type(timeline).__name__}, not a "
@@ -73,33 +74,34 @@ def _format_of(given: Any, package: str, options: frozenset[str]) -> Format:
             )
         return timeline
 
-    def matches(source: Source) -> list[str]:
+    def matches(source: DataFile) -> list[str]:
         with _one_line(source, package):
-            return [str(line) for line in given.matches(str(source.path))]
+            return [str(line) for line in reader.matches(str(source.path))]
 
-    several = getattr(given, "matches", None) is not None
-    return Format(str(given.name), sniff, read, options, matches if several else None)
+    several = getattr(reader, "matches", None) is not None
+    return Format(str(reader.name), sniff, read, options, matches if several else None)
 
 
 @contextlib.contextmanager
-def _one_line(source: Source, package: str) -> Iterator[None]:
+def _one_line(source: DataFile, package: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        said = str(error)
-        where = "" if said.startswith(source.where) else f"{source.where}: "
-        raise InputError(where + said) from error
+        message = str(error)
+        where = "" if message.startswith(source.where) else f"{source.where}: "
+        raise InputError(where + message) from error
     except Exception as error:
         raise InputError(
-            f"{source.where}: the reader of {package} failed ({_said(error)}); tell its authors"
+            f"{source.where}: the reader of {package} failed ({_error_text(error)}); "
+            "report this to its authors"
         ) from error
 
 
 def _option_names(names: Iterable[object]) -> frozenset[str]:
-    given = frozenset(str(name) for name in names)
-    if unknown := sorted(given - _OPTIONS):
+    options = frozenset(str(name) for name in names)
+    if unknown := sorted(options - _OPTIONS):
         raise InputError(f"options {', '.join(unknown)}; known are {', '.join(sorted(_OPTIONS))}")
-    return given
+    return options
 
 
 def _package(point: EntryPoint) -> str:
@@ -110,16 +112,16 @@ def _warn(package: str, what: str) -> None:
     warnings.warn(f"the reader of {package} {what}: left out", OverviewWarning, stacklevel=4)
 
 
-def _said(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())[:200]
 
 
-def needed(module: str, purpose: str, extra: str) -> Any:
-    """Import a module of one of the extras; InputError says how to install it."""
+def require_package(module: str, purpose: str, extra: str) -> Any:
+    """Import a module of an optional extra; InputError says how to install it."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
         raise InputError(
-            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: pip "
-            f"install 'overview-dsp[{extra}]'"
+            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: "
+            f"{install_command(extra)}"
         ) from error

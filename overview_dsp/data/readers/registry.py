@@ -1,4 +1,4 @@
-"""Any supported file or data in memory, detected from their content, into a Timeline."""
+"""Loading of timelines: format detection of files and of data in memory."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from pathlib import Path
 from typing import Any, cast
 
 from overview_dsp import validation
-from overview_dsp.data.readers import native, suggestions
-from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
-from overview_dsp.data.readers.opening import is_content, opened
-from overview_dsp.data.readers.series import series
-from overview_dsp.data.readers.source import (
+from overview_dsp.data.readers import format_hints, native
+from overview_dsp.data.readers.data_file import (
     MOST_DEPTH,
     READ_AS_WINDOWS,
     UNNAMED,
     WINDOWS,
+    DataFile,
     Format,
     LoadOptions,
-    Source,
     decode_text,
     parse_json,
 )
+from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
+from overview_dsp.data.readers.opening import is_content, opened
+from overview_dsp.data.readers.series import series_reader
 from overview_dsp.data.readers.tables.memory import (
     TableData,
     TimelineData,
@@ -43,16 +43,16 @@ BUNDLED: dict[str, str] = {
     "world-cup-final-2018": "world_cup_final_2018.json",
     "made-up-share": "made_up_share.json",
 }
-"""Timelines that come with the package: name and file."""
+"""Names and files of the bundled timelines."""
 
 MAX_ROWS = 5_000_000
-"""Most rows of data in memory that are read as something else than a series."""
+"""Maximum number of rows of data in memory, except series."""
 
 _HEAD_ROWS, _HEAD_CELLS = 1000, 50_000
 _ABOVE_0 = {
-    "duration_s": "a duration is seconds",
-    "rate": "a rate is samples a second",
-    "max_mb": "a limit is megabytes",
+    "duration_s": "a duration in s",
+    "rate": "a sample rate in Hz",
+    "max_mb": "a limit in MB",
 }
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
@@ -72,49 +72,49 @@ def load_timeline(
     progress: Callable[[float], None] | None = None,
     max_depth: int | None = None,
 ) -> Timeline:
-    """Load a timeline from any supported file, from data in memory, or a bundled one by its name.
+    """Load a timeline from a file, from data in memory, or a bundled timeline by its name.
 
     Parameters
     ----------
     data : str, path, bytes, open file, DataFrame, Series, array, list or dict
-        A file, detected by content; or `"world-cup-final-2018"` or `"made-up-share"`, which come
-        with the package (for a file of that name, write `./made-up-share`); an address (`https://`,
-        `s3://`, whatever fsspec opens); a file's content, or an open file; a frame or a column of
-        pandas, polars or Arrow; an array; a list of numbers, of (time, value) or of events: (time,
-        kind, label, weight), dicts, `Event`; a dict of columns. Data in memory are read by the
-        rules for the file that would hold them. A Timeline is given back.
+        A file, whose format is detected; a bundled timeline, `"world-cup-final-2018"` or
+        `"made-up-share"` (for a file of that name, write `./made-up-share`); a URL (`https://`,
+        `s3://` or another one of fsspec); the content of a file, or an open file; a data frame or
+        series of pandas, polars or Arrow; an array; a list of numbers, of (time, value) or of
+        events: (time, kind, label, weight), dicts, `Event`; a dict of columns. Data in memory
+        follow the same rules as files. A Timeline is returned unchanged.
     duration_s : float or None
-        Length, s, for a format that doesn't say it (event lists).
+        Length, s, for formats without it (event lists).
     value, time : str or None
-        The columns of the values and of the times, for tables; left out, they are found.
-        `time="day:dmy"` says how dates are written (`time="start:hhmm"`: clocks of the day),
-        `value="Close:share"` whether values are a share's, another price's or `plain`. For data in
-        memory, `time` may be the times themselves: an array, a list, a Series, one a row.
+        Columns of the values and of the times, for tables; by default, they are detected.
+        `time="day:dmy"` sets the format of dates (`time="start:hhmm"`: times of day),
+        `value="Close:share"` the type of the values: `share`, `price` or `plain`. For data in
+        memory, `time` may be the times themselves, one per row: an array, a list, a Series.
     kind, label : str or None
-        The columns with the kinds and the labels of events, for event lists.
+        Columns of the kinds and the labels of events, for event lists.
     map : str or None
-        What of a table becomes friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
+        Mapping of a table to friction: `level`, `change`, `activity`, `volatility[:WINDOW]` of
         its values, `count[:WINDOW]` of its rows, or a column.
     rate : float or None
-        Samples a second, Hz, for tables and records without times.
+        Sample rate, Hz, for tables and records without times.
     match : str or None
-        Which match of a file that holds several: words of its line, or its number from 1.
+        Match in a file of several: words of its description, or its number from 1.
     max_mb : float or None
-        How large a file read as a whole may be, and what packed ones unpack to, MB.
+        Maximum size of a file that is read as a whole, and of unpacked files, MB.
     progress : callable or None
-        Called with the part of the file that is read, 0 to 1, by formats that may take long.
+        Called with the fraction of the file that is read, 0 to 1, by slow formats.
     max_depth : int or None
-        How many levels of JSON may be nested.
+        Maximum nesting level of JSON.
 
     Returns
     -------
     Timeline
-        Events, curve and gaps; `notes` says what was decided.
+        Events, curve and gaps; `notes` has messages about how the file was interpreted.
 
     Raises
     ------
     InputError
-        One line: what is wrong, where, what is known, what to try.
+        One line with location, problem, allowed values and remedy.
 
     Examples
     --------
@@ -160,21 +160,21 @@ def load_timeline(
 
 
 def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
-    """Read a table in memory: an event list's, a match's, a heart's, or a series'.
+    """Read a table in memory: an event list, a match, a heart recording or a series.
 
-    Which of them is told from its first rows, written as the file that would hold them.
+    The format is detected from the first rows, written to a CSV file.
     """
-    _require_table(data, f"neither a path, nor data, nor a bundled name ({_bundled_names()})")
+    _require_table(data, f"not a path, data or a bundled name ({_bundled_names()})")
     if times is not None:
-        _require_table(times, "no column of times")
+        _require_table(times, "not a column of times")
     table = table_of(data, times)
     where = f"the {table.kind} data"
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
 
-        def written(rows: int) -> Source:
+        def written(rows: int) -> DataFile:
             path = Path(folder) / UNNAMED
             path.write_text(csv_text(table, rows), "utf-8", "surrogateescape", newline="")
-            return Source.open(path, options, where)
+            return DataFile.open(path, options, where)
 
         most = max(20, min(_HEAD_ROWS, _HEAD_CELLS // len(table.columns)))
         source = written(most)
@@ -185,11 +185,11 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
         if found is not None:
             if table.rows > MAX_ROWS:
                 raise InputError(
-                    f"{where}: {table.rows} rows, more than the {MAX_ROWS} that are read; cut them"
+                    f"{where}: {table.rows} rows, at most {MAX_ROWS} are allowed; split them"
                 )
             return found.read(written(table.rows) if table.rows > most else source, options)
     with validation.located(f"{where}: "):
-        return series.series_of(table, options)
+        return series_reader.series_timeline(table, options)
 
 
 def _require_table(data: object, what: str) -> None:
@@ -198,9 +198,9 @@ def _require_table(data: object, what: str) -> None:
         raise InputError(f"{shown(data)} is {what}{hint}")
 
 
-def _format_of(source: Source) -> Format:
-    """Return the first format that claims the file; InputError describes one that none does."""
-    # an event list is a table too, where its rows are to be counted
+def _format_of(source: DataFile) -> Format:
+    """Return the first format that accepts the file; InputError describes an unknown file."""
+    # rows of an event list can be counted, too
     for candidate in formats():
         if source.options.counts and not is_series(candidate):
             continue
@@ -208,16 +208,16 @@ def _format_of(source: Source) -> Format:
             return candidate
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
-        f"{suggestions.fix_of(source)}; overview timeline formats lists all that can be read",
+        f"{format_hints.format_hint(source)}; overview timeline formats lists all that can be read",
     )
 
 
 def list_matches(
     path: str | os.PathLike[str], options: LoadOptions | None = None
 ) -> tuple[str, ...]:
-    """Return a line on each match of a file or address, in the order of their numbers (`match`).
+    """Return one line per match of a file or URL, in the order of their numbers (`match`).
 
-    Empty for a file of a format that holds one timeline.
+    The result is empty for formats of one timeline.
 
     Raises
     ------
@@ -232,7 +232,7 @@ def list_matches(
 
 
 def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
-    """Load a timeline that comes with the package; InputError names the known ones."""
+    """Load a bundled timeline; InputError lists their names."""
     if name not in BUNDLED:
         raise InputError(
             f"no bundled timeline is called {shown(name)}; there is {_bundled_names()}"
@@ -250,9 +250,9 @@ def _or_bundled() -> str:
 
 
 def _checked(options: LoadOptions) -> LoadOptions:
-    """Return options as the readers take them; InputError names one out of its range."""
+    """Return validated options; InputError names one that is out of range."""
     checked: dict[str, Any] = {}
-    for name in options.given():
+    for name in options.names_set():
         value = getattr(options, name)
         if name in _ABOVE_0:
             hint = f"{_ABOVE_0[name]}, a finite number above 0"
@@ -265,12 +265,12 @@ def _checked(options: LoadOptions) -> LoadOptions:
 
 
 def _refuse_options(options: LoadOptions, what: str, taken: frozenset[str]) -> None:
-    for option in sorted(options.given() - taken):
-        raise InputError(f"{what}: {option} can't be given, the format holds it; leave it out")
+    for option in sorted(options.names_set() - taken):
+        raise InputError(f"{what}: {option} does not apply to this format; remove it")
 
 
-def _described(source: Source) -> str:
-    """Say what an unknown file seems to be."""
+def _described(source: DataFile) -> str:
+    """Return a description of an unknown file."""
     if source.head_text is None:
         binary = _CONTROL.search(source.head) is not None
         return "binary data" if binary else "text that isn't UTF-8 (save it as UTF-8)"

@@ -1,4 +1,4 @@
-"""An intensity from chunks: for series too long for memory."""
+"""Builder of an intensity curve from chunks, for series too long for memory."""
 
 from __future__ import annotations
 
@@ -6,32 +6,32 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.gaps import Gaps
-from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
-from overview_dsp.data.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
-from overview_dsp.data.timeline.samples import (
+from overview_dsp.data.timeline.curve_points import (
     MAX_VALUE,
-    EvenTimes,
     Points,
+    RegularTimes,
     Times,
     require_increasing,
     require_values,
 )
+from overview_dsp.data.timeline.gaps import Gaps
+from overview_dsp.data.timeline.growable_array import Store
+from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, PyramidBuilder, Values
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
 
 class CurveBuilder:
-    """Takes values chunk by chunk, in bounded memory, and gives an `Intensity`.
+    """Builder of an `Intensity` from chunks of values, in bounded memory.
 
-    What is long goes to temporary files that vanish with the last use of the curve. NaN is missing
-    data: it becomes gaps, from the last known value to the next one.
+    Long arrays are stored in temporary files, which are deleted after the last use of the curve.
+    NaN means missing data and becomes gaps, from the last known value to the next one.
 
     Parameters
     ----------
     dtype : type
-        How values are kept, `np.float32` or `np.float64`; times are float64.
+        Type of the stored values, `np.float32` or `np.float64`; times are float64.
 
     Examples
     --------
@@ -57,23 +57,23 @@ class CurveBuilder:
 
     @property
     def count(self) -> int:
-        """How many values have come."""
+        """Number of values so far."""
         return self._values.count + self._leading
 
     def append(self, values: ArrayLike, time_s: ArrayLike | None = None) -> None:
-        """Take the next values: all of a chunk, or none.
+        """Append the next values.
 
         Parameters
         ----------
         values : array_like (n,)
             In any unit; NaN is missing.
         time_s : array_like (n,) or None
-            Their times, s; for every chunk or for none.
+            Times of the values, s, for every chunk or for none.
 
         Raises
         ------
         InputError
-            Infinite or too large values, times that don't increase; the line names the point.
+            Infinite or too large values, times that do not increase; the message names the point.
         OutputError
             The temporary folder is full.
 
@@ -97,11 +97,11 @@ class CurveBuilder:
             self._known = float(chunk[int(np.argmin(missing))])
             require_values(np.array([self._known]), first + int(np.argmin(missing)))
             waiting, self._leading = self._leading, 0
-            while waiting:  # nothing was known yet: the first known value stands for it
+            while waiting:  # leading missing values become the first known value
                 some = min(waiting, CHUNK)
                 self._put(np.full(some, self._known))
                 waiting -= some
-        if missing.any():  # the last known value stands for a missing one
+        if missing.any():  # missing values become the last known value
             held = np.maximum.accumulate(np.where(missing, -1, np.arange(len(chunk))))
             chunk = np.where(held < 0, self._known, chunk[np.maximum(held, 0)])
         require_values(chunk, first)
@@ -147,7 +147,7 @@ class CurveBuilder:
             self._times.append(times)
 
     def _record_gaps(self, missing: NDArray[np.bool_], first: int) -> None:
-        """Note runs of missing values as (last known index, next known index); -1 = none yet."""
+        """Record runs of missing values as (last known index, next known index); -1 = none yet."""
         edges = np.flatnonzero(np.diff(missing, prepend=self._open is not None)) + first
         for edge in edges.tolist():
             if self._open is None:
@@ -168,13 +168,13 @@ class CurveBuilder:
         Parameters
         ----------
         step_s : float or None
-            Seconds from value to value, where no times were given.
+            Time between values, s, if they have no times.
         first_s : float
-            Of the first value, s, where no times were given.
+            Time of the first value, s, if they have no times.
         unit : str
-            What the values are, for a person.
+            Unit of the values.
         percentiles : (float, float)
-            As `Intensity` takes them.
+            Percentiles for scaling, as in `Intensity`.
 
         Returns
         -------
@@ -184,7 +184,7 @@ class CurveBuilder:
         Raises
         ------
         InputError
-            No value at all; no times and no step, or both.
+            No value, or not exactly one of times and step.
 
         Examples
         --------
@@ -203,14 +203,14 @@ class CurveBuilder:
             time_s: Times = self._times.finish()
         else:
             assert step_s is not None
-            time_s = EvenTimes(len(value), step_s, first_s)
+            time_s = RegularTimes(len(value), step_s, first_s)
         points = Points(time_s, value)
         points.__dict__["levels"] = self._pyramid.finish()
         self._built = Intensity.checked(points, unit, percentiles)
         return self._built
 
     def gaps(self, duration_s: float) -> Gaps:
-        """Find where values were missing, once finished.
+        """Return the gaps without values, after `finish`.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What a timeline holds, in words and as data."""
+"""Reports of the content of a timeline, as text and as data for JSON."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ _GAPS_SHOWN = 5
 
 
 def describe(timeline: Timeline, *, events: bool = False) -> str:
-    """Return lines on title, span, start, curve, events, gaps, provenance and notes.
+    """Return a report of title, span, start, curve, events, gaps, provenance and notes.
 
-    With `events`, a line on each event follows.
+    With `events`, one line per event follows.
     """
     return "\n".join(_lines(timeline, events))
 
 
 def describe_json(timeline: Timeline, *, events: bool = False) -> dict[str, Any]:
-    """Return the same as data for JSON: finite numbers, text, lists."""
+    """Return the report as data for JSON: finite numbers, texts and lists."""
     curve = timeline.intensity
     report: dict[str, Any] = {
         "title": timeline.title,
@@ -66,7 +66,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
     yield f"events   {len(timeline.events)}{': ' if kinds else ''}{kinds}"
     if timeline.details:
         counts = ", ".join(f"{n} {kind}" for kind, n in _counts(timeline.details).items())
-        yield f"details  {len(timeline.details)}: {counts}; felt in windows"
+        yield f"details  {len(timeline.details)}: {counts}; shown in windows"
     yield f"gaps     {_gaps(timeline)}"
     if timeline.provenance:
         yield f"from     {timeline.provenance}"
@@ -81,7 +81,7 @@ def _lines(timeline: Timeline, events: bool) -> Iterator[str]:
             name = f"{event.kind}:{numbers[event.kind]}"
             weight = f"  (weight {event.weight:g})" if event.weight != 1.0 else ""
             at = _moment(timeline, event.time_s)
-            yield f"{at:>12}  {name:<{width + 4}}  {event.words}{weight}".rstrip()
+            yield f"{at:>12}  {name:<{width + 4}}  {event.display_label}{weight}".rstrip()
 
 
 def _counts(events: tuple[Event, ...]) -> dict[str, int]:

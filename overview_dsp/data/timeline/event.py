@@ -1,9 +1,7 @@
-"""An event, and events in order.
+"""Events, sorted events, and names of the heart rhythms in labels.
 
-What the rhythms of WFDB annotation files are called, for who reads a label.
-
-Codes: those of PhysioBank's databases (mitdb, afdb, vfdb, cudb, ltafdb),
-https://archive.physionet.org/physiobank/annotations.shtml. A rhythm holds until the next one.
+Rhythm codes are those of PhysioBank's databases (mitdb, afdb, vfdb, cudb, ltafdb),
+https://archive.physionet.org/physiobank/annotations.shtml. A rhythm lasts until the next one.
 """
 
 from __future__ import annotations
@@ -11,12 +9,13 @@ from __future__ import annotations
 import re
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
+from operator import attrgetter
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
 
 KIND = "rhythm"
-"""The kind of the events whose labels hold such a code."""
+"""Kind of events whose labels contain a rhythm code."""
 
 RHYTHMS: dict[str, str] = {
     "N": "normal rhythm",
@@ -45,43 +44,43 @@ RHYTHMS: dict[str, str] = {
     "VFL": "ventricular flutter",
     "VT": "ventricular tachycardia",
 }
-"""Code, without the bracket that opens it, and its name."""
+"""Names of rhythm codes, without the opening bracket."""
 
 _CODE = re.compile(r"rhythm \((\w+)\)?")
 
 
-def rhythm_words(label: str) -> str:
-    """Return the name of the rhythm that a label codes, `rhythm (AFIB`; any other as it is.
+def rhythm_name(label: str) -> str:
+    """Return the name of the rhythm for a label like `rhythm (AFIB`, other labels unchanged.
 
-    A code that is in no table stays, without the bracket that nothing closes.
+    Unknown codes are kept without the opening bracket.
     """
     found = _CODE.fullmatch(label)
     return label if found is None else RHYTHMS.get(found[1], f"rhythm {found[1]}")
 
 
 MAX_EVENTS = 500_000
-"""Most events of a file: some hundred times what a hand can distinguish, and 400 MB."""
+"""Maximum number of events of a file: they take 400 MB."""
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happens at one moment.
+    """An event at one moment of a timeline.
 
     Parameters
     ----------
     time_s : float
         Seconds from the timeline's start, finite, >= 0.
     kind : str
-        What it is, for a preset to look up: 1 to 64 characters of a-z, 0-9 and _ (`near_miss`).
+        Event kind, defined by a preset: 1 to 64 characters of a-z, 0-9 and _ (`near_miss`).
     label : str
-        Words for a person.
+        Text for display.
     weight : float
-        How strong, relative to others of its kind; finite, > 0, 1 = ordinary.
+        Strength relative to other events of the kind; finite, > 0, 1 = ordinary.
 
     Raises
     ------
     InputError
-        A value outside these ranges; the line begins with the field's name.
+        A value out of range; the message begins with the name of the field.
 
     Examples
     --------
@@ -107,12 +106,12 @@ class Event:
         object.__setattr__(self, "weight", weight)
 
     @property
-    def words(self) -> str:
-        """The label as a person reads it: a rhythm's name where the data have its code, `(AFIB`."""
-        return rhythm_words(self.label) if self.kind == KIND else self.label
+    def display_label(self) -> str:
+        """Label for display: the name of a rhythm instead of its code, `(AFIB`."""
+        return rhythm_name(self.label) if self.kind == KIND else self.label
 
     def moved(self, time_s: float) -> Event:
-        """Move this event to another time, which is not checked.
+        """Return this event at another time, which is not validated.
 
         Parameters
         ----------
@@ -122,7 +121,7 @@ class Event:
         Returns
         -------
         Event
-            The same but for its time.
+            The event at that time.
 
         Examples
         --------
@@ -135,12 +134,12 @@ class Event:
 
 
 def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
-    """Return events by time, equal times in the order given.
+    """Return events sorted by time; events of equal time keep their order.
 
     Raises
     ------
     InputError
-        One is after the end, or has the time, kind and label of another.
+        An event is after the end, or has the same time, kind and label as another.
     """
     if not isinstance(events, tuple | list) or not all(isinstance(e, Event) for e in events):
         raise InputError(f"events is {shown(events)}; give a tuple of Event")
@@ -156,19 +155,15 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
         key = (event.time_s, event.kind, event.label)
         if key in seen:
             raise InputError(
-                f"the {event.kind} at {event.time_s!r} s with label {shown(event.label)} is "
-                "there twice; remove one, or give them different labels"
+                f"the {event.kind} at {event.time_s!r} s with label {shown(event.label)} "
+                "is repeated; remove one, or give them different labels"
             )
         seen.add(key)
     return ordered
 
 
 def cut_events(events: tuple[Event, ...], start: float, end: float) -> tuple[Event, ...]:
-    """Return those from `start` to `end`, both included, on a time axis that begins at `start`."""
-    first = bisect_left(events, start, key=_time_s)
-    stop = bisect_right(events, end, key=_time_s)
+    """Return the events from `start` to `end`, inclusive, on a time axis that begins at `start`."""
+    first = bisect_left(events, start, key=attrgetter("time_s"))
+    stop = bisect_right(events, end, key=attrgetter("time_s"))
     return tuple(event.moved(event.time_s - start) for event in events[first:stop])
-
-
-def _time_s(event: Event) -> float:
-    return event.time_s

@@ -15,12 +15,12 @@ Gaps = tuple[tuple[float, float], ...]
 
 
 def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
-    """Return gaps by their start.
+    """Return gaps sorted by start.
 
     Raises
     ------
     InputError
-        One isn't a pair 0 <= start < end <= duration_s, or two overlap.
+        A gap is not a pair 0 <= start < end <= duration_s, or two gaps overlap.
     """
     hint = "a gap is (start_s, end_s) with 0 <= start < end <= duration"
     if not isinstance(gaps, tuple | list):
@@ -49,21 +49,21 @@ def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
 
 
 def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
-    """Return why each gap has no data, in the order of the sorted gaps; none where none is known.
+    """Return the reasons of gaps in the order of the sorted gaps, empty if none is known.
 
     Parameters
     ----------
     reasons
-        A text for each of the `gaps`, or nothing.
+        A text for each of the `gaps`, or an empty tuple.
     gaps
-        As they were given, checked already.
+        Validated gaps in their original order.
 
     Raises
     ------
     InputError
-        Not texts, not as many as gaps.
+        A reason is not a text, or there is not one for each gap.
     """
-    hint = 'give one text a gap, "" where it isn\'t known'
+    hint = 'give one text per gap, "" if it is unknown'
     if not isinstance(reasons, tuple | list):
         raise InputError(f"gap_reasons is {shown(reasons)}, not a list; {hint}")
     texts = [validation.text(reason, f"gap_reasons[{i}]") for i, reason in enumerate(reasons)]
@@ -80,7 +80,7 @@ def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
     if not gaps:
         return np.zeros(at.shape, dtype=np.bool_)
     starts, ends = np.array(gaps, dtype=np.float64).T
-    # the last gap that starts before a time is the only one that can hold it
+    # only the last gap that starts before a time can contain it
     index = np.searchsorted(starts, at, side="left") - 1
     return np.asarray((index >= 0) & (at < ends[index]), dtype=np.bool_)
 
@@ -88,20 +88,20 @@ def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
 def cut_gaps(
     gaps: Gaps, reasons: tuple[str, ...], start: float, end: float
 ) -> tuple[Gaps, tuple[str, ...]]:
-    """Return what of gaps and reasons lies from `start` to `end`, on a time axis from there."""
+    """Return gaps and reasons from `start` to `end`, on a time axis that begins at `start`."""
     kept: list[tuple[float, float]] = []
     why: list[str] = []
     for i, (low, high) in enumerate(gaps):
         part = (max(low, start) - start, min(high, end) - start)
-        # also where rounding leaves nothing of one
+        # rounding may make a gap empty
         if low < end and high > start and part[0] < part[1]:
             kept.append(part)
             why.append(reasons[i] if reasons else "")
     return tuple(kept), tuple(why) if any(why) else ()
 
 
-def cut_until(until_s: float | None, start: float, end: float) -> float | None:
-    """Return up to where the part from `start` to `end` has happened; None where it all has."""
-    if until_s is None or until_s >= end:
+def cut_until(known_until_s: float | None, start: float, end: float) -> float | None:
+    """Return the end of the known part from `start` to `end`, None if all of it is known."""
+    if known_until_s is None or known_until_s >= end:
         return None
-    return max(until_s - start, 0.0)
+    return max(known_until_s - start, 0.0)

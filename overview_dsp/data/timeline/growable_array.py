@@ -1,7 +1,4 @@
-"""A row of numbers that grows chunk by chunk, in memory while it is short and on disk when long.
-
-Rows that come block by block, in one array of them all.
-"""
+"""Arrays that grow by chunks: one-dimensional ones, on disk when long, and tables in memory."""
 
 from __future__ import annotations
 
@@ -15,11 +12,11 @@ from numpy.typing import DTypeLike, NDArray
 from overview_dsp.errors import OutputError
 
 SPILL_BYTES = 32 * 1024 * 1024
-"""A longer row goes to a temporary file, which is gone as soon as nobody uses it (or is killed)."""
+"""Maximum size in memory; a longer array is stored in a temporary file, deleted after use."""
 
 
 class Store:
-    """Grows by `append`; `finish` returns the whole as a read-only array or memory map."""
+    """Array that grows by `append`; `finish` returns it as a read-only array or memory map."""
 
     def __init__(self, dtype: type[np.float32] | type[np.float64]) -> None:
         self._dtype = np.dtype(dtype)
@@ -71,7 +68,7 @@ class Store:
 
 
 class GrowableArray:
-    """An array (rows, columns) to add to; what is reserved in time is never copied again."""
+    """An array (rows, columns) to add to; reserved rows are never copied again."""
 
     def __init__(self, columns: int, dtype: DTypeLike, reserved: int) -> None:
         """Space for `reserved` rows; it grows when more are added."""
@@ -89,11 +86,11 @@ class GrowableArray:
         if columns is None:
             added[:] = rows
         else:
-            # no other mode writes to its place at once; every column is there
+            # the only mode without a temporary copy; all columns exist
             rows.take(columns, axis=1, out=added, mode="clip")
         self._count = end
 
     @property
     def rows(self) -> NDArray[Any]:
-        """Those there are: the same memory."""
+        """Rows so far, as a view of the memory."""
         return self._table[: self._count]

@@ -1,11 +1,10 @@
-"""An intensity curve over time, and which of its values are felt as 0 and as 1.
+"""Intensity curve over time, and its scaling to 0 and 1.
 
-Of a long curve, many points fall on one position of the surface. Their mean is felt, so that noise
-isn't taken for level. A peak that the mean would lose is kept, at its full height: where the
-largest value of a position stands out of the means around it by far more than is usual in the part
-shown (the median plus three times what the upper fiftieth lies above it), and by at least a
-fiftieth of what the part spans. It is widened to a thousandth of the surface, since nothing
-narrower is felt.
+Many points of a long curve fall on one position of the surface, which gets their mean, so that
+noise does not raise the level. Peaks keep their full height. A peak is a maximum that exceeds the
+means around it by more than usual in the window (the median plus three times the distance of the
+98th percentile from it), and by at least a fiftieth of the range of the window. It is widened to a
+thousandth of the surface, the narrowest width that is perceived.
 """
 
 from __future__ import annotations
@@ -18,53 +17,53 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.data.timeline.gaps import Gaps, in_gap
-from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
-from overview_dsp.data.timeline.samples import (
-    EvenTimes,
+from overview_dsp.data.timeline.curve_points import (
     Points,
+    RegularTimes,
     Times,
-    as_given,
     checked_percentiles,
     float_points,
+    read_only_view,
     require_increasing,
     require_values,
 )
+from overview_dsp.data.timeline.gaps import Gaps, in_gap
+from overview_dsp.data.timeline.minmax_pyramid import CHUNK, Values
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
 EXTREMES = (0.0, 100.0)
-"""Percentiles of the smallest and the largest value."""
+"""Percentiles of minimum and maximum."""
 
 
 def _same_times(one: Times, other: Times) -> bool:
-    if isinstance(one, EvenTimes) and isinstance(other, EvenTimes):
+    if isinstance(one, RegularTimes) and isinstance(other, RegularTimes):
         return one == other
     return np.array_equal(one, other)
 
 
 SAMPLED = 1 << 14
-"""A long curve's percentiles are those of so many of its values, spread evenly and at random."""
+"""Number of random samples from which percentiles of a long curve are computed."""
 
 
 RARE = 0.98
-"""Peaks are fewer than this leaves: more would lie too close together to be felt apart."""
+"""Percentile of the excess over the surrounding means, as a fraction; peaks are above it."""
 
 STANDS_OUT = 3.0
-"""So many times further than the usual spread: noise of any common kind doesn't."""
+"""Minimum excess of a peak, as a multiple of the usual spread, above common noise."""
 
 MATTERS = 0.02
-"""A peak stands out by at least this part of what the part shown spans."""
+"""Minimum excess of a peak, as a fraction of the range of the window."""
 
 SOME = 7
-"""What is usual is measured at every so many positions."""
+"""Step between the positions at which the usual excess is measured."""
 
 WIDENED = 1.0 / 2048.0
-"""Part of the positions on either side of a peak that get its height: a thousandth in all."""
+"""Width to which a peak is extended on either side, as a fraction of the surface."""
 
 
 def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is felt at each position, shape (n,), of the means and the largest values there."""
+    """Return the value at each position, shape (n,), from means and maxima there."""
     around = mean.copy()
     np.maximum(around[1:], mean[:-1], out=around[1:])
     np.maximum(around[:-1], mean[1:], out=around[:-1])
@@ -86,36 +85,36 @@ def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[n
     return np.maximum(mean, kept)
 
 
-__all__ = ["EXTREMES", "LONG", "Intensity", "Part"]
+__all__ = ["EXTREMES", "LONG", "CurveWindow", "Intensity"]
 
 LONG = 65_536
-"""A curve of more points isn't copied, and a surface shows it by runs of points."""
+"""Number of points above which a curve is not copied, and is reduced to runs of points."""
 
 
 @dataclass(frozen=True, eq=False)
 class Intensity:
-    """A curve over time, straight between its points; a single point is a constant.
+    """A curve over time, linear between its points; a single point is a constant.
 
-    Arrays are copied to float64 and made read-only. With `EvenTimes` the values are kept as they
-    are given (float32 or float64, a memory map too): don't change them afterwards. A series too
-    long for memory is built in chunks by `CurveBuilder`.
+    Arrays are copied to float64 and made read-only. With `RegularTimes` the values are not copied
+    (float32 or float64, or a memory map): do not change them afterwards. For series too long for
+    memory, use `CurveBuilder`.
 
     Parameters
     ----------
-    time_s : array_like (n,) or EvenTimes
+    time_s : array_like (n,) or RegularTimes
         Seconds, n >= 1, finite, >= 0, strictly increasing.
     value : array_like (n,)
         Finite, magnitude up to 1e300, in any unit.
     unit : str
-        What the values are, for a person.
+        Unit of the values.
     percentiles : (float, float)
-        Which percentiles of the values become 0 and 1 when the curve is scaled, 0 <= low < high
-        <= 100; values beyond them are clipped there, and only there.
+        Percentiles of the values that become 0 and 1 in scaling, 0 <= low < high <= 100. Values
+        beyond them are clipped in scaling only.
 
     Raises
     ------
     InputError
-        Anything else; the line names the first bad place (`intensity.time_s[5]`).
+        A wrong value; the message names the first location (`intensity.time_s[5]`).
 
     Examples
     --------
@@ -130,9 +129,9 @@ class Intensity:
     percentiles: tuple[float, float] = EXTREMES
 
     def __post_init__(self) -> None:
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             time_s: Times = self.time_s
-            value = as_given(self.value, "intensity.value")
+            value = read_only_view(self.value, "intensity.value")
         else:
             time_s = float_points(self.time_s, "intensity.time_s")
             value = float_points(self.value, "intensity.value")
@@ -147,7 +146,7 @@ class Intensity:
                 "intensity has no points; give two or more, or one for a constant, "
                 "or leave the intensity out"
             )
-        if not isinstance(time_s, EvenTimes):
+        if not isinstance(time_s, RegularTimes):
             require_increasing(time_s)
         for start in range(0, len(value), CHUNK):
             require_values(np.asarray(value[start : start + CHUNK]), start)
@@ -159,14 +158,14 @@ class Intensity:
     def checked(
         cls, points: Points, unit: str = "", percentiles: tuple[float, float] = EXTREMES
     ) -> Self:
-        """Make a curve of points that were checked already, which are not copied.
+        """Return a curve of points that are already validated, without copying them.
 
         Parameters
         ----------
         points : Points
-            Of another curve, or of a `CurveBuilder`.
+            Points of another curve, or of a `CurveBuilder`.
         unit : str
-            What the values are, for a person.
+            Unit of the values.
         percentiles : (float, float)
             As in the constructor.
 
@@ -207,48 +206,48 @@ class Intensity:
 
     @property
     def count(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         return len(self.value)
 
     @property
     def first_s(self) -> float:
-        """The first point's time, s."""
+        """Time of the first point, s."""
         return float(self.time_s[0])
 
     @property
     def last_s(self) -> float:
-        """The last point's time, s."""
+        """Time of the last point, s."""
         return float(self.time_s[-1])
 
     @property
     def is_constant(self) -> bool:
-        """Whether it is a curve of one point, which has that value at all times."""
+        """True for a curve of one point, whose value applies at all times."""
         return self.count == 1
 
     @cached_property
     def points(self) -> Points:
-        """The points, however many, with what was worked out of them."""
+        """Points of the curve, with cached results."""
         return Points(self.time_s, self.value)
 
     @property
     def _shift(self) -> float:
-        """What to add to a time of this curve for the time of its points."""
+        """Offset from the time axis of this curve to that of its points, s."""
         return 0.0
 
     @property
     def _between(self) -> tuple[int, int]:
-        """The first point's index and the last one's + 1."""
+        """Index of the first point, and of the last one + 1."""
         return 0, self.count
 
     def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
-        """Find the values that become 0 and 1: the percentiles of the known points.
+        """Return the values that become 0 and 1: the percentiles of the known points.
 
-        Where those are equal (more than half of a rainfall is 0), the smallest and the largest.
+        If they are equal (most values of rainfall are 0), minimum and maximum are used.
 
         Parameters
         ----------
         known : bool (n,)
-            Which points count.
+            True for points that count.
 
         Returns
         -------
@@ -268,12 +267,12 @@ class Intensity:
         return (low, high) if low < high else (float(value.min()), float(value.max()))
 
     def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
-        """Find the values that become 0 and 1 of a long curve, without looking at all points.
+        """Return the values of a long curve that become 0 and 1, without reading all points.
 
         Parameters
         ----------
         gaps : tuple of (float, float)
-            Spans (start_s, end_s) whose points don't count, unless all points lie in them.
+            Spans (start_s, end_s) whose points do not count, unless they contain all points.
 
         Returns
         -------
@@ -303,7 +302,7 @@ class Intensity:
         return self.points.picked(index)
 
     def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """The stretches of points (first, stop) that lie in no gap; all, if there are none."""
+        """Return the runs of points (first, stop) outside of gaps, or all points without any."""
         first, stop = self._between
         starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
         inside = np.clip(self.points.first_after(starts), first, stop)
@@ -315,7 +314,7 @@ class Intensity:
         return (firsts[some], stops[some]) if some.any() else (np.array([first]), np.array([stop]))
 
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Look up the curve: straight between points, exact at them.
+        """Evaluate the curve, linear between its points.
 
         Parameters
         ----------
@@ -325,8 +324,8 @@ class Intensity:
         Returns
         -------
         float64 (n,)
-            In the curve's unit; 0 before the first point, after the last and for NaN. A constant
-            has its value everywhere.
+            Values; 0 before the first point, after the last one, and for NaN. A constant has its
+            value everywhere.
 
         Examples
         --------
@@ -339,10 +338,10 @@ class Intensity:
         return self._filled(times, None)
 
     def along(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Look up the curve at evenly spaced times, each of which stands for those nearest to it.
+        """Evaluate the curve at evenly spaced times, each for the points nearest to it.
 
-        Where the curve has up to 65 536 points this is `at`; where it has more, what is felt of the
-        points nearest to each time: their mean, and a peak at its full height.
+        For up to 65 536 points this is `at`. For more points, it is the mean of the points nearest
+        to each time, with peaks at their full height.
 
         Parameters
         ----------
@@ -380,9 +379,9 @@ class Intensity:
     def band(
         self, times: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Look up what a picture shows at evenly spaced times: the span of the points, their mean.
+        """Return minimum, mean and maximum at evenly spaced times, for a picture.
 
-        Each time stands for the points nearest to it; where there are none, all three are `at`.
+        Each time represents the points nearest to it; without any, all three are `at`.
 
         Parameters
         ----------
@@ -392,8 +391,7 @@ class Intensity:
         Returns
         -------
         tuple of float64 (n,)
-            The smallest, the mean and the largest, in the curve's unit; NaN before the first point
-            and after the last.
+            Minimum, mean and maximum; NaN before the first point and after the last one.
 
         Examples
         --------
@@ -418,7 +416,7 @@ class Intensity:
         return low, mean, high
 
     def cut(self, start: float, end: float) -> Intensity | None:
-        """Cut out a part; its ends are interpolated, so it has the same value at the same moment.
+        """Return a window of the curve, with interpolated ends.
 
         Parameters
         ----------
@@ -428,8 +426,7 @@ class Intensity:
         Returns
         -------
         Intensity or None
-            On an axis that begins at `start`, a view where the points are many; None if it is
-            empty.
+            Curve on a time axis that begins at `start`, a view for many points; None if empty.
 
         Examples
         --------
@@ -440,13 +437,13 @@ class Intensity:
         if self.is_constant:
             return replace(self, time_s=np.zeros(1), value=np.asarray(self.value, np.float64))
         low, high = max(start, self.first_s), min(end, self.last_s)
-        if low >= high:  # a single shared point would turn into a constant
+        if low >= high:  # a single point would become a constant
             return None
         shift = self._shift
         first = int(self.points.first_after(np.array([low + shift]))[0])
         stop = int(self.points.first_from(np.array([high + shift]))[0])
         if stop - first > LONG:
-            return Part(self, start, low, high)
+            return CurveWindow(self, start, low, high)
         inner = self.points.times_of(np.arange(first, stop)) - shift
         times = np.concatenate(([low], inner, [high]))
         shifted = times - start
@@ -477,10 +474,10 @@ class Intensity:
         return f"<Intensity: {counted(self.count, 'point')}, {span}{unit}>"
 
 
-class Part(Intensity):
-    """A part of a long curve, on an axis that begins at `start`: a view of the same points.
+class CurveWindow(Intensity):
+    """A window of a long curve, on a time axis that begins at `start`: a view of the same points.
 
-    `low` and `high` are its ends on the axis of `whole`; there it is interpolated.
+    `low` and `high` are its interpolated ends on the axis of `whole`.
     """
 
     _start: float
@@ -505,34 +502,34 @@ class Part(Intensity):
 
     @property
     def time_s(self) -> NDArray[np.float64]:
-        """The times of the points and of the two ends, made when asked for."""
+        """Times of the points and of the two ends, computed on request."""
         inner = self.points.times_of(np.arange(*self._inner)) - self._start
         return np.concatenate((self._ends_s[:1], inner, self._ends_s[1:]))
 
     @property
     def value(self) -> NDArray[np.float64]:
-        """The values of the points and of the two ends, made when asked for."""
+        """Values of the points and of the two ends, computed on request."""
         low, high = self.points.interpolate(self._bounds)
         first, stop = self._inner
         return np.concatenate(([low], self.points.value[first:stop], [high]))
 
     @property
     def count(self) -> int:
-        """How many points there are, with the ends."""
+        """Number of points, including the ends."""
         return self._inner[1] - self._inner[0] + 2
 
     @property
     def first_s(self) -> float:
-        """Where it begins."""
+        """Time of the beginning, s."""
         return self._ends_s[0]
 
     @property
     def last_s(self) -> float:
-        """Where it ends."""
+        """Time of the end, s."""
         return self._ends_s[1]
 
     def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
-        """As for the whole; a steep end counts as a point."""
+        """Return the values that become 0 and 1; the ends count as points."""
         low, high = super().scale_outside(gaps)
         if self.percentiles != EXTREMES:
             return low, high
@@ -541,7 +538,7 @@ class Part(Intensity):
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
 
     def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        # what a zoom has touched stays in memory for the next step
+        # pages stay in memory for the next zoom step
         return self.points.value[index].astype(np.float64)
 
     @property
@@ -558,7 +555,7 @@ class Part(Intensity):
 
 
 def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The number of points at or before each of `times`, which are evenly spaced."""
+    """Return the number of points at or before each of evenly spaced times."""
     last = len(times) - 1
     begins = np.ceil(np.clip((points_s - times[0]) / (times[1] - times[0]), 0.0, last))
     begins = begins.astype(np.int64)

@@ -1,7 +1,7 @@
-"""The smallest, the mean and the largest of ever longer runs of a long row of values.
+"""Pyramid of minimum, mean and maximum over runs of a long array, for fast zooming.
 
-Level k has one bin for every `BIN * RATIO**k` values. It is built once, in one pass; then any
-number of bins of any width are computed without looking at all values again.
+Level k has one bin for every `BIN * RATIO**k` values. It is built once, in one pass. Then bins of
+any width are computed without reading all values again.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ Values = NDArray[np.floating[Any]]
 """float32 or float64."""
 
 BIN = 16
-"""Values in a bin of the lowest level: three sixteenths of the values' own size on top of it."""
+"""Values per bin of the lowest level; its size is three sixteenths of the values."""
 
 RATIO = 4
-"""Bins of one level in a bin of the next."""
+"""Bins of one level per bin of the next."""
 
 FEW = 1024
 """The highest level has fewer bins than this."""
 
 CHUNK = 1 << 20
-"""Values looked at at a time."""
+"""Values read at a time."""
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """Bins of `width` values: smallest, mean and largest, shape (bins,); the last may be short."""
+    """Minimum, mean and maximum of bins of `width` values, shape (bins,); the last may be short."""
 
     width: int
     low: Values
@@ -41,7 +41,7 @@ class Level:
 
 
 class PyramidBuilder:
-    """Builds the levels from values in chunks."""
+    """Builder of the levels from chunks of values."""
 
     def __init__(self, dtype: type[np.float32] | type[np.float64]) -> None:
         self._dtype = dtype

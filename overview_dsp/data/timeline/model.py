@@ -1,6 +1,6 @@
-"""The one Timeline every reader produces: events, an intensity curve, gaps, and where they're from.
+"""Timeline, the result of every reader: events, intensity curve, gaps and provenance.
 
-All values are checked on construction, so that whoever holds a `Timeline` need not check again.
+All values are validated on construction, so that no other code has to validate them.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
-from overview_dsp.data.timeline.fine_events import Rules, ranks, window_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
-from overview_dsp.data.timeline.page import timeline_page
-from overview_dsp.data.timeline.ticks import Half, halves_of, part_ticks
+from overview_dsp.data.timeline.notebook import timeline_page
+from overview_dsp.data.timeline.ticks import Half, halves_of, window_ticks
+from overview_dsp.data.timeline.window_events import Rules, ranks, window_events
 from overview_dsp.errors import InputError, shown
-from overview_dsp.public import counted, dataframe, drawn, short
+from overview_dsp.public import counted, dataframe, plot_with, short
 from overview_dsp.units import clock_text, span_text
 
 if TYPE_CHECKING:
@@ -36,48 +36,46 @@ __all__ = ["Event", "Intensity", "Timeline"]
 
 @dataclass(frozen=True)
 class Timeline:
-    """What happened, in order, and how intense it was. All values are checked on construction.
+    """Events in order of time, and an intensity curve. All values are validated on construction.
 
     Parameters
     ----------
     title : str
-        Words for a person.
+        Title for display.
     duration_s : float
         Length in seconds, finite, > 0. Every time lies in [0, duration_s].
     events : tuple of Event
-        In any order; kept sorted by time, those of equal time in the order given. Two events of
-        the same time, kind and label are an error; a foul and its card at one time are not.
+        Events in any order; they are sorted by time, and keep their order at equal times. Two
+        events with equal time, kind and label are an error.
     intensity : Intensity or None
-        The curve. Either events or an intensity must be there.
+        Intensity curve. Events or an intensity are required.
     gaps : tuple of (float, float)
-        Spans (start_s, end_s) without data, start < end, not overlapping; kept sorted. Inside a
-        gap the curve counts as missing, points that lie in it too.
+        Spans (start_s, end_s) without data, start < end, not overlapping; they are sorted. Points
+        of the curve inside a gap do not count.
     provenance : str
-        Where the data are from and what was derived from what.
+        Origin of the data, and of derived values.
     notes : tuple of str
-        What a person should know about them (warnings of the reader).
+        Messages about the data for the user.
     start : datetime or None
-        The calendar moment of time 0, with or without a time zone; None where there is none (a
-        match clock).
+        Calendar moment of time 0, with or without a time zone; None for a clock (of a match).
     details : tuple of Event
-        Smaller things (a match's passes); kept sorted. They are felt in a `window`, the weightiest
-        first, as many as a hand can tell apart.
+        Minor events (passes of a match); they are sorted. A `window` shows as many of them as can
+        be distinguished, by falling weight.
     gap_reasons : tuple of str
-        Why there are no data, a text for each of the gaps, `""` where it isn't known; empty where
-        none is.
+        Reasons of the gaps, one text per gap, `""` if unknown; empty if none is known.
     rules : object or None
-        What finds the events of a part of a series (set by the readers of series).
+        Rules for the events of windows of a series (set by readers of series).
     signal : Intensity or None
-        The recording that the curve was found in (an ECG, where the curve is a heart's rate): drawn
-        below it, not felt, and not in files.
-    until_s : float or None
-        Up to where it has happened, of one that is still growing; the rest is the future, which
-        has a surface of its own. None where all has happened.
+        Recording from which the curve was derived (an ECG for a heart rate). It is drawn below the
+        curve, but is not on the surface and not in files.
+    known_until_s : float or None
+        End of the known part of a growing timeline, s. The rest is the future, which has its own
+        surface. None if all of it is known.
 
     Raises
     ------
     InputError
-        A broken invariant, in one line that names it.
+        A wrong value, with a message of one line.
 
     See Also
     --------
@@ -103,7 +101,7 @@ class Timeline:
     gap_reasons: tuple[str, ...] = ()
     rules: Rules | None = field(default=None, compare=False, repr=False)
     signal: Intensity | None = field(default=None, compare=False, repr=False)
-    until_s: float | None = None
+    known_until_s: float | None = None
 
     def __post_init__(self) -> None:
         validation.text(self.title, "title")
@@ -115,7 +113,7 @@ class Timeline:
         notes = tuple(validation.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
         validation.moment(self.start, duration_s)
-        object.__setattr__(self, "until_s", validation.until(self.until_s, duration_s))
+        object.__setattr__(self, "known_until_s", validation.until(self.known_until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
         with validation.located("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
@@ -152,24 +150,24 @@ class Timeline:
         return dict(Counter(event.kind for event in self.events))
 
     def event(self, kind: str, number: int) -> Event:
-        """Find the n-th event of a kind.
+        """Return the n-th event of a kind.
 
         Parameters
         ----------
         kind : str
-            Of the event.
+            Event kind.
         number : int
-            From 1, in time order.
+            Number from 1, in order of time.
 
         Returns
         -------
         Event
-            That one.
+            The event.
 
         Raises
         ------
         InputError
-            No event of that kind, or not so many; the line says which and how many there are.
+            There are no or too few events of that kind; the message has the number.
 
         Examples
         --------
@@ -191,7 +189,7 @@ class Timeline:
 
     @cached_property
     def scale(self) -> tuple[float, float]:
-        """The value of the curve that is felt as 0, and how much above it as 1."""
+        """Value of the curve that becomes 0, and its distance to the value that becomes 1."""
         if self.intensity is None:
             return 0.0, 0.0
         curve = self.intensity
@@ -205,7 +203,7 @@ class Timeline:
         return (0.0, 1.0) if as_is else (low, high - low)
 
     def intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Look up the curve, straight between its points and exact at them.
+        """Evaluate the curve, linear between its points.
 
         Parameters
         ----------
@@ -215,9 +213,9 @@ class Timeline:
         Returns
         -------
         float64
-            Of that shape, in the curve's unit. 0 where there is no curve: before the first point
-            and after the last, inside a gap (its ends excluded), for a timeline without intensity,
-            and for NaN. A curve of one point has that value over the whole timeline.
+            Values of that shape; 0 before the first point and after the last one, inside a gap
+            (without its ends), for a timeline without intensity, and for NaN. A curve of one point
+            has its value over the whole timeline.
 
         Examples
         --------
@@ -229,11 +227,11 @@ class Timeline:
         return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
 
     def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
-        """Look up the curve on a scale of 0 to 1.
+        """Evaluate the curve, scaled to 0 to 1.
 
-        If all points (outside gaps) lie within [0, 1] already, values are taken as they are, a
-        constant too. Otherwise the smallest becomes 0 and the largest 1, and a constant curve 0. A
-        curve with percentiles of its own is scaled by these, always, and clipped beyond them.
+        If all points outside of gaps are within [0, 1], values are not scaled. Otherwise the
+        minimum becomes 0 and the maximum 1; a constant becomes 0. A curve with its own percentiles
+        is always scaled by them, and clipped.
 
         Parameters
         ----------
@@ -243,7 +241,7 @@ class Timeline:
         Returns
         -------
         float64
-            Of that shape, 0 to 1; 0 where there is no curve, as `intensity_at`.
+            Values of that shape, 0 to 1; 0 without a curve, as in `intensity_at`.
 
         Examples
         --------
@@ -256,26 +254,25 @@ class Timeline:
         low, span = self.scale
         if span == 0.0:
             return np.zeros(at.shape, dtype=np.float64)
-        # clipped first: a span may be so small that what lies beyond it overflows
+        # clipped first, since division by a very small span could overflow
         scaled = np.clip(self._curve_at(flat) - low, 0.0, span) / span
         return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
 
     def normalised_levels(self, steps: int) -> NDArray[np.float64]:
-        """Look up the curve on a scale of 0 to 1 at even moments from the start to the end.
+        """Evaluate the curve, scaled to 0 to 1, at evenly spaced times from start to end.
 
-        For a surface: each moment stands for those nearest to it. Where the curve has few points
-        this is `normalised_intensity_at`; where many points fall on one moment, what is felt of
-        them.
+        This is for a surface: each time represents the points nearest to it. For few points, it is
+        `normalised_intensity_at`; for many points, see `Intensity.along`.
 
         Parameters
         ----------
         steps : int
-            Into how many equal parts the timeline is cut.
+            Number of equal parts of the timeline.
 
         Returns
         -------
         float64 (steps + 1,)
-            0 to 1; anything in between inside a gap.
+            Values, 0 to 1; arbitrary inside a gap.
 
         Examples
         --------
@@ -299,7 +296,7 @@ class Timeline:
         return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
 
     def _has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return where the curve covers `at`, shape (n,)."""
+        """Return whether the curve has data at each time, shape (n,)."""
         if self.intensity is None:
             return np.zeros(at.shape, dtype=np.bool_)
         first, last = self.intensity.first_s, self.intensity.last_s
@@ -309,16 +306,13 @@ class Timeline:
         return np.asarray(covered, dtype=np.bool_)
 
     def window(self, start_s: float, end_s: float) -> Timeline:
-        """Cut out a part as a timeline of its own, which starts at 0.
+        """Return a window as a new timeline, which starts at 0.
 
-        Events at the two ends belong to it. It carries ticks of the calendar or the clock, and is
-        filled up with what rules find in it (a series' turning points, moves and crossings) and
-        with details, the weightiest first, up to what a hand can tell apart: as one zooms about an
-        event, the number of events doesn't fall until the data has no more. The curve is cut with
-        interpolated end points, so it has the same value at the same moment; gaps are cut likewise.
-        A part in
-        which nothing is known (no event, no curve) becomes a flat curve of 0 with a note, since its
-        emptiness is what a hand should feel. The title stays; a note names the part.
+        It includes events at both ends. It is filled up with ticks of calendar or clock, with
+        events found by rules (for a series) and with details, by falling weight, up to the number
+        that can be distinguished. So zooming in never reduces the number of events, unless all are
+        shown. The curve has interpolated ends. A window without events and curve gets a constant
+        curve of 0 and a note. The title is kept, and a note names the window.
 
         Parameters
         ----------
@@ -328,12 +322,12 @@ class Timeline:
         Returns
         -------
         Timeline
-            The part.
+            The window.
 
         Raises
         ------
         InputError
-            A window that is empty or outside the timeline.
+            The window is empty or outside of the timeline.
 
         Examples
         --------
@@ -342,7 +336,7 @@ class Timeline:
         50.0
         """
         start, end = self.require_window(start_s, end_s)
-        given = cut_events(self._given, start, end)
+        own_events = cut_events(self._own_events, start, end)
         details = cut_events(self.details, start, end)
         first = bisect_left(self.details, start, key=lambda event: event.time_s)
         rank = self._ranks[first : first + len(details)]
@@ -350,21 +344,24 @@ class Timeline:
         moment = self.start + timedelta(seconds=start) if self.start is not None else None
         from_s = self._from_s + start
         events = window_events(
-            given,
-            part_ticks(moment, from_s, end - start, self._halves),
+            own_events,
+            window_ticks(moment, from_s, end - start, self._halves),
             rules.found(end - start) if rules is not None else (),
             [details[i] for i in np.argsort(rank)],
             end - start,
         )
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
-        notes = (*self.notes, f"the part from {self.moment_text(start)} to {self.moment_text(end)}")
-        if not given and not details and intensity is None:
+        notes = (
+            *self.notes,
+            f"the window from {self.moment_text(start)} to {self.moment_text(end)}",
+        )
+        if not own_events and not details and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
-            notes = (*notes, "nothing happens in this part: no event, no curve")
+            notes = (*notes, "this window has no event and no curve")
         gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
-        part = object.__new__(Timeline)  # a part of what was checked
-        part.__dict__.update(
+        window = object.__new__(Timeline)  # without validating again
+        window.__dict__.update(
             title=self.title,
             duration_s=end - start,
             events=events,
@@ -377,16 +374,16 @@ class Timeline:
             details=details,
             rules=rules,
             signal=self.signal.cut(start, end) if self.signal is not None else None,
-            until_s=cut_until(self.until_s, start, end),
-            _given=given,
+            known_until_s=cut_until(self.known_until_s, start, end),
+            _own_events=own_events,
             _ranks=rank,
             _from_s=from_s,
             _halves=self._halves,
         )
-        return part
+        return window
 
     def moment_text(self, time_s: float) -> str:
-        """Write a moment for a person: its date where there is a calendar, else a clock.
+        """Return a moment as text for display: a date with a calendar, else a clock.
 
         Parameters
         ----------
@@ -409,7 +406,7 @@ class Timeline:
         return moment.isoformat(sep=" ", timespec="seconds")
 
     def require_window(self, start_s: float, end_s: float) -> tuple[float, float]:
-        """Check a window's ends.
+        """Validate the ends of a window.
 
         Parameters
         ----------
@@ -419,7 +416,7 @@ class Timeline:
         Returns
         -------
         (float, float)
-            The same.
+            Start and end.
 
         Raises
         ------
@@ -441,23 +438,23 @@ class Timeline:
         return start, end
 
     def to_dataframe(self, part: Literal["events", "curve"] = "events") -> DataFrame:
-        """Give the events, or the curve, as a pandas DataFrame, a row each.
+        """Return the events, or the curve, as a pandas DataFrame, one per row.
 
         Parameters
         ----------
         part : {"events", "curve"}
-            Which of the two.
+            Content of the table.
 
         Returns
         -------
         pandas.DataFrame
-            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. Where the
-            timeline has a calendar, `moment` too.
+            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. With
+            a calendar, also `moment`.
 
         Raises
         ------
         InputError
-            Another part, or pandas isn't installed.
+            Another `part`, or pandas isn't installed.
 
         Examples
         --------
@@ -492,39 +489,39 @@ class Timeline:
         Returns
         -------
         matplotlib.figure.Figure
-            As in the paper's figure 4; a notebook shows it.
+            Figure like the paper's figure 4.
 
         Examples
         --------
         >>> ov.load_timeline("world-cup-final-2018").plot().savefig("match.png")
         """
-        return drawn("offline.plots.timeline", "plot_timeline", self)
+        return plot_with("offline.plots.timeline", "plot_timeline", self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a few words, and the curve."""
+        """Return the display in a notebook: a summary and the curve."""
         begin = "" if self.start is None else self.moment_text(0.0)
         return timeline_page(self, begin)
 
-    # --- what a part carries, in place of these, from the whole it was cut from
+    # --- values that a window takes from its whole timeline instead
 
     @cached_property
-    def _given(self) -> tuple[Event, ...]:
-        """The events of the whole, without those that a window found."""
+    def _own_events(self) -> tuple[Event, ...]:
+        """Events of the whole timeline, without those added to a window."""
         return self.events
 
     @cached_property
     def _ranks(self) -> NDArray[np.int64]:
-        """In which order the details are taken into a window."""
+        """Ranks of the details for selection into windows."""
         return ranks(self.details)
 
     @cached_property
     def _from_s(self) -> float:
-        """Where on the whole this begins, s."""
+        """Beginning on the whole timeline, s."""
         return 0.0
 
     @cached_property
     def _halves(self) -> tuple[Half, ...]:
-        """Those of the whole, where it is a match."""
+        """Halves of the whole timeline, if it is a match."""
         return halves_of(self.events)
 
     def __repr__(self) -> str:

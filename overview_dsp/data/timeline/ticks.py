@@ -1,11 +1,10 @@
-"""Ticks of the calendar or of the clock: where one is on a timeline, or in a part of it.
+"""Ticks of calendar or clock on a timeline, or in a window of it.
 
-Those of a whole timeline are the finest of century, decade, year, month, week, day, hour, quarter
-of an hour and minute that give at most `MOST_TICKS`; one that begins a coarser span too is a tick
-of that (1 January: `year`), but weeks stay weeks. Timelines without a calendar get days, hours and
-so on from their beginning. A part has finer steps too, down to a microsecond, so that hardly a part
-is without a tick; they are those of the whole's calendar or clock, or the minutes of its match, as
-on the board: `45+2` for added time.
+The ticks of a timeline are the finest of century, decade, year, month, week, day, hour, quarter of
+an hour and minute with at most `MOST_TICKS`. A tick that also begins a coarser span has the kind of
+that span (1 January: `year`), except weeks. Without a calendar, days, hours and so on count from
+the beginning. Windows have finer steps, too, down to a microsecond, on the calendar or clock of the
+timeline. In a match, they are its minutes as displayed, with `45+2` for added time.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from functools import partial
 from overview_dsp.data.timeline.event import Event
 
 MOST_TICKS = 26
-"""Most ticks: a mark every four hundredths of a turn can still be counted."""
+"""Maximum number of ticks that can still be counted by touch."""
 
 KINDS = (
     "century", "decade", "year", "month", "week", "day", "hour", "quarter_hour", "minute", "second",
@@ -33,7 +32,7 @@ _SPANS = (("day", _DAY_S), ("hour", 3600.0), ("quarter_hour", 900.0), ("minute",
 _CALENDAR_S = {
     "week": 604_800.0, "month": 2.63e6, "year": 3.156e7, "decade": 3.156e8, "century": 3.156e9,
 }  # fmt: skip
-"""Spans whose ticks aren't a whole number of steps from midnight, and about how long they are."""
+"""Spans of the calendar without fixed length, and their approximate length."""
 
 _MONTHS_IN = {"month": 1, "year": 12, "decade": 120, "century": 1200}
 _WHOLE_S = (60.0, 900.0, 3600.0, _DAY_S)
@@ -52,10 +51,10 @@ _MONTHS = (
 _MINUTES = ((0, 45), (45, 90), (90, 105), (105, 120))
 _HALF_NAMES = ("first half", "second half", "extra time", "extra time, second half")
 _SHORT_S = 120.0
-"""A half as listed may be shorter than it should by so much."""
+"""Tolerance for the length of a half, s."""
 
 _LATE_S = 60.0
-"""A match begins so soon on its timeline."""
+"""Latest beginning of a match on its timeline, s."""
 
 _MATCH_KINDS = frozenset({"goal", "own_goal", "near_miss", "yellow_card", "red_card", "foul"})
 _MATCH_LABELS = ("kick-off", "half-time")
@@ -63,7 +62,7 @@ _MATCH_LABELS = ("kick-off", "half-time")
 
 @dataclass(frozen=True)
 class Half:
-    """One half: where it is on the timeline, s, and from and to which minute it goes."""
+    """Half of a match: its span on the timeline, s, and its first and last minute."""
 
     begin_s: float
     end_s: float
@@ -73,30 +72,29 @@ class Half:
 
     @property
     def nominal_s(self) -> float:
-        """Where its added time begins, s."""
+        """Beginning of the added time, s."""
         return self.begin_s + 60.0 * (self.last - self.first)
 
-    def minute_text(self, minutes: int, begun: bool = False) -> str:
-        """Write so many minutes after its beginning as the board does: `62`, `90+3`.
+    def minute_text(self, minutes: int, has_seconds: bool = False) -> str:
+        """Return the minute as displayed in a match: `62`, `90+3`.
 
-        One more has `begun` where seconds follow: 30 s after minute 45 it is `45+0`, which minute
-        45 of the next half isn't.
+        With `has_seconds`, seconds follow: 30 s after minute 45 of the first half is `45+0:30`.
         """
         minute = self.first + minutes
-        added = minute > self.last or (begun and minute == self.last)
+        added = minute > self.last or (has_seconds and minute == self.last)
         return f"{self.last}+{minute - self.last}" if added else str(minute)
 
 
 def halves_of(events: Sequence[Event]) -> tuple[Half, ...]:
-    """Return the halves of a whole match; none where its events (by time) don't say.
+    """Return the halves of a whole match, empty if its sorted events do not define them.
 
-    They lie between its events of the kind `period`: two, three or four, of their full length.
+    They are between its events of kind `period`: two, three or four, of full length.
     """
     periods = [event for event in events if event.kind == "period"]
     if not any(e.kind in _MATCH_KINDS for e in events) and not any(
         e.label in _MATCH_LABELS for e in periods
     ):
-        return ()  # a school's periods
+        return ()  # not a match
     edges = sorted({event.time_s for event in periods})
     if not 2 <= len(edges) - 1 <= len(_MINUTES) or edges[0] > _LATE_S:
         return ()
@@ -115,28 +113,28 @@ def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
     Parameters
     ----------
     start
-        The moment of time 0 (its own clock counts, whatever zone it is in), or None.
+        Moment of time 0, whose local time counts, or None.
     duration_s
         Length in s.
     """
     return _chosen(_WHOLE_S, start, 0.0, duration_s)
 
 
-def part_ticks(
+def window_ticks(
     start: datetime | None, from_s: float, duration_s: float, halves: Sequence[Half] = ()
 ) -> tuple[Event, ...]:
-    """Return the ticks strictly inside a part of a timeline, on an axis that begins with the part.
+    """Return the ticks strictly inside a window, on a time axis that begins with it.
 
     Parameters
     ----------
     start
-        The moment at which the part begins, or None where there is no calendar.
+        Moment at which the window begins, None without a calendar.
     from_s
-        Where the part begins on the whole timeline, s: what ticks without a calendar count from.
+        Beginning of the window on the timeline, s; ticks without a calendar count from 0.
     duration_s
-        Length of the part, s.
+        Length of the window, s.
     halves
-        Those of a match, on the whole timeline: its minutes are the ticks then.
+        Halves of a match on the timeline, whose minutes become ticks.
     """
     if halves and start is None:
         return _finest(
@@ -159,7 +157,7 @@ def _chosen(
 def _finest(
     ticks_of: Iterable[tuple[float, Callable[[], Iterable[Event]]]], duration_s: float
 ) -> tuple[Event, ...]:
-    """The finest ticks that are few enough, of pairs of a step (s, about) and what makes them."""
+    """Return the finest ticks that are few enough, from pairs of approximate step and function."""
     for step_s, make in ticks_of:
         if duration_s / step_s <= MOST_TICKS + 2 and len(found := tuple(make())) <= MOST_TICKS:
             return found
@@ -169,7 +167,7 @@ def _finest(
 def _even(
     step_s: float, start: datetime | None, from_s: float, duration_s: float
 ) -> Iterator[Event]:
-    """Ticks at whole numbers of steps from midnight, or from the beginning of the whole."""
+    """Yield ticks at whole numbers of steps from midnight, or from the beginning."""
     step_us = round(step_s * _US)
     event: Callable[[int, float], Event]
     if start is None:
@@ -212,7 +210,7 @@ def _of_half(half: Half, step_s: float, from_s: float, duration_s: float) -> Ite
             return
         if time_s > 0.0:
             minutes, rest = divmod(at_us, 60 * _US)
-            shown = half.minute_text(minutes, begun=bool(rest))
+            shown = half.minute_text(minutes, has_seconds=bool(rest))
             if rest:
                 yield Event(time_s, "second", f"{shown}:{_seconds(rest)}")
             else:
@@ -245,9 +243,9 @@ def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
 
 
 def _begins(unit: str, start: datetime) -> Iterator[datetime]:
-    """Where the spans after a start begin, up to the calendar's end."""
+    """Yield the beginnings of spans after a start, up to the end of the calendar."""
     months = _MONTHS_IN.get(unit)
-    # not before the calendar's first day, which was a Monday
+    # not before the first day of the calendar, a Monday
     monday = datetime(start.year, start.month, start.day) - timedelta(days=start.weekday())
     try:
         for count in itertools.count(1):
@@ -261,7 +259,7 @@ def _begins(unit: str, start: datetime) -> Iterator[datetime]:
 
 
 def _dated_kind(unit: str, at: datetime) -> str:
-    """The coarsest span that begins here, years at the most for months; weeks stay weeks."""
+    """Return the coarsest span that begins here, for months at most a year."""
     if unit == "decade" and at.year % 100 == 0:
         return "century"
     if unit == "month" and at.month == 1:
@@ -270,7 +268,7 @@ def _dated_kind(unit: str, at: datetime) -> str:
 
 
 def _kind(step_s: float, at: datetime) -> str:
-    """The coarsest span that begins here, at a tick of a day or less."""
+    """Return the coarsest span that begins here, for ticks of a day or less."""
     if (at.hour, at.minute, at.second, at.microsecond) == (0, 0, 0, 0):
         if at.day == 1:
             return "year" if at.month == 1 else "month"

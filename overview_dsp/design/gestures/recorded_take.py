@@ -35,7 +35,7 @@ from typing import Any
 
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Change
 from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
 CHANGES = ("set", "preset", "window", "timeline", "pattern")
@@ -63,7 +63,7 @@ def save_document(
         **about,
         "changes": [{"sample": sample, **what} for sample, what in changes],
     }
-    with whole_file(path.with_suffix(".json")) as temporary:
+    with atomic_file(path.with_suffix(".json")) as temporary:
         text = json.dumps(document, ensure_ascii=False, allow_nan=False)
         temporary.write_text(text, encoding="utf-8")
 

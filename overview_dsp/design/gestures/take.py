@@ -19,7 +19,7 @@ from overview_dsp import validation
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Gesture
 from overview_dsp.design.gestures.recorded_take import Beside, load_beside
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
 ROUNDED_RAD = 1e-5
@@ -210,7 +210,7 @@ def save_gesture(gesture: Gesture, path: str | Path) -> None:
     _, theta2, touching = events[-1] if events else (0.0, 0.0, False)
     if not events or events[-1][0] < gesture.duration_s:
         events.append((np.float64(gesture.duration_s), theta2, touching))
-    with whole_file(path) as temporary, open(temporary, "w", newline="") as file:
+    with atomic_file(path) as temporary, open(temporary, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         for time_s, theta2, touching in events:

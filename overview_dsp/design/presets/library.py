@@ -58,7 +58,7 @@ def own_names() -> tuple[str, ...]:
     ('mine',)
     >>> del os.environ["OVERVIEW_PRESETS"]
     """
-    return LIBRARY.own
+    return LIBRARY.user
 
 
 def preset_path(name: str | Path) -> Path:

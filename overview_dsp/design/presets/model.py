@@ -20,7 +20,7 @@ from overview_dsp.design.presets.parameters import (
 )
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
-from overview_dsp.public import changed_fields, counted, drawn, short
+from overview_dsp.public import changed_fields, counted, plot_with, short
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -428,7 +428,7 @@ class Preset:
         --------
         >>> ov.load_preset("plain").plot().savefig("plain.png")
         """
-        return drawn("measure.pictures", "plot_preset", self)
+        return plot_with("measure.pictures", "plot_preset", self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: what it is like, and its kinds."""

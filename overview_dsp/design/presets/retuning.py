@@ -12,7 +12,7 @@ from overview_dsp.design.presets.library import load_preset, parse_own, preset_p
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.validation import SCHEMA, migrated
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.toml import SUFFIX, read_text
 
 DIGITS = 4
@@ -94,7 +94,7 @@ def save_retuned(
     before, place = load_preset(name), Path(path)
     text = retuned_text(preset_path(name), changes, before)
     made = parse_own(text, place)
-    with whole_file(place) as temporary:
+    with atomic_file(place) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return place, made
 

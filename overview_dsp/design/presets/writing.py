@@ -16,7 +16,7 @@ from overview_dsp.design.presets.parameters import (
     SECTIONS,
 )
 from overview_dsp.design.presets.validation import SCHEMA
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 
 def preset_toml(preset: Preset) -> str:
@@ -88,7 +88,7 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     """
     target = validation.path(path, "a preset's file")
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    with whole_file(target) as temporary:
+    with atomic_file(target) as temporary:
         temporary.write_text(preset_toml(preset), encoding="utf-8", newline="\n")
     return target
 

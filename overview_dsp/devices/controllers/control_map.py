@@ -291,7 +291,7 @@ def _read(
             with located(f"control {number}: "):
                 found = checked(model, entry)
                 if isinstance(found, list):
-                    raise InputError(found[0].words)
+                    raise InputError(found[0].message)
                 control = make(found)
                 if control.key in controls:
                     raise InputError(f"{control.key[0]!r} is there twice")

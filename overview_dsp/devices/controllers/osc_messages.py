@@ -44,6 +44,7 @@ from overview_dsp.devices.sensors.angles import Angle, angle_of
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.units import HALF_TURN
 
 NAME = "device"
@@ -93,9 +94,6 @@ class OscDevice:
         return [] if turn is None else [Turned(NAME, turn.theta2)]
 
 
-HINT = "OSC needs python-osc: pip install 'overview-dsp[osc]'"
-
-
 def require_osc() -> None:
     """Raise OverviewError, which says what to install, if there is no python-osc.
 
@@ -104,7 +102,7 @@ def require_osc() -> None:
     try:
         import pythonosc  # noqa: F401
     except ImportError:
-        raise OverviewError(HINT) from None
+        raise OverviewError(f"OSC needs python-osc: {install_command('osc')}") from None
     root = logging.getLogger()
     if _is_ours not in root.filters:
         root.addFilter(_is_ours)

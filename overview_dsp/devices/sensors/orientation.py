@@ -9,6 +9,7 @@ import numpy as np
 
 from overview_dsp.devices.sensors.units import GRAVITY, Vector
 from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
 
 GRAVITY_TAU_S = 0.02
 """Each of the two poles that smooth gravity where there is no gyroscope."""
@@ -73,7 +74,7 @@ class ByTurning:
             from vqf import VQF
         except ImportError:
             raise InputError(
-                "a gyroscope needs the filter VQF: pip install 'overview-dsp[sensors]', or give "
+                f"a gyroscope needs the filter VQF: {install_command('sensors')}, or give "
                 "sensor=FILE.toml with angular_velocity.use = false to go by gravity alone"
             ) from None
         self._filter: Any = VQF(period_s, biasClip=HIGHEST_BIAS_DEG_S)

@@ -19,7 +19,7 @@ from overview_dsp.data.feeds.sources import (
     Stream,
     pcm_blocks,
 )
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewError
 
 FORMS = (

@@ -11,7 +11,7 @@ from typing import Any
 import platformdirs
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.live.output import settings as pad_output
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
 from overview_dsp.signal.actuators.calibration import apply_calibration
@@ -75,7 +75,7 @@ def save_settings(device: str, settings: OutputSettings) -> None:
     }
     path = settings_file()
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
 
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from overview_dsp.devices.sensors.packets import as_wit_packets
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
-HINT = "Bluetooth sensors need bleak: pip install 'overview-dsp[ble]'"
 FIND_WITHIN_S = 10.0
 MAX_WAITING = 1000
 """Notifications."""
@@ -27,7 +27,7 @@ def _import_bleak() -> Any:
     try:
         import bleak
     except ImportError:
-        raise OverviewError(HINT) from None
+        raise OverviewError(f"Bluetooth sensors need bleak: {install_command('ble')}") from None
     return bleak
 
 

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
-HINT = "MIDI needs python-rtmidi or rtmidi2: pip install 'overview-dsp[midi]'"
 MAX_WAITING = 4096
 QUEUED = 1024
 SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
@@ -92,7 +92,9 @@ def _library() -> tuple[Any, Iterable[int]]:
         try:
             import rtmidi2
         except ImportError:
-            raise OverviewError(HINT) from None
+            raise OverviewError(
+                f"MIDI needs python-rtmidi or rtmidi2: {install_command('midi')}"
+            ) from None
         return rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
     return rtmidi, rtmidi.get_compiled_api()
 

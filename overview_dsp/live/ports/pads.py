@@ -7,9 +7,9 @@ from typing import Any
 
 from overview_dsp.devices.sensors.pads import LENGTHS, TRUE_UNITS, framed
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import Port, PortLostError
 
-HINT = "game pads need hidapi: pip install 'overview-dsp[pads]'"
 LONGEST = 512
 AT_MOST = 64
 """Reports of a read."""
@@ -43,7 +43,7 @@ def _import_hid() -> Any:
         try:
             import hid
         except ImportError:
-            raise OverviewError(HINT) from None
+            raise OverviewError(f"game pads need hidapi: {install_command('pads')}") from None
         return hid
     return hidraw
 

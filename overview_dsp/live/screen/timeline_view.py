@@ -129,7 +129,7 @@ class TimelineView(Widget):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(where), width)] = mark
         shown = self._player.shown
-        until = shown.until_s
+        until = shown.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [
@@ -230,7 +230,7 @@ def place_words(player: Player, cursor: float) -> str:
     for span, event in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:
             there = player.shown.events[event]
-            return f"{words}  {there.kind} {there.words}".rstrip()
+            return f"{words}  {there.kind} {there.display_label}".rstrip()
     return words
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from overview_dsp.data.feeds.difference import difference
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.moments import Zoom
+from overview_dsp.data.timeline.time_expressions import Zoom
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair

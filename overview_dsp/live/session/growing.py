@@ -147,10 +147,10 @@ class Growing:
         """Hand over what lies ahead of the disk and of who holds it, and nothing else."""
         under, holder = self._window, self._engine.active_input
         grows = self.live.map == "whole" and snapshot is not under.timeline
-        if not grows or holder is None or under.timeline.until_s is None:
+        if not grows or holder is None or under.timeline.known_until_s is None:
             return
         place = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + AHEAD
-        happened = under.timeline.until_s / under.timeline.duration_s
+        happened = under.timeline.known_until_s / under.timeline.duration_s
         refused = self._refused
         tried = refused is not None and refused[0] is snapshot and place >= refused[1] - AHEAD
         if tried or place >= happened + AHEAD:
@@ -191,7 +191,7 @@ class Growing:
             strength = _strength(preset, event)
             if strength < least:
                 continue
-            words = f"{event.kind.replace('_', ' ')} {event.words}".strip()
+            words = f"{event.kind.replace('_', ' ')} {event.display_label}".strip()
             at = clock_text(event.time_s)
             if change.what == "retracted":
                 self._say(f"taken back: {words} at {at}")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.readers.cardiac.build import About, heart_timeline
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline import Event, Timeline
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)

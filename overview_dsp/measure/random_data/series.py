@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.data.analysis.loudness import STEPS_PER_S, Steps
 from overview_dsp.data.readers.audio.reader import MAPS, timeline_of
-from overview_dsp.data.readers.series.series import series_of
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.series.series_reader import series_timeline
 from overview_dsp.data.readers.tables.memory import table_of
 from overview_dsp.data.timeline import Timeline
 
@@ -108,7 +108,7 @@ def _timeline_of(
     days: NDArray[np.datetime64], values: NDArray[np.float64], header: str, title: str
 ) -> Timeline:
     table = replace(table_of({"Date": days, header: values}), kind="random")
-    return series_of(table, LoadOptions(), title)
+    return series_timeline(table, LoadOptions(), title)
 
 
 CROWD_LENGTH_S = (180.0, 720.0)

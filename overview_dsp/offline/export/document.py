@@ -83,7 +83,7 @@ def _validated(model: type[Document], data: Any, context: str) -> Document | lis
     if not isinstance(found, list):
         return found
     # tables of TOML are objects in JSON
-    return [re.sub("table$", "object", fault.words) for fault in found]
+    return [re.sub("a table$", "an object", fault.message) for fault in found]
 
 
 def validate(model: type[Part], data: Any) -> list[str]:

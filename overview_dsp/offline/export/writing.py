@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
 from overview_dsp.offline.export.clip import Clip, PerceptualError, clip_of, perceptual_error
@@ -31,7 +31,7 @@ Played = dict[str, NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class ExportResult:
-    """Result of `export`.
+    """RenderResult of `export`.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ def export(
     Parameters
     ----------
     result : RenderResult
-        Result of `render`, with trace.
+        RenderResult of `render`, with trace.
     to : str
         One of `formats()`.
     path : str or path
@@ -190,7 +190,7 @@ def export(
     written: list[Path] = []
     for suffix, data in files.items():
         place = stem.with_name(stem.name + suffix) if written else target
-        with whole_file(place) as temporary:
+        with atomic_file(place) as temporary:
             temporary.write_bytes(data)
         written.append(place)
     players = {name: perceptual_error(level, clip.level) for name, level in played.items()}

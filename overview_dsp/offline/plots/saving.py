@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import require_writable, whole_file
+from overview_dsp.files.atomic import atomic_file, require_writable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def _picture_suffix(path: str | os.PathLike[str]) -> str:
 
 
 def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure to a file (`PICTURES`); errors as in `whole_file`."""
+    """Write a figure to a file (`PICTURES`); errors as in `atomic_file`."""
     import matplotlib
 
     # no date and fixed ids, so that the same figure gives the same bytes
@@ -39,7 +39,7 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
     suffix = _picture_suffix(path)
     with (
         matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
-        whole_file(path) as temporary,
+        atomic_file(path) as temporary,
     ):
         figure.savefig(temporary, dpi=150, metadata=metadata[suffix])
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 from overview_dsp.signal.engine.memory_reader import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
@@ -59,7 +59,7 @@ class PassedEvent:
     @property
     def text(self) -> str:
         """Description such as `goal, 2-1 Mbappe, strong`."""
-        label = " ".join(self.event.words.split())
+        label = " ".join(self.event.display_label.split())
         named = [self.event.kind.replace("_", " "), *([label] if label else [])]
         return ", ".join([*named, self.strength])
 
@@ -171,7 +171,7 @@ def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[PassedEvent]],
 def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str]) -> None:
     """Write passed events in the format of the file's suffix."""
     text = writer_of(path)(passed)
-    with whole_file(Path(path)) as temporary:
+    with atomic_file(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
@@ -218,7 +218,9 @@ def transcript(
     lines = []
     for i in sorted(kept):
         event, below = passed[i].event, round(passed[i].below_db)
-        words = event.kind.replace("_", " ") + (f", {event.words}" if event.words else "")
+        words = event.kind.replace("_", " ") + (
+            f", {event.display_label}" if event.display_label else ""
+        )
         words += "" if touched[i] else ", on the way back"
         level = f"{below} dB below the strongest" if below else "the strongest"
         lines.append(f"{passed[i].time_s:.2f} s: {words}, at {passed[i].moment}, {level}")

@@ -25,7 +25,7 @@ from overview_dsp.data.timeline.growable_array import GrowableArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.sound import Sounding
+from overview_dsp.files.sound import SavableSound
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.offline.rendering.offline import join_strikes
@@ -85,7 +85,7 @@ class RenderJob:
 
 
 @dataclass(frozen=True, eq=False)
-class RenderedJob(Sounding, Generic[Traced]):
+class RenderedJob(SavableSound, Generic[Traced]):
     """A rendered job.
 
     Attributes

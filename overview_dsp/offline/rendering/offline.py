@@ -23,13 +23,13 @@ from overview_dsp.design.gestures.take import load_gesture
 from overview_dsp.design.presets.library import fitting_preset, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.files.sound import Sounding
+from overview_dsp.files.sound import SavableSound
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.offline.rendering.event_log import transcript
 from overview_dsp.offline.rendering.notebook import Row, result_page
 from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreached
 from overview_dsp.offline.rendering.trace import Trace, Traced, TraceWriter
-from overview_dsp.public import counted, drawn, short
+from overview_dsp.public import counted, plot_with, short
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage, ProtectionReport, warn_of_carrier
 from overview_dsp.signal.engine.engine import Engine
@@ -64,8 +64,8 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class RenderResult(Sounding, Generic[Traced]):
-    """Rendered gesture, which notebooks display as a player with curves.
+class RenderResult(SavableSound, Generic[Traced]):
+    """RenderFileResult gesture, which notebooks display as a player with curves.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class RenderResult(Sounding, Generic[Traced]):
         if self.trace is None:
             raise InputError("the result has no trace to plot; render with trace=True")
         title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
-        return drawn(
+        return plot_with(
             "offline.plots.strokes", "plot_strokes", [("", self)], self.engine.timeline, title
         )
 
@@ -332,7 +332,7 @@ def join_strikes(parts: list[Strikes]) -> Strikes:
 
 @dataclass(frozen=True)
 class RenderFileResult:
-    """Result of `render_to_file`.
+    """RenderResult of `render_to_file`.
 
     Attributes
     ----------

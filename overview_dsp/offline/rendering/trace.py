@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error, whole_file
+from overview_dsp.files.atomic import atomic_file, output_error
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.public import dataframe
 
@@ -158,7 +158,7 @@ class TraceWriter(contextlib.ExitStack):
             return self
         # after an error the inner stack removes the temporary files
         with contextlib.ExitStack() as stack:
-            self._target = stack.enter_context(whole_file(self._path))
+            self._target = stack.enter_context(atomic_file(self._path))
             with self._disk_errors():
                 if self._as_text:
                     self._columns = [stack.enter_context(open(self._target, "wb"))]

@@ -15,7 +15,7 @@ import platformdirs
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder, whole_file
+from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.signal.actuators.library import load_actuator, reference
 from overview_dsp.signal.actuators.model import MAX_CALIBRATION_DB, Actuator
 
@@ -164,7 +164,7 @@ def apply_calibration(name: str | Path) -> Actuator:
 def _write(thresholds: dict[str, Any]) -> None:
     path = calibration_file()
     make_folder(path.parent)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_text(json.dumps(thresholds, indent=1, ensure_ascii=False), encoding="utf-8")
 
 

@@ -61,7 +61,7 @@ def actuator_names() -> tuple[str, ...]:
     >>> "c2" in ov.actuators.names()
     True
     """
-    return (*LIBRARY.bundled, *LIBRARY.own)
+    return (*LIBRARY.bundled, *LIBRARY.user)
 
 
 def reference(actuator: Actuator) -> str:

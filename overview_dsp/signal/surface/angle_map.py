@@ -74,7 +74,7 @@ class AngleMap:
         ends = np.array([0.0, timeline.duration_s])
         made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
         share = preset.number(SHARE)
-        if share > 0.0 and timeline.until_s is None:
+        if share > 0.0 and timeline.known_until_s is None:
             times = [time_s for _, time_s in _separated_events(timeline)]
             points = np.concatenate((ends[:1], times, ends[1:]))
             gaps = np.diff(points)

@@ -110,9 +110,9 @@ def build_base_surface(
         # ribs stand out of the pattern too
         friction[missing] = ribbed * (ground + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
-    if timeline.until_s is not None:
+    if timeline.known_until_s is not None:
         heavy = number("surface.friction") * heaviness(number("surface.ambience"))
-        begun = rise(float(angle_map.position_of(timeline.until_s)), cells)
+        begun = rise(float(angle_map.position_of(timeline.known_until_s)), cells)
         friction += begun * (heavy - friction)
         friction[begun == 1.0] = heavy  # exact, so that an unchanged future is not sent to pages
         known[begun > 0.0] = 0.0
@@ -143,7 +143,8 @@ def _intensity(
     share = preset.number("surface.rank_share")
     curve = timeline.intensity
     if share > 0.0 and curve is not None and not curve.is_constant:
-        last = curve.last_s if timeline.until_s is None else min(curve.last_s, timeline.until_s)
+        until_s = timeline.known_until_s
+        last = curve.last_s if until_s is None else min(curve.last_s, until_s)
         times = np.linspace(0.0, timeline.duration_s, len(even))
         known = (times >= curve.first_s) & (times <= last) & ~in_gap(timeline.gaps, times)
         felt = mixed_with_rank(plain, even[known], share)

@@ -36,7 +36,7 @@ def check(study: str, levels: bool, as_json: bool) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def lists(study: str, out: str, as_json: bool) -> None:
     """Write each participant's trials in their order, a CSV file each."""
-    from overview_dsp.cli.extensions import whole_folder
+    from overview_dsp.cli.extensions import atomic_folder
     from overview_studies.checking import list_csv, list_name
     from overview_studies.design import load_design
     from overview_studies.folder import make_lists
@@ -44,7 +44,7 @@ def lists(study: str, out: str, as_json: bool) -> None:
 
     design = load_design(study)
     made = make_lists(design, items_of(design))
-    with whole_folder(out, list_name(1)) as folder:
+    with atomic_folder(out, list_name(1)) as folder:
         for one in made:
             (folder / list_name(one["list"])).write_text(list_csv(one), encoding="utf-8")
     show(as_json, {"folder": out, "lists": len(made)}, f"{out}: {len(made)} lists")

@@ -139,7 +139,7 @@ def test_what_a_timeline_cannot_hold_is_left_out_and_said(monkeypatch: pytest.Mo
     times[20] -= 0.3
     events, notes = beat_events(beats(times), ())
     assert [event.kind for event in events] == ["premature"]
-    assert "39 steady beats are no events" in notes[0]
+    assert "39 steady beats are left out" in notes[0]
     kinds = ["premature_atrial"] * 40
     events, notes = beat_events(beats(times, kinds), ())
     assert len(events) == 20

@@ -42,7 +42,7 @@ def test_each_kind_of_line_does_what_it_says():
     assert [event.kind for event in shown.details] == ["touch"]
     assert shown.intensity.count == 3
     assert (30.0, 40.0) in shown.gaps
-    assert (shown.duration_s, shown.until_s) == (5700.0, 100.0)
+    assert (shown.duration_s, shown.known_until_s) == (5700.0, 100.0)
     take_line(live, encode_line({"retract": 7}))
     take_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
     assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)

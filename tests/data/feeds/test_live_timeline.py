@@ -37,7 +37,7 @@ def test_a_match_that_is_told_is_what_the_reader_makes_of_as_much_of_the_file(na
             assert snapshot.events == read.events
             assert snapshot.intensity == read.intensity
             assert snapshot.gaps == ()
-            assert snapshot.until_s is None
+            assert snapshot.known_until_s is None
     assert live.ended
     assert live.snapshot() == match
 
@@ -119,11 +119,11 @@ def test_whatever_comes_each_snapshot_is_a_timeline_up_to_now(jobs):
         # one that is given again is the same object, and nothing else has changed
         assert (live.revision == before) == (shown is last)
         assert shown.duration_s >= live.now_s
-        happened = shown.duration_s if shown.until_s is None else shown.until_s
+        happened = shown.duration_s if shown.known_until_s is None else shown.known_until_s
         assert all(event.time_s <= happened for event in shown.events)
-        if shown.until_s is not None:
+        if shown.known_until_s is not None:
             assert not live.ended
-            assert shown.until_s == live.now_s
+            assert shown.known_until_s == live.now_s
 
 
 def test_a_retracted_event_stays_away_also_if_it_comes_late_or_again():
@@ -155,14 +155,14 @@ def test_a_corrected_event_replaces_the_one_of_its_name_and_a_repetition_brings_
 def test_the_whole_map_has_a_future_and_is_extended_when_play_goes_on():
     live = ov.LiveTimeline(expect_s=5700.0)
     live.append(events=[ov.Event(100.0, "goal")])
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5700.0, 100.0)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5700.0, 100.0)
     live.append(clock_s=5700.0)
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5700.0, None)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5700.0, None)
     live.append(clock_s=5701.0)
     assert live.snapshot().duration_s == pytest.approx(5985.0)
-    assert live.snapshot().until_s == 5701.0
+    assert live.snapshot().known_until_s == 5701.0
     live.end()
-    assert (live.snapshot().duration_s, live.snapshot().until_s) == (5701.0, None)
+    assert (live.snapshot().duration_s, live.snapshot().known_until_s) == (5701.0, None)
 
 
 def test_a_silent_stretch_of_a_feed_with_a_clock_is_a_gap_until_it_is_told():

@@ -12,7 +12,12 @@ from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.events.listing import are_kinds, kind_of
-from overview_dsp.data.readers.tables.column_roles import EXTRAS, KINDS, LABELS, TIMES
+from overview_dsp.data.readers.tables.column_names import (
+    EVENT_EXTRAS,
+    EVENT_KINDS,
+    EVENT_LABELS,
+    EVENT_TIMES,
+)
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.shapes import all_shapes
@@ -215,7 +220,9 @@ def test_a_changed_list_gives_a_timeline_or_two_lines(
 
 @relaxed
 @given(
-    names=st.lists(st.sampled_from((*TIMES, *KINDS, *LABELS, *EXTRAS, "x")), max_size=6),
+    names=st.lists(
+        st.sampled_from((*EVENT_TIMES, *EVENT_KINDS, *EVENT_LABELS, *EVENT_EXTRAS, "x")), max_size=6
+    ),
     cells=st.lists(
         st.sampled_from(("0:45", "goal", "x", "", "1", "08:30", '"', "2014-01-01", "9e9", "-3")),
         max_size=18,

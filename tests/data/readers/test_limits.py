@@ -18,9 +18,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.data.readers import load_timeline, opening, save_timeline, source
+from overview_dsp.data.readers import data_file, load_timeline, opening, save_timeline
+from overview_dsp.data.readers.data_file import MOST_DEPTH, extent
 from overview_dsp.data.readers.opening import packing
-from overview_dsp.data.readers.source import MOST_DEPTH, extent
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
 from tests.data.readers.statsbomb_match import full_match
@@ -75,7 +75,7 @@ PACKERS = {
 def test_a_sparse_file_of_10_gb_is_refused_before_it_is_read(text: str, tmp_path: Path) -> None:
     path = tmp_path / "big"
     # spaces: after them a file of holes is text as far as its head can tell
-    path.write_bytes(text.encode().ljust(source.HEAD_BYTES))
+    path.write_bytes(text.encode().ljust(data_file.HEAD_BYTES))
     os.truncate(path, 10 * 2**30)
     refused(
         path, r"big: 10240 MB, more than the 64 MB that are read; .*max_mb \(--read max-mb=MB\)"
@@ -101,7 +101,7 @@ def test_the_limit_of_size_is_lowered_and_raised_by_an_option(text: str, tmp_pat
 def test_a_large_file_is_read_with_the_option(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(source, "MAX_WHOLE_BYTES", 20)
+    monkeypatch.setattr(data_file, "MAX_WHOLE_BYTES", 20)
     (tmp_path / "x").write_text(NATIVE)
     refused(tmp_path / "x", "--read max-mb")
     assert load_timeline(tmp_path / "x", max_mb=1.0).duration_s == 9.0
@@ -128,7 +128,7 @@ def test_deep_json_is_refused_before_it_is_parsed(
     def parse(*_: object) -> object:
         raise AssertionError("parsed")
 
-    monkeypatch.setattr(source, "parse_json", parse)
+    monkeypatch.setattr(data_file, "parse_json", parse)
     (tmp_path / "deep").write_text(text)
     refused(
         tmp_path / "deep",
@@ -173,11 +173,9 @@ def test_the_depth_is_that_of_the_parsed_document(
             return 1 + max(map(depth, value.values()), default=0)
         return 1 + max(map(depth, value), default=0) if isinstance(value, list) else 0
 
-    from overview_dsp.data.readers import source
-
     text = json.dumps(document, ensure_ascii=ascii_only)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(source, "_JSON_CHUNK", chunk)
+        patch.setattr(data_file, "_JSON_CHUNK", chunk)
         assert extent(text).depth == depth(document)
 
 
@@ -292,9 +290,9 @@ def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
         (gzip.compress(NATIVE.encode(), mtime=0)[:-12], "cut off"),
         (
             gzip.compress(gzip.compress(NATIVE.encode(), mtime=0), mtime=0),
-            "holds another compressed file",
+            "contains another compressed file",
         ),
-        (gzip.compress(b"", mtime=0), "holds an empty file"),
+        (gzip.compress(b"", mtime=0), "contains an empty file"),
         (b"\x1f\x8b\x08\x00" + b"\x00" * 6 + b"\xff" * 30, "can't be unpacked"),
         (bz2.compress(NATIVE.encode())[:-12], "cut off"),
         (lzma.compress(NATIVE.encode())[:-12], "cut off|can't be unpacked"),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from overview_dsp.data.readers import FORMATS, Format, formats, load_timeline, source
+from overview_dsp.data.readers import FORMATS, Format, data_file, formats, load_timeline
 from overview_dsp.data.readers import registry as loading
 from overview_dsp.errors import InputError
 from tests.data.readers.statsbomb_match import full_match
@@ -66,7 +66,7 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", ["a\0b", "x" * 5000, None, 3, 3.5, load_timeline])
 def test_what_is_no_path_is_one_line(path: Any) -> None:
-    refused(path, "can't be read|neither a path")
+    refused(path, "can't be read|is not a path")
 
 
 def test_an_empty_file_is_one_line(tmp_path: Path) -> None:
@@ -116,7 +116,7 @@ def test_a_character_across_the_end_of_the_head_is_no_obstacle(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     content = "time_s,kind,label\n1,a,ü\n".encode()
-    monkeypatch.setattr(source, "HEAD_BYTES", content.index(b"\xc3") + 1)
+    monkeypatch.setattr(data_file, "HEAD_BYTES", content.index(b"\xc3") + 1)
     (tmp_path / "x").write_bytes(content)
     assert load_timeline(tmp_path / "x").events[0].label == "ü"
 
@@ -189,7 +189,7 @@ def test_a_file_without_permission_is_one_line(
     def deny(*_: object) -> None:
         raise PermissionError(13, "Permission denied")  # what open does for anyone but root
 
-    monkeypatch.setattr(source, "open", deny, raising=False)
+    monkeypatch.setattr(data_file, "open", deny, raising=False)
     refused(path, "locked: no permission to read it")
 
 
@@ -199,8 +199,8 @@ def test_a_file_too_large_is_refused_before_it_is_read(
     for content in (NATIVE, EVENT_LIST):
         with open(tmp_path / "big", "wb") as stream:
             stream.write(content.encode())
-            stream.truncate(source.MAX_WHOLE_BYTES + 1)  # sparse: takes no space
-        monkeypatch.setattr(source, "HEAD_BYTES", len(content))
+            stream.truncate(data_file.MAX_WHOLE_BYTES + 1)  # sparse: takes no space
+        monkeypatch.setattr(data_file, "HEAD_BYTES", len(content))
         refused(
             tmp_path / "big",
             r"big: 64 MB, more than the 64 MB that are read; .*\(--read max-mb=MB\)",
@@ -221,7 +221,7 @@ def test_a_name_that_is_not_utf8_is_printable(tmp_path: Path) -> None:
 
 def test_a_duration_is_taken_only_by_formats_that_lack_one(tmp_path: Path) -> None:
     (tmp_path / "x").write_text(NATIVE)
-    refused(tmp_path / "x", "native timeline .*duration_s can't be given", duration_s=5.0)
+    refused(tmp_path / "x", "native timeline .*duration_s does not apply", duration_s=5.0)
     (tmp_path / "x").write_text(EVENT_LIST)
     assert load_timeline(tmp_path / "x", duration_s=5.0).duration_s == 5.0
     for bad in (0.0, -1.0, float("nan"), "5"):
@@ -229,7 +229,7 @@ def test_a_duration_is_taken_only_by_formats_that_lack_one(tmp_path: Path) -> No
 
 
 def test_a_format_more_is_one_entry_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def read(found: source.Source, options: source.LoadOptions) -> Any:
+    def read(found: data_file.DataFile, options: data_file.LoadOptions) -> Any:
         return loading.bundled_timeline()
 
     extra = Format("shout", lambda found: found.head.startswith(b"HEY"), read)

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.football.minute_list import COLUMNS, decode, sniff
 from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import Clock, Minute, parse_minute
 from overview_dsp.data.readers.registry import list_matches
-from overview_dsp.data.readers.source import Source
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import GOALSCORERS, MINUTES
@@ -75,7 +75,7 @@ def test_the_same_list_written_otherwise_is_the_same(text: str, tmp_path: Path) 
 )
 def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path: Path) -> None:
     (tmp_path / "x").write_text(text)
-    assert not sniff(Source.open(tmp_path / "x"))
+    assert not sniff(DataFile.open(tmp_path / "x"))
 
 
 @given(

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline, save_timeline
+from overview_dsp.data.readers.data_file import parse_json
 from overview_dsp.data.readers.native import decode, encode
-from overview_dsp.data.readers.source import parse_json
 from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.outcome import timeline_or_one_line
@@ -241,3 +241,10 @@ def test_any_value_anywhere_gives_a_timeline_or_one_line(path: tuple[Any, ...], 
         inside = inside[step]
     inside[path[-1]] = new
     timeline_or_one_line(lambda: decode(document))
+
+
+def test_a_growing_timeline_with_the_old_key_until_s_still_loads() -> None:
+    events = [{"time_s": 1.0, "kind": "goal"}]
+    for key in ("until_s", "known_until_s"):
+        document = {"overview_timeline": 1, "duration_s": 9.0, key: 4.0, "events": events}
+        assert decode(document).known_until_s == 4.0

@@ -171,9 +171,9 @@ def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
 def test_every_match_of_the_real_cup_is_read(data_folder: Path) -> None:
     document = json.loads((data_folder / "football/openfootball/worldcup_2018.json").read_text())
     path = data_folder / "football/openfootball/worldcup_2018.json"
-    from overview_dsp.data.readers.source import Source
+    from overview_dsp.data.readers.data_file import DataFile
 
-    assert len(reader.matches(Source.open(path))) == 64
+    assert len(reader.matches(DataFile.open(path))) == 64
     counts = {"goal": 0, "own_goal": 0}
     penalties = stoppage = 0
     for number in range(1, 65):

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import list_matches, load_timeline
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.football import openfootball
-from overview_dsp.data.readers.source import Source
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.outcome import timeline_or_one_line
@@ -156,7 +156,7 @@ def test_a_match_without_any_goal_is_whole(tmp_path: Path) -> None:
 def test_other_texts_are_none(text: str, tmp_path: Path) -> None:
     (tmp_path / "x.txt").write_text(text)
     if "letter" not in text:
-        assert not openfootball.sniff_text(Source.open(tmp_path / "x.txt"))
+        assert not openfootball.sniff_text(DataFile.open(tmp_path / "x.txt"))
     timeline_or_one_line(lambda: load_timeline(tmp_path / "x.txt"))
 
 

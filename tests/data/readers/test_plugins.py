@@ -79,7 +79,7 @@ def test_the_guide_names_the_group_that_is_looked_up() -> None:
 
 def test_options_it_does_not_take_are_refused(install: Install, walk: Path) -> None:
     install(STEPS)
-    with pytest.raises(InputError, match=r"walk.txt: steps .*: value can't be given"):
+    with pytest.raises(InputError, match=r"walk.txt: steps .*: value does not apply"):
         load_timeline(walk, value="x")
 
 

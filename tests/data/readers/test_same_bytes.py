@@ -12,10 +12,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events import event_table
 from overview_dsp.data.readers.football import minute_list
 from overview_dsp.data.readers.formats import FORMATS
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import DelimitedTable, records
 from overview_dsp.data.readers.tables.dialect import detect, headed
 from overview_dsp.errors import InputError
@@ -59,7 +59,7 @@ def through(content, *readers):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "list.csv"
         path.write_bytes(content)
-        source = Source.open(path)
+        source = DataFile.open(path)
         return [read(source, LoadOptions()) for read in readers]
 
 
@@ -68,7 +68,7 @@ def accepting(content):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "list.csv"
         path.write_bytes(content)
-        return [known.read for known in FORMATS if known.sniff(Source.open(path))]
+        return [known.read for known in FORMATS if known.sniff(DataFile.open(path))]
 
 
 @settings(max_examples=60)
@@ -117,7 +117,7 @@ def test_a_dialect_found_or_known_by_its_header_holds_the_same_cells(rows, way):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "list.csv"
         path.write_bytes(content)
-        source = Source.open(path)
+        source = DataFile.open(path)
         dialect = detect(source, lambda header, below: True)
         assert dialect is not None
         table = DelimitedTable(source, dialect)

@@ -1,4 +1,4 @@
-"""A hundred shapes of tables and event lists: read right, or refused with the fix."""
+"""A hundred shapes of tables and event lists: read right, or error with a hint."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FORMATS_PAGE = Path(__file__).parents[3] / "docs" / "explanation" / "formats.md"
 
 def outcome(shape: Shape) -> str:
     if shape.fix:
-        return "refused with the fix"
+        return "error with a hint"
     return "series" if shape.points else "events"
 
 

@@ -88,7 +88,7 @@ def test_an_option_says_what_a_column_is(tmp_path: Path) -> None:
     assert load_timeline(path, value=":plain") == plain
     level = write(tmp_path, series("level", halved()), "made.csv")
     assert load_timeline(level, value="level:share").kinds()["split"] == 1
-    with pytest.raises(InputError, match="'bond' is no kind of value; known are share, price"):
+    with pytest.raises(InputError, match="'bond' is not a type of value; allowed: share, price"):
         load_timeline(path, value="Close:bond")
 
 

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.football import wyscout as reader
 from overview_dsp.data.readers.football.wyscout import decode
-from overview_dsp.data.readers.source import Source
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import (
@@ -147,7 +147,7 @@ def test_one_match_of_a_season_is_chosen_by_number_id_or_words(tmp_path: Path) -
     assert load_timeline(path, match="2499773").duration_s == 70.0
     write(tmp_path, [companion()], "matches.json")
     assert load_timeline(path, match="northport").duration_s == 70.0
-    assert reader.matches(Source.open(path)) == [
+    assert reader.matches(DataFile.open(path)) == [
         "11",
         "2017-09-23  Northport City 1-3 Sudbury  2499773",
     ]

@@ -58,7 +58,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
         intensity=intensity,
         gaps=tuple(zip(edges[::2], edges[1::2], strict=False)),
         gap_reasons=draw(st.just(()) | st.tuples(*[TEXT] * (len(edges) // 2))),
-        until_s=draw(st.none() | times),
+        known_until_s=draw(st.none() | times),
         provenance=draw(TEXT),
         notes=tuple(draw(st.lists(TEXT, max_size=3))),
         details=tuple(details),

@@ -11,18 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from overview_dsp.data.readers.data_file import parse_json
 from overview_dsp.data.readers.native import decode, encode
-from overview_dsp.data.readers.source import parse_json
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.fine_events import (
+from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.data.timeline.ticks import MOST_TICKS, window_ticks
+from overview_dsp.data.timeline.window_events import (
     APART,
     MOST_BY_RULE,
     MOST_DETAILS,
     ranks,
     window_events,
 )
-from overview_dsp.data.timeline.ticks import KINDS as TICKS
-from overview_dsp.data.timeline.ticks import MOST_TICKS, part_ticks
 from overview_dsp.errors import InputError
 from tests.data.timeline.strategies import without_ticks
 
@@ -157,7 +157,7 @@ def test_details_are_checked_as_events_are_and_kept_in_a_native_file() -> None:
 def test_a_part_without_a_calendar_has_ticks_of_the_wholes_clock(
     from_s: float, width_s: float, kind: str, label: str
 ) -> None:
-    marks = part_ticks(None, from_s, width_s)
+    marks = window_ticks(None, from_s, width_s)
     assert (marks[0].kind, marks[0].label) == (kind, label)
 
 
@@ -175,7 +175,7 @@ def test_a_part_without_a_calendar_has_ticks_of_the_wholes_clock(
 def test_a_part_with_a_calendar_has_months_before_weeks_before_days_before_hours(
     width_s: float, label: str
 ) -> None:
-    assert label in [mark.label for mark in part_ticks(datetime(2019, 6, 15, 9), 0.0, width_s)]
+    assert label in [mark.label for mark in window_ticks(datetime(2019, 6, 15, 9), 0.0, width_s)]
 
 
 @given(
@@ -184,7 +184,7 @@ def test_a_part_with_a_calendar_has_months_before_weeks_before_days_before_hours
     st.none() | st.datetimes(datetime(1, 1, 1), datetime(9000, 1, 1)),
 )
 def test_no_part_is_without_a_tick(from_s: float, width_s: float, start: datetime | None) -> None:
-    marks = part_ticks(start, from_s, width_s)
+    marks = window_ticks(start, from_s, width_s)
     assert 1 <= len(marks) <= MOST_TICKS
     assert all(0.0 < mark.time_s < width_s for mark in marks)
     if start is None:

@@ -10,9 +10,9 @@ import pytest
 
 from overview_dsp.data.readers import list_matches, load_timeline, save_timeline
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.fine_events import MOST_BY_RULE
-from overview_dsp.data.timeline.moments import NARROWEST_S, ZOOM_LEAD
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
+from overview_dsp.data.timeline.time_expressions import NARROWEST_S, ZOOM_LEAD
+from overview_dsp.data.timeline.window_events import MOST_BY_RULE
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.signal.surface import build_surface
 

@@ -13,15 +13,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.data.readers.data_file import parse_json
 from overview_dsp.data.readers.native import MAX_POINTS, decode, encode
-from overview_dsp.data.readers.source import parse_json
-from overview_dsp.data.timeline import Intensity, Timeline, samples
+from overview_dsp.data.timeline import Intensity, Timeline, curve_points
 from overview_dsp.data.timeline import growable_array as store_module
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.curve_points import Points, RegularTimes
 from overview_dsp.data.timeline.growable_array import Store
-from overview_dsp.data.timeline.intensity import LONG, WIDENED, Part, with_peaks
+from overview_dsp.data.timeline.intensity import LONG, WIDENED, CurveWindow, with_peaks
 from overview_dsp.data.timeline.minmax_pyramid import BIN, RATIO, build_pyramid
-from overview_dsp.data.timeline.samples import EvenTimes, Points
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.kernels.layout import CELLS
 from tests.examples import plain_preset
@@ -39,7 +39,7 @@ def noisy(count: int = N, peaks: dict[int, float] | None = None) -> np.ndarray:
 
 
 def long_timeline(value: np.ndarray, gaps: tuple[tuple[float, float], ...] = ()) -> Timeline:
-    curve = Intensity(EvenTimes(len(value), STEP), value, "x")
+    curve = Intensity(RegularTimes(len(value), STEP), value, "x")
     return Timeline("long", (len(value) - 1) * STEP, (), curve, gaps)
 
 
@@ -47,7 +47,7 @@ def long_timeline(value: np.ndarray, gaps: tuple[tuple[float, float], ...] = ())
 
 
 def test_even_times_read_like_an_array() -> None:
-    times = EvenTimes(5, 0.5, 2.0)
+    times = RegularTimes(5, 0.5, 2.0)
     assert times.tolist() == [2.0, 2.5, 3.0, 3.5, 4.0]
     assert (len(times), times[0], times[-1]) == (5, 2.0, 4.0)
     assert times[1:3].tolist() == [2.5, 3.0]
@@ -69,7 +69,7 @@ def test_even_times_read_like_an_array() -> None:
 )
 def test_even_times_that_are_none_are_refused(given: tuple, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        EvenTimes(*given)
+        RegularTimes(*given)
 
 
 @given(
@@ -82,7 +82,7 @@ def test_even_times_are_found_as_in_an_array(
     count: int, step: float, first: float, wanted: list[float]
 ) -> None:
     try:
-        times = EvenTimes(count, step, first)
+        times = RegularTimes(count, step, first)
     except InputError:
         return
     stored = np.asarray(times)
@@ -123,7 +123,7 @@ def test_every_bin_has_the_extremes_and_the_mean_of_its_values(
 def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
     count = data.draw(st.sampled_from((1, 17, 1000, 400_000)))
     value = np.random.default_rng(1).standard_normal(count)
-    points = Points(EvenTimes(count, 1.0), value)
+    points = Points(RegularTimes(count, 1.0), value)
     edges = data.draw(st.sets(st.integers(0, count), min_size=2, max_size=40))
     ascending = np.array(sorted(edges)[: len(edges) // 2 * 2])
     first, stop = ascending[::2], ascending[1::2]
@@ -137,12 +137,12 @@ def test_the_extremes_of_any_stretches_are_exact(data: st.DataObject) -> None:
 def test_a_long_window_is_a_view_and_a_short_one_is_as_it_ever_was() -> None:
     value = noisy()
     timeline = long_timeline(value)
-    assert isinstance(timeline.window(100.0, 9000.0).intensity, Part)
+    assert isinstance(timeline.window(100.0, 9000.0).intensity, CurveWindow)
     stored = Intensity(np.arange(N) * STEP, value, "x")
     for start, end in ((100.0, 400.123), (0.0, 50.0), (14_900.0, 14_999.99)):
         one, other = timeline.intensity.cut(start, end), stored.cut(start, end)  # type: ignore[union-attr]
         assert one == other
-        assert not isinstance(one, Part)
+        assert not isinstance(one, CurveWindow)
 
 
 def test_a_window_of_a_window_has_the_values_of_the_same_moments() -> None:
@@ -182,7 +182,7 @@ def test_a_window_of_a_long_series_costs_no_copy() -> None:
 
 def test_a_series_too_long_for_a_native_file_is_refused_and_its_windows_are_not() -> None:
     count = MAX_POINTS + 1
-    curve = Intensity(EvenTimes(count, 1.0), np.zeros(count, np.float32))
+    curve = Intensity(RegularTimes(count, 1.0), np.zeros(count, np.float32))
     timeline = Timeline("t", float(count), (), curve)
     with pytest.raises(InputError, match=rf"{count} points.*{MAX_POINTS}.*shorter window"):
         encode(timeline)
@@ -241,7 +241,7 @@ def test_peaks_are_kept_in_windows_of_every_width(window: tuple[float, float]) -
 
 def test_up_to_a_point_a_place_it_is_the_interpolation_to_the_bit() -> None:
     value = noisy(LONG)
-    for times in (EvenTimes(LONG, STEP), np.arange(LONG) * STEP):
+    for times in (RegularTimes(LONG, STEP), np.arange(LONG) * STEP):
         timeline = Timeline("s", (LONG - 1) * STEP, (), Intensity(times, value))
         at = np.arange(CELLS + 1) * (timeline.duration_s / CELLS)
         assert np.array_equal(
@@ -265,7 +265,7 @@ def test_uneven_times_have_their_samples_at_their_places() -> None:
 
 
 def test_the_ends_beyond_the_curve_are_bare() -> None:
-    curve = Intensity(EvenTimes(N, STEP, 5000.0), noisy() + 5.0, "x")
+    curve = Intensity(RegularTimes(N, STEP, 5000.0), noisy() + 5.0, "x")
     levels = Timeline("t", 30_000.0, (), curve).normalised_levels(CELLS)
     at = np.arange(CELLS + 1) * (30_000.0 / CELLS)
     outside = (at < 5000.0) | (at > curve.last_s)
@@ -287,7 +287,7 @@ def test_the_scale_leaves_out_what_lies_in_gaps() -> None:
 
 def test_percentiles_of_a_long_curve_are_near_those_of_all_its_values() -> None:
     value = noisy(peaks={5: 1e6})
-    curve = Intensity(EvenTimes(N, STEP), value, "x", (2.0, 98.0))
+    curve = Intensity(RegularTimes(N, STEP), value, "x", (2.0, 98.0))
     low, span = Timeline("p", N * STEP, (), curve).scale
     expected = np.percentile(value, (2.0, 98.0))
     assert (low, low + span) == pytest.approx(expected, abs=0.03)
@@ -318,7 +318,7 @@ def test_a_curve_built_in_chunks_is_the_curve_of_the_whole(dtype: type) -> None:
     for start in range(0, len(value), 7777):
         builder.append(value[start : start + 7777])
     built = builder.finish(step_s=STEP, unit="x")
-    whole = Intensity(EvenTimes(len(value), STEP), value, "x")
+    whole = Intensity(RegularTimes(len(value), STEP), value, "x")
     assert built == whole
     assert built.value.dtype == dtype
     for one, other in zip(built.points.levels, build_pyramid(value), strict=True):
@@ -447,4 +447,4 @@ def test_the_largest_of_each_run_is_what_numpy_finds(data, dtype, runs):
     row = (random.standard_normal(600) + data.draw(st.integers(-4, 4))).astype(dtype)
     row[random.random(600) < 0.1] = data.draw(st.sampled_from([0.0, -0.0]))
     starts = np.unique(random.integers(0, 600, runs))
-    assert np.array_equal(samples._largest(row, starts), np.maximum.reduceat(row, starts))
+    assert np.array_equal(curve_points._largest(row, starts), np.maximum.reduceat(row, starts))

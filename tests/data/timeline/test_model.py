@@ -82,7 +82,7 @@ def test_an_event_after_the_end_is_refused() -> None:
 
 
 def test_the_same_event_twice_is_refused_but_a_foul_and_its_card_are_not() -> None:
-    with pytest.raises(InputError, match="twice"):
+    with pytest.raises(InputError, match="repeated"):
         make(events=(Event(5.0, "foul", "a"), Event(5.0, "foul", "a", 2.0)))
     assert len(make(events=(Event(5.0, "foul", "a"), Event(5.0, "red_card", "a"))).events) == 2
     assert len(make(events=(Event(5.0, "foul", "a"), Event(5.0, "foul", "b"))).events) == 2
@@ -276,14 +276,14 @@ def test_a_window_starts_at_zero_and_has_what_lies_in_it() -> None:
     assert part.intensity is not None
     assert part.intensity.time_s.tolist() == [0.0, 40.0, 60.0]
     assert part.intensity.value.tolist() == pytest.approx([12.0, 20.0, 8.0])
-    assert part.notes[-1] == "the part from 0:10.0 to 1:10.0"
+    assert part.notes[-1] == "the window from 0:10.0 to 1:10.0"
 
 
 def test_a_window_begins_at_its_own_calendar_moment() -> None:
     timeline = Timeline("a day", 86_400.0, (Event(1.0, "a"),), start=datetime(2012, 9, 19))
     part = timeline.window(3600.0, 7200.0)
     assert part.start == datetime(2012, 9, 19, 1)
-    assert part.notes[0] == "the part from 2012-09-19 01:00:00 to 2012-09-19 02:00:00"
+    assert part.notes[0] == "the window from 2012-09-19 01:00:00 to 2012-09-19 02:00:00"
 
 
 def test_events_at_both_ends_of_a_window_belong_to_it() -> None:
@@ -300,7 +300,7 @@ def test_a_window_without_anything_is_flat_and_says_so() -> None:
     part = make(intensity=None).window(20.0, 30.0)
     assert without_ticks(part) == []
     assert part.intensity_at([0.0, 5.0, 10.0]).tolist() == [0.0, 0.0, 0.0]
-    assert "nothing happens in this part" in part.notes[-1]
+    assert "this window has no event and no curve" in part.notes[-1]
     beside = make(events=(), intensity=curve((0.0, 5.0), (20.0, 6.0), unit="dB"))
     # 20 s belongs to the curve, but one point of it would become a constant of 6
     part = beside.window(20.0, 30.0)

@@ -20,8 +20,8 @@ def heart():
 
 
 def test_a_rhythms_code_is_read_as_its_name(heart):
-    assert tuple(event.words for event in heart.events) == WORDS
-    assert ov.Event(1.0, "comment", "rhythm (N").words == "rhythm (N"
+    assert tuple(event.display_label for event in heart.events) == WORDS
+    assert ov.Event(1.0, "comment", "rhythm (N").display_label == "rhythm (N"
 
 
 def test_screen_transcript_and_page_say_the_name(heart):

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.moments import NARROWEST_S, Zoom
+from overview_dsp.data.timeline.time_expressions import NARROWEST_S, Zoom
 from overview_dsp.errors import InputError
 
 EVENTS = tuple(Event(time, "goal") for time in (100.0, 500.0, 900.0))

@@ -178,10 +178,10 @@ def test_a_map_that_is_none_names_file_line_and_what_it_may_be(points, words):
 @pytest.mark.parametrize(
     ("lines", "words"),
     [
-        ("title = 3", "title = 3 is no text"),
-        ("texture = 3", "texture = 3 is no table"),
-        ("authors = 'me'", "authors = 'me' is no list"),
-        ("tags.energy = 9.0", "tags.energy = 9.0 is out of range; it is 1 to 5"),
+        ("title = 3", "title = 3 is not text"),
+        ("texture = 3", "texture = 3 is not a table"),
+        ("authors = 'me'", "authors = 'me' is not a list"),
+        ("tags.energy = 9.0", "tags.energy = 9.0 is out of range; must be 1 to 5"),
     ],
 )
 def test_what_is_of_another_type_is_said_without_the_names_of_classes(lines, words):

@@ -198,7 +198,7 @@ def test_a_file_says_what_controls_do_and_is_written_as_it_is_read(tmp_path):
         ("channel = 2", "channel = 17", ("channel", "16")),
         ("channel = 2", 'chanel = "x"', ("chanel", "channel")),
         ("high = 0.5", "high = 1.5", ("control 3", "0 to 1")),
-        ("high = 0.5", 'high = "up"', ("no number",)),
+        ("high = 0.5", 'high = "up"', ("is not a number",)),
         ('"bend"', '"note 60"', ("touch",)),
         ('control = "bend"\nto = "theta2"', 'control = "keys 48-72"\nto = "taps"', ("twice",)),
     ],

@@ -57,7 +57,7 @@ def test_a_file_says_units_axes_and_columns():
         (HEAD + "stream = 3\n", 2, "a table"),
         (HEAD + "[roll]\n", 2, "unknown key"),
         (HEAD + "[encoder]\ncount = 3\n", 3, "counts"),
-        ("schema = 2\n", 1, "this reads 1"),
+        ("schema = 2\n", 1, "must be 1"),
         ("title = 3\nschema = 1\n", 1, "no text"),
         ("", None, "schema is missing"),
         ("=", None, "not TOML"),

@@ -17,6 +17,7 @@ from overview_dsp.devices.sensors.frames import encode_frame
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.installation import install_command
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning
 from tests.devices.sensors.streams import cut, damages, harm, places
 
@@ -98,7 +99,7 @@ def test_a_gyroscope_without_its_filter_is_said_in_one_line(monkeypatch):
     events, _ = fed(one, frames(*turning(ROLL, RATE), RATE), RATE)
     assert events == []
     (said,) = [word for word in one.take_messages() if "VQF" in word]
-    assert "overview-dsp[sensors]" in said
+    assert install_command("sensors") in said
     assert "angular_velocity.use" in said
     other = hand(angular_velocity__use=False)
     events, _ = fed(other, frames(*turning(ROLL, RATE), RATE), RATE)

@@ -231,5 +231,5 @@ def test_the_command_checks_and_writes_nothing(written, documents, tmp_path, mon
     (tmp_path / "bad.haptic").write_text(json.dumps(document))
     done = overview("presets", "import", "bad.haptic", "--check")
     assert done.code == 2
-    assert "amplitude[5].amplitude = 7 is out of range; it is 0 to 1" in done.errors[0]
+    assert "amplitude[5].amplitude = 7 is out of range; must be 0 to 1" in done.errors[0]
     assert [path.name for path in tmp_path.iterdir()] == ["bad.haptic"]

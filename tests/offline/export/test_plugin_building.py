@@ -97,7 +97,7 @@ def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatc
     with pytest.raises(InputError, match="target is 'amiga'; must be one of x86_64-linux, "):
         build(match, football, "clap", tmp_path, target="amiga")
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(OverviewError, match="no compiler 'no-such-compiler', which CC names"):
+    with pytest.raises(OverviewError, match="CC is 'no-such-compiler', which is not installed"):
         build(match, football, "clap", tmp_path)
     monkeypatch.setenv("CC", "false")
     with pytest.raises(OverviewError, match="the C compiler false failed"):

@@ -12,7 +12,7 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
-from overview_dsp.data.timeline.moments import window_of
+from overview_dsp.data.timeline.time_expressions import window_of
 from overview_dsp.measure.felt import strokes, window_db
 from tests.cli.running import overview
 from tests.data.readers.made_up_share import share

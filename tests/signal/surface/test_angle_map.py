@@ -57,7 +57,7 @@ def test_the_map_is_monotonic_fixes_the_ends_and_keeps_neighbours_apart(timeline
     assert (made.position[0], made.position[-1]) == (0.0, 1.0)
     assert (np.diff(made.position) > 0.0).all()
     at = made.events[apart(timeline)]
-    if len(at) and timeline.until_s is None:
+    if len(at) and timeline.known_until_s is None:
         least = least_gaps(timeline, share)
         gaps = np.diff([0.0, *at, 1.0])
         assert (gaps >= least * (1.0 - 1e-9)).all()
@@ -142,7 +142,7 @@ def test_gaps_lie_where_the_map_says():
 
 
 def test_while_a_timeline_grows_no_event_that_comes_moves_another():
-    growing = replace(crowded(), until_s=5600.0)
+    growing = replace(crowded(), known_until_s=5600.0)
     assert AngleMap.of(growing, mapped(0.7)).is_linear
 
 

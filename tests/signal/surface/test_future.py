@@ -25,7 +25,7 @@ def half(match):
 def test_the_future_is_smooth_and_heavier_than_all_the_curve_could_be(half, name):
     preset = ov.load_preset(name)
     surface = ov.build_surface(half, preset)
-    now = int(half.until_s / half.duration_s * CELLS)
+    now = int(half.known_until_s / half.duration_s * CELLS)
     later = surface.friction[now + int(0.04 * CELLS) :]
     assert np.ptp(later) == 0.0
     bare = preset.number("surface.friction") * (1.0 + preset.number("surface.ambience"))
@@ -45,17 +45,17 @@ def test_the_end_is_soft(half, football):
 
 
 def test_what_has_happened_is_felt_as_it_will_be_when_all_has(half, match, football):
-    known = replace(half, until_s=None)
+    known = replace(half, known_until_s=None)
     linear = football.with_value("surface.angle_map", 0.0)  # as it is while it grows
     before, after = ov.build_surface(half, football), ov.build_surface(known, linear)
-    now = int(half.until_s / half.duration_s * CELLS)
+    now = int(half.known_until_s / half.duration_s * CELLS)
     assert np.array_equal(before.friction[: now + 1], after.friction[: now + 1])
 
 
 def test_a_window_of_the_past_has_no_future_and_one_beyond_now_has(half):
-    assert half.window(0.0, 2900.0).until_s is None
-    assert half.window(2000.0, 4000.0).until_s == 900.0
-    assert half.window(3000.0, 4000.0).until_s == 0.0
+    assert half.window(0.0, 2900.0).known_until_s is None
+    assert half.window(2000.0, 4000.0).known_until_s == 900.0
+    assert half.window(3000.0, 4000.0).known_until_s == 0.0
 
 
 def test_a_file_keeps_up_to_where_it_has_happened(half, tmp_path):
@@ -65,6 +65,6 @@ def test_a_file_keeps_up_to_where_it_has_happened(half, tmp_path):
 
 def test_until_is_within_the_timeline(half):
     for bad in (-1.0, half.duration_s + 1.0, float("nan"), "now"):
-        with pytest.raises(ov.InputError, match="until_s"):
-            replace(half, until_s=bad)
-    assert replace(half, until_s=half.duration_s).until_s is None
+        with pytest.raises(ov.InputError, match="known_until_s"):
+            replace(half, known_until_s=bad)
+    assert replace(half, known_until_s=half.duration_s).known_until_s is None

@@ -15,10 +15,10 @@ from tests.examples import plain_preset
 DURATION = 1000.0
 
 
-def curve(values, gaps=(), until_s=None):
+def curve(values, gaps=(), known_until_s=None):
     times = np.linspace(0.0, DURATION, len(values))
     return ov.Timeline("curve", DURATION, (), ov.Intensity(times, np.array(values)), gaps,
-                       until_s=until_s)  # fmt: skip
+                       known_until_s=known_until_s)  # fmt: skip
 
 
 def preset(share, ambience=3.0, **values):
@@ -70,7 +70,7 @@ def test_only_times_with_data_have_a_rank():
     timeline = curve(values)
     times = np.concatenate((np.asarray(timeline.intensity.time_s), [1001.0, 2000.0]))
     longer = ov.Intensity(times, np.concatenate((values, [1.0, 1.0])))
-    hidden = ov.Timeline("hidden", 2000.0, (), longer, ((1000.0, 1500.0),), until_s=1500.0)
+    hidden = ov.Timeline("hidden", 2000.0, (), longer, ((1000.0, 1500.0),), known_until_s=1500.0)
     one, other = levels(timeline, preset(1.0)), levels(hidden, preset(1.0))[: CELLS // 2 + 1]
     # the same curve on the first half
     assert np.diff(one[::2])[:-1] == pytest.approx(np.diff(other)[:-1], abs=2e-3)

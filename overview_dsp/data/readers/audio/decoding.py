@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.loudness import MIN_RATE
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of, weights_of_mask
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.errors import InputError
 
 _V1, _V2, _V25 = 3, 2, 0
@@ -191,7 +191,7 @@ class Recording:
         )
 
 
-def sounds(source: Source) -> bool:
+def sounds(source: DataFile) -> bool:
     """Return whether the file is a recording, one that can be read or one to convert first."""
     if _other_format(source) or any(_at(source, mark, offset) for mark, offset in _SOUND):
         return True
@@ -214,7 +214,7 @@ def sounds(source: Source) -> bool:
 
 
 @contextlib.contextmanager
-def open_recording(source: Source, max_mb: float | None = None) -> Iterator[Recording]:
+def open_recording(source: DataFile, max_mb: float | None = None) -> Iterator[Recording]:
     """Open a sound file.
 
     Parameters
@@ -258,7 +258,7 @@ def open_recording(source: Source, max_mb: float | None = None) -> Iterator[Reco
         raise InputError(f"{source.where}: can't be read ({error.strerror})") from error
 
 
-def _examined(source: Source, file: Any, max_mb: float | None) -> Recording:
+def _examined(source: DataFile, file: Any, max_mb: float | None) -> Recording:
     where, rate, frames, channels = source.where, file.samplerate, file.frames, file.channels
     log: str = file.extra_info
     notes = list(_length_notes(source, file, log))
@@ -291,7 +291,7 @@ def _examined(source: Source, file: Any, max_mb: float | None) -> Recording:
     return Recording(where, rate, frames, weights, kind, tuple(notes), file)
 
 
-def _length_notes(source: Source, file: Any, log: str) -> Iterator[str]:
+def _length_notes(source: DataFile, file: Any, log: str) -> Iterator[str]:
     """Yield what is odd about the length; InputError where the end of the sound is missing."""
     chunks = {*_SAMPLE_CHUNKS, _WHOLE_CHUNKS.get(file.format, "data")}
     for name, claimed, there in _CUT.findall(log):
@@ -311,7 +311,7 @@ def _length_notes(source: Source, file: Any, log: str) -> Iterator[str]:
         yield from _mpeg_notes(source, file)
 
 
-def _mpeg_notes(source: Source, file: Any) -> Iterator[str]:
+def _mpeg_notes(source: DataFile, file: Any) -> Iterator[str]:
     """Yield what the row of frames says that the decoder doesn't."""
     with (
         open(source.path, "rb") as stream,
@@ -328,7 +328,7 @@ def _mpeg_notes(source: Source, file: Any) -> Iterator[str]:
         )
 
 
-def _ogg_ends(source: Source) -> bool:
+def _ogg_ends(source: DataFile) -> bool:
     with open(source.path, "rb") as stream:
         stream.seek(max(0, source.size - _TAIL_BYTES))
         tail = stream.read()
@@ -336,11 +336,11 @@ def _ogg_ends(source: Source) -> bool:
     return 0 <= last < len(tail) - 6 and bool(tail[last + 5] & _OGG_LAST_PAGE)
 
 
-def _other_format(source: Source) -> str | None:
+def _other_format(source: DataFile) -> str | None:
     return next((name for mark, offset, name in _OTHER if _at(source, mark, offset)), None)
 
 
-def _at(source: Source, mark: bytes, offset: int) -> bool:
+def _at(source: DataFile, mark: bytes, offset: int) -> bool:
     return source.head[offset : offset + len(mark)] == mark
 
 

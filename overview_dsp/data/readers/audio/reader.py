@@ -28,7 +28,7 @@ from overview_dsp.data.analysis.loudness import (
     Steps,
 )
 from overview_dsp.data.readers.audio.decoding import Recording, open_recording, sounds
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, shown
@@ -43,12 +43,12 @@ _MEANINGS = {
 }
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a recording, also one that has to be converted first."""
     return sounds(source)
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a recording (takes `map`, `max_mb`, `progress`).
 
     Raises

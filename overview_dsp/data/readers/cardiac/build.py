@@ -11,7 +11,7 @@ from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.analysis.series_events import rules_of
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
@@ -49,7 +49,7 @@ def detected(detection: Detection, rate: float) -> Beats:
     return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
 
 
-def gaps_of(
+def find_gaps(
     silent: Spans, noisy: Spans, rate: float, duration_s: float
 ) -> tuple[Gaps, tuple[str, ...]]:
     """Return stretches of samples as gaps, in order, and why each is one."""
@@ -84,7 +84,7 @@ def heart_timeline(
     options: LoadOptions,
     signal: Signal | None = None,
 ) -> Timeline:
-    """Make the Timeline; `gaps` as `gaps_of` gives them, `signal` where there is one.
+    """Make the Timeline; `gaps` as `find_gaps` gives them, `signal` where there is one.
 
     Raises
     ------

@@ -29,17 +29,18 @@ from overview_dsp.data.readers.cardiac.build import (
     About,
     check_map,
     detected,
-    gaps_of,
+    find_gaps,
     heart_timeline,
 )
 from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, name_or_number
-from overview_dsp.data.readers.source import MAX_TEXT_BYTES, LoadOptions, Source
-from overview_dsp.data.readers.tables.cells import TOKENS, Style, detected_style, parse
+from overview_dsp.data.readers.data_file import MAX_TEXT_BYTES, DataFile, LoadOptions
+from overview_dsp.data.readers.tables.cells import TOKENS, parse
+from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import Dialect, detect, head_lines
-from overview_dsp.data.readers.tables.table import Cells, Location, first_rows, location
+from overview_dsp.data.readers.tables.table import CellLocation, Cells, cell_locator, first_rows
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.times import NS, Moment, clock_s, moment
+from overview_dsp.data.timeline.time_parsing import NS, Moment, clock_s, moment
 from overview_dsp.errors import InputError, shown
 
 MAX_RATE = 100_000.0
@@ -82,7 +83,7 @@ class _Layout:
 
     dialect: Dialect
     head: list[list[str | None]]
-    style: Style
+    decimal_mark: str
     numeric: tuple[bool, ...]
 
     @property
@@ -116,7 +117,7 @@ class _Layout:
         return [i for i in found if self.numeric[i]]
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a table of heart samples, by the rate given or its columns."""
     layout = _layout_of(source)
     if layout is None or not any(layout.numeric):
@@ -137,7 +138,7 @@ def sniff(source: Source) -> bool:
     return rate is not None and rate >= MIN_RATE
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a table of samples (takes `rate`, `value`, `time`, `map`, `max_mb`, `progress`).
 
     Raises
@@ -190,11 +191,11 @@ def read(source: Source, options: LoadOptions) -> Timeline:
             notes,
             start,
         )
-        gaps = gaps_of(detection.silent, detection.noisy, rate, duration_s)
+        gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
         return heart_timeline(about, detected(detection, rate), gaps, (), options, signal)
 
 
-def _layout_of(source: Source) -> _Layout | None:
+def _layout_of(source: DataFile) -> _Layout | None:
     """Return the layout of a table of samples, None if the file is none."""
     dialect = detect(source, lambda header, below: bool(below), COMMENTS)
     if dialect is None:
@@ -205,22 +206,20 @@ def _layout_of(source: Source) -> _Layout | None:
         head = first_rows(_head_table(source, dialect), _HEAD_ROWS)
     except InputError:  # it is for the reader of series to say what is broken
         return None
-    cells = [cell for column in head for cell in column]
-    commas = dialect.separator not in (",", None) and any(cell and "," in cell for cell in cells)
-    style = detected_style(cells) or Style("," if commas else ".")
-    numeric = tuple(_is_numeric(column, style) for column in head)
+    decimal_mark = choose_decimal_mark(head, range(len(head)), dialect.separator)
+    numeric = tuple(_is_numeric(column, decimal_mark) for column in head)
     if not all(known or _are_times(column) for known, column in zip(numeric, head, strict=True)):
         return None  # words beside the numbers: a series of something else
-    return _Layout(dialect, head, style, numeric)
+    return _Layout(dialect, head, decimal_mark, numeric)
 
 
-def _head_table(source: Source, dialect: Dialect) -> DelimitedTable:
+def _head_table(source: DataFile, dialect: Dialect) -> DelimitedTable:
     return DelimitedTable("\n".join(head_lines(source, dialect.encoding)), dialect)
 
 
-def _is_numeric(cells: Sequence[str | None], style: Style) -> bool:
+def _is_numeric(cells: Sequence[str | None], decimal_mark: str) -> bool:
     known = _known(cells)
-    return bool(known) and all(_number(cell, style) is not None for cell in known)
+    return bool(known) and all(_number(cell, decimal_mark) is not None for cell in known)
 
 
 def _are_times(cells: Sequence[str | None]) -> bool:
@@ -237,8 +236,8 @@ def _bare(cell: str | None) -> str:
     return (cell or "").strip().strip("'\"").strip()
 
 
-def _number(text: str, style: Style) -> float | None:
-    found = parse(text, style)
+def _number(text: str, decimal_mark: str) -> float | None:
+    found = parse(text, decimal_mark)
     return None if found is None or found[1] else found[0]
 
 
@@ -304,11 +303,11 @@ def _columns(
     clock = _Clock()
     count = 0
     for chunk in table.chunks([value] if time is None else [value, time]):
-        samples = _numbers(chunk.cells[0], location(table, chunk, value), layout.style)
+        samples = _numbers(chunk.cells[0], cell_locator(table, chunk, value), layout.decimal_mark)
         samples[~(np.abs(samples) <= MAX_SAMPLE)] = np.nan
         values.append(samples.astype(np.float32))
         if time is not None:
-            place = location(table, chunk, time)
+            place = cell_locator(table, chunk, time)
             times.append(_times(layout, time, chunk.cells[1], place, clock))
         count += len(chunk)
         if count > MAX_ROWS:
@@ -323,7 +322,7 @@ def _columns(
 
 
 def _numbers(
-    cells: Cells, place: Callable[[int], Location], style: Style, needed: bool = False
+    cells: Cells, place: Callable[[int], CellLocation], decimal_mark: str, needed: bool = False
 ) -> NDArray[np.float64]:
     """Return a column's numbers: all at once where they are plain, else one by one."""
     try:
@@ -344,7 +343,7 @@ def _numbers(
             if needed:
                 raise place(i).missing("take the row out or give the rate instead of the times")
             continue
-        number = _number(text, style)
+        number = _number(text, decimal_mark)
         if number is None:
             raise place(i).error(text, "isn't a number")
         found[i] = number if math.isfinite(number) else np.nan
@@ -356,7 +355,7 @@ class _Clock:
 
     start: Moment | None = None
 
-    def read(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def read(self, cells: Cells, place: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         found = np.empty(len(cells))
         for i, cell in enumerate(cells):
             at = _moment_of(_bare(cell))
@@ -374,11 +373,11 @@ class _Clock:
 
 
 def _times(
-    layout: _Layout, time: int, cells: Cells, place: Callable[[int], Location], clock: _Clock
+    layout: _Layout, time: int, cells: Cells, place: Callable[[int], CellLocation], clock: _Clock
 ) -> NDArray[np.float64]:
     """Return a column's times, numbers in its own unit."""
     if layout.numeric[time]:
-        return _numbers(cells, place, layout.style, needed=True)
+        return _numbers(cells, place, layout.decimal_mark, needed=True)
     return clock.read(cells, place)
 
 
@@ -400,11 +399,11 @@ def _seconds_of(moment: float | Moment | None, start: Moment | None) -> float | 
     return (moment.ns - start.ns) / NS
 
 
-def _rate_of(source: Source, layout: _Layout, time: int) -> float | None:
+def _rate_of(source: DataFile, layout: _Layout, time: int) -> float | None:
     """Return the samples a second that the first rows show."""
     cells = first_rows(_head_table(source, layout.dialect), _RATE_ROWS)[time]
     try:
-        times = _times(layout, time, cells, Location, _Clock())
+        times = _times(layout, time, cells, CellLocation, _Clock())
     except InputError:
         return None
     if len(times) < 3:

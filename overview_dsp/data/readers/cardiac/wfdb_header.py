@@ -16,9 +16,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from overview_dsp import validation
-from overview_dsp.data.readers.source import shown_path
+from overview_dsp.data.readers.data_file import printable_path
 from overview_dsp.data.readers.tables.time_column import as_number
-from overview_dsp.data.timeline.times import clock_s, moment
+from overview_dsp.data.timeline.time_parsing import clock_s, moment
 from overview_dsp.errors import InputError, shown
 
 MAX_HEADER_BYTES = 1 << 20
@@ -107,7 +107,7 @@ class Header:
     @property
     def where(self) -> str:
         """The path, printable."""
-        return shown_path(self.path)
+        return printable_path(self.path)
 
     def beside(self, name: str) -> Path:
         """Return the path of a file of the record."""
@@ -147,7 +147,7 @@ def read_header(path: Path) -> Header:
         Names the line: a line or value that is none, a signal file outside the record's folder,
         missing or too short, a format that can't be read.
     """
-    where = shown_path(path)
+    where = printable_path(path)
     with validation.located(f"{where}: "):
         header = parse_header(_text(path), path)
         _check_files(header)

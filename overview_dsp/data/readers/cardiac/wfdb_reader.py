@@ -23,13 +23,13 @@ from overview_dsp.data.readers.cardiac.build import (
     About,
     check_map,
     detected,
-    gaps_of,
+    find_gaps,
     heart_timeline,
 )
 from overview_dsp.data.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.data.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
-from overview_dsp.data.readers.plugins import needed
-from overview_dsp.data.readers.source import LoadOptions, Source, shown_path
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable_path
+from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
@@ -41,7 +41,7 @@ _OTHERS = re.compile(rb"[A-Za-z]{4}|PAR1|ID3|PK\x03|.(NUMPY|HDF|PNG)", re.DOTALL
 """How files of other kinds begin that may lie beside a record under its name: RIFF, PAR1 ..."""
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a WFDB header, or binary data with its header beside it."""
     if source.head_text is not None and not source.looks_like_json:
         # a header lists its own record; a note that happens to begin likewise has another name
@@ -52,7 +52,7 @@ def sniff(source: Source) -> bool:
     )
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a record (takes `value`, `map`, `progress`).
 
     Raises
@@ -108,7 +108,7 @@ def _timeline(
             silent, noisy, lost = detection.silent, detection.noisy, detection.lost
             beats = detected(detection, signal.rate)
             found = f"beats found in {signal.name} ({detection.what})"
-        gaps = gaps_of(silent, noisy, signal.rate, duration_s)
+        gaps = find_gaps(silent, noisy, signal.rate, duration_s)
         if lost:
             notes = (*notes, f"{lost} single samples of {signal.name} are missing")
     about = About(header.name, duration_s, f"{record}; {found}", notes, header.start)
@@ -161,7 +161,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
     InputError
         Too large, or not an annotation file; wfdb isn't installed.
     """
-    where = shown_path(path)
+    where = printable_path(path)
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -171,7 +171,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             f"{where}: {size / 2**20:.0f} MB, more than the {MAX_BYTES >> 20} MB an annotation "
             "file may have; is it one?"
         )
-    wfdb: Any = needed("wfdb", "reading annotations", "ecg")
+    wfdb: Any = require_package("wfdb", "reading annotations", "ecg")
     try:
         found = wfdb.rdann(str(path.with_suffix("")), path.suffix[1:])
         samples = np.asarray(found.sample, dtype=np.int64)

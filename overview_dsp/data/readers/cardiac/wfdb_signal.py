@@ -19,7 +19,7 @@ from overview_dsp.data.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
-from overview_dsp.data.readers.plugins import needed
+from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.errors import InputError, shown
 
 MAX_SAMPLES = 1 << 31
@@ -92,7 +92,7 @@ class RecordSignal:
         return self._asked()
 
     def _asked(self, **span: int) -> NDArray[np.float64]:
-        wfdb: Any = needed("wfdb", "reading a WFDB record", "ecg")
+        wfdb: Any = require_package("wfdb", "reading a WFDB record", "ecg")
         try:
             record = wfdb.rdrecord(
                 str(self.header.path.with_suffix("")),

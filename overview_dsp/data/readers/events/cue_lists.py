@@ -15,6 +15,7 @@ import html
 import re
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import (
     About,
     Listed,
@@ -22,9 +23,8 @@ from overview_dsp.data.readers.events.listing import (
     kinds_or_labels,
     timeline_of,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.times import clock_s
+from overview_dsp.data.timeline.time_parsing import clock_s
 from overview_dsp.errors import InputError, shown
 
 _TIMES = re.compile(
@@ -38,7 +38,7 @@ _LABEL = re.compile(r"\s*(\d+(?:[.,]\d+)?)\t(\d+(?:[.,]\d+)?)(?:\t(.*))?", re.AS
 _WORD = re.compile(r"[^\W\d_]")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is text with the arrow of a cue among its first lines."""
     text = source.head_text
     if text is None or "-->" not in text:
@@ -46,7 +46,7 @@ def sniff(source: Source) -> bool:
     return any(_TIMES.fullmatch(line) for line in text.splitlines()[:200])
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read cues (takes `duration_s`); InputError names the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
@@ -80,7 +80,7 @@ def _listed(lines: list[str]) -> list[Listed]:
     return listed
 
 
-def sniff_labels(source: Source) -> bool:
+def sniff_labels(source: DataFile) -> bool:
     """Return whether all lines are labels, some of them in words."""
     if source.head_text is None or "\t" not in source.head_text:
         return False
@@ -94,7 +94,7 @@ def sniff_labels(source: Source) -> bool:
     )
 
 
-def read_labels(source: Source, options: LoadOptions) -> Timeline:
+def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); InputError names the line."""
     text = source.text
     with validation.located(f"{source.where}: "):

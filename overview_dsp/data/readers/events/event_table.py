@@ -41,31 +41,31 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import About, Listed, kinds_or_labels, timeline_of
-from overview_dsp.data.readers.series.rows import settled
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.series.rows import with_settled_order
 from overview_dsp.data.readers.tables import json
-from overview_dsp.data.readers.tables.cells import Style, is_missing, parse
+from overview_dsp.data.readers.tables.cells import is_missing, parse
 from overview_dsp.data.readers.tables.column_roles import (
     Roles,
     TimeChoice,
+    is_event_table,
     is_wordy,
-    looks_listed,
+    named_time_column,
     roles_of,
-    time_named,
 )
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
+    CellLocation,
     Cells,
     Column,
     ColumnTable,
-    Location,
     Table,
     as_list,
+    cell_locator,
     first_rows,
-    location,
 )
 from overview_dsp.data.readers.tables.time_column import (
     CLOCKS,
@@ -77,7 +77,7 @@ from overview_dsp.data.readers.tables.time_column import (
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
-from overview_dsp.files.atomic import whole_file
+from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "kind", "label", "weight")
 """The columns an event list may have; the first two it must have."""
@@ -94,7 +94,7 @@ _CHAPTER = re.compile(
 _SERIES_OPTIONS = ("value", "map", "rate")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a table of events, or lines of clock and words."""
     if source.head_text is None or any(getattr(source.options, o) for o in _SERIES_OPTIONS):
         return False
@@ -102,21 +102,21 @@ def sniff(source: Source) -> bool:
     return found is not None or bool(_chapters(source.head_text))
 
 
-def sniff_lines(source: Source) -> bool:
+def sniff_lines(source: DataFile) -> bool:
     """Return whether the file is one JSON object a line, each an event."""
     if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json.sniff_lines(source):
         return False
     table = json.JsonLinesTable(source)
-    return looks_listed(table.columns, first_rows(table, 50), source.options)
+    return is_event_table(table.columns, first_rows(table, 50), source.options)
 
 
-def read_lines(source: Source, options: LoadOptions) -> Timeline:
+def read_lines(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one JSON object a line, as `read`."""
     with validation.located(f"{source.where}: "):
         return _read(json.JsonLinesTable(source), source.stem, options)
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a list of events; InputError names row and column.
 
     Takes `duration_s`, and which columns to read: `time`, `kind`, `label`.
@@ -133,7 +133,7 @@ def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
     roles = roles_of(table.columns, head, options)
     _refuse_beats(table, head[roles.time])
     columns = (roles.time,) if roles.clock is None else (roles.time, roles.clock)
-    choice = settled(table, TimeChoice(columns, roles.format, " "))
+    choice = with_settled_order(table, TimeChoice(columns, roles.format, " "))
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
 
@@ -147,13 +147,13 @@ def _refuse_beats(table: Table, cells: Sequence[Any]) -> None:
         )
 
 
-def _accepting(source: Source) -> Accepts:
+def _accepting(source: DataFile) -> Accepts:
     """What tells lists of events from other tables."""
 
     def accepts(header: tuple[str, ...], below: list[list[str]]) -> bool:
         columns = [Column.of(name) for name in header]
         head = [[row[i] for row in below if i < len(row)] for i in range(len(header))]
-        if looks_listed(columns, head, source.options):
+        if is_event_table(columns, head, source.options):
             return True
         # no header: times and words
         bare = [column.plain for column in columns] == ["column1", "column2"]
@@ -163,19 +163,19 @@ def _accepting(source: Source) -> Accepts:
     return accepts
 
 
-def _json_table(source: Source) -> ColumnTable | None:
+def _json_table(source: DataFile) -> ColumnTable | None:
     """The largest table of events of a JSON document, None if there is none."""
     found = None
     for table in tables_in(source.json):
         cells = [as_list(table.cut(i, 0, 50)) for i in range(len(table.columns))]
-        if all(is_single(cell) for column in cells for cell in column) and looks_listed(
+        if all(is_single(cell) for column in cells for cell in column) and is_event_table(
             table.columns, cells, source.options
         ):
             found = table if found is None or table.rows > found.rows else found
     return found
 
 
-def _table(source: Source) -> Table | None:
+def _table(source: DataFile) -> Table | None:
     """The file's table of events, None if there is none."""
     if source.looks_like_json:
         found = _json_table(source)
@@ -206,7 +206,7 @@ class _Reader:
         about = About(
             title,
             f"events: a {self.table.kind} list, times from column "
-            f"{shown(self.table.columns[self.roles.time].header)} ({form.words})",
+            f"{shown(self.table.columns[self.roles.time].header)} ({form.description})",
             tuple(dict.fromkeys(notes)),
             duration_s,
             self.times.start(min((one.time_s for one in listed), default=0.0)),
@@ -220,7 +220,7 @@ class _Reader:
         others = [i for i in (*text_columns, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
-            locate = location(self.table, chunk, roles.time)
+            locate = cell_locator(self.table, chunk, roles.time)
             seconds = self.times.seconds(self.choice.cells(chunk), locate)
             rows += len(chunk)
             if rows > MAX_EVENTS:
@@ -237,7 +237,7 @@ class _Reader:
                 kind, label, weight, id_ = (
                     "" if c is None else _words(cells[c][i]) for c in text_columns
                 )
-                place = Location(chunk.number(i), word=self.table.row_word)
+                place = CellLocation(chunk.number(i), word=self.table.row_word)
                 strength = _weight(weight, replace(place, column="weight")) if weight else 1.0
                 yield Listed(second, kind or label, label, str(place), ends[i], strength, id_)
 
@@ -251,7 +251,7 @@ class _Reader:
             if form is not None:
                 same = self.choice.format.name if form.name not in CLOCKS else form.name
                 with contextlib.suppress(InputError):
-                    found = TimeColumn(Format(same)).seconds(texts, Location)
+                    found = TimeColumn(Format(same)).seconds(texts, CellLocation)
         if self.roles.end is None:
             found = found + seconds
         return [None if np.isnan(end) else float(end) for end in found]
@@ -261,8 +261,8 @@ def _words(cell: Any) -> str:
     return "" if is_missing(cell) else " ".join(str(cell).split())
 
 
-def _weight(text: str, place: Location) -> float:
-    number = parse(text, Style())
+def _weight(text: str, place: CellLocation) -> float:
+    number = parse(text, ".")
     if number is None:
         raise place.error(text, "isn't a number; weights are above 0, 1 = ordinary")
     return validation.positive(number[0], str(place), "weights are above 0")
@@ -271,7 +271,7 @@ def _weight(text: str, place: Location) -> float:
 # --- strict lists
 
 
-def sniff_list(source: Source) -> bool:
+def sniff_list(source: DataFile) -> bool:
     """Return whether the first row has a column `kind`, and none of times but `time_s`.
 
     Other names of times, and columns that a caller names, are for the other tables of events.
@@ -285,10 +285,10 @@ def sniff_list(source: Source) -> bool:
     names = dialect.header if dialect is not None else ()
     if "kind" not in names or "time_s" in names:
         return "kind" in names
-    return time_named([Column.of(name) for name in names]) is None
+    return named_time_column([Column.of(name) for name in names]) is None
 
 
-def read_list(source: Source, options: LoadOptions) -> Timeline:
+def read_list(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event list (takes `duration_s`, which outranks the file's own); InputError if bad."""
     text = source.text  # its errors name the file themselves
     with validation.located(f"{source.where}: "):
@@ -367,7 +367,7 @@ def encode(timeline: Timeline) -> bytes:
 def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     """Write the events as an event list, whole or not at all; errors as `encode` and a write's."""
     data = encode(timeline)
-    with whole_file(path) as temporary:
+    with atomic_file(path) as temporary:
         temporary.write_bytes(data)
 
 
@@ -388,7 +388,7 @@ def _about(about: About, table: Table) -> About:
         line, text = found["duration_s"]
         hint = "a duration is a finite number of seconds above 0"
         length = validation.positive(
-            _number(text, Location(line), hint), f"line {line}, duration_s", hint
+            _number(text, CellLocation(line), hint), f"line {line}, duration_s", hint
         )
         if about.duration_s is None:
             about = replace(about, duration_s=length)
@@ -408,25 +408,25 @@ def _check_header(names: Sequence[str], line: int) -> None:
 
 
 def _listed_row(row: dict[str, str], line: int) -> Listed:
-    place, hint = Location(line, "time_s"), "times are seconds from 0 up, such as 750.5"
+    place, hint = CellLocation(line, "time_s"), "times are seconds from 0 up, such as 750.5"
     time_s = _number(row["time_s"], place, hint)
     if time_s < 0.0:
         raise place.error(time_s, f"is before the start; {hint}")
-    place, kind = Location(line, "kind"), row["kind"]
+    place, kind = CellLocation(line, "kind"), row["kind"]
     if not kind:
         raise place.missing("name one, such as goal")
     weight = 1.0
     if not is_missing(row.get("weight", "")):
-        place, hint = Location(line, "weight"), "weights are above 0, 1 = ordinary"
+        place, hint = CellLocation(line, "weight"), "weights are above 0, 1 = ordinary"
         weight = validation.positive(_number(row["weight"], place, hint), str(place), hint)
-    with validation.located(f"{Location(line, 'kind')}: "):
+    with validation.located(f"{CellLocation(line, 'kind')}: "):
         validation.kind(kind)
     with validation.located(f"line {line}: "):
         label = validation.text(row.get("label", ""), "label")
     return Listed(time_s, kind, label, f"line {line}, column 'time_s'", None, weight)
 
 
-def _number(text: str, place: Location, hint: str) -> float:
+def _number(text: str, place: CellLocation, hint: str) -> float:
     if not text:
         raise place.missing(hint)
     number = as_number(text)
@@ -454,11 +454,13 @@ def _chapters(text: str) -> list[tuple[int, str, str]]:
     return found if len(found) > 1 and 3 * len(found) >= 2 * len(lines) else []
 
 
-def _read_chapters(source: Source, options: LoadOptions) -> Timeline:
+def _read_chapters(source: DataFile, options: LoadOptions) -> Timeline:
     found = _chapters(source.text)
     with validation.located(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
-        seconds = times.seconds([clock for _, clock, _ in found], lambda i: Location(found[i][0]))
+        seconds = times.seconds(
+            [clock for _, clock, _ in found], lambda i: CellLocation(found[i][0])
+        )
         listed = [
             Listed(second, text, place=f"line {line}")
             for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)

@@ -13,9 +13,9 @@ from datetime import UTC, datetime
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import PLAIN_KIND, About, Listed, timeline_of
-from overview_dsp.data.readers.source import LoadOptions, Source
-from overview_dsp.data.timeline import times
+from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -26,13 +26,13 @@ Entry = dict[str, tuple[str, str, int]]
 """Value, parameters and line of each property of a VEVENT, the first of each."""
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file begins as a calendar."""
     text = source.head_text
     return text is not None and text.lstrip("\ufeff \r\n").upper().startswith("BEGIN:VCALENDAR")
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); InputError names the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
@@ -116,7 +116,7 @@ def _unfolded(text: str) -> Iterator[tuple[int, str]]:
 
 def _moment(entry: Entry, name: str) -> datetime:
     value, parameters, line = entry[name]
-    found = times.moment(value, "iso") if value[:8].isdigit() else None
+    found = time_parsing.moment(value, "iso") if value[:8].isdigit() else None
     if found is None:
         raise InputError(
             f"line {line}, {name}: {shown(value)} isn't a calendar's time; write "

@@ -24,12 +24,12 @@ import re
 from dataclasses import dataclass
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match import SHOOT_OUT, Happening, Touch, match_timeline
 from overview_dsp.data.readers.football.minutes import STARTS
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
-from overview_dsp.data.readers.tables.table import Location
+from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -62,7 +62,7 @@ class _Row:
     player: str
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with the columns of Metrica's raw events."""
     if source.head_text is None or source.looks_like_json:
         return False
@@ -70,7 +70,7 @@ def sniff(source: Source) -> bool:
     return found is not None and set(_NEEDED) <= set(found.header)
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes no options); InputError names file, line and column."""
     text = source.text  # its errors name the file themselves
     with validation.located(f"{source.where}: "):
@@ -153,10 +153,10 @@ def decode(text: str, default_title: str = "") -> Timeline:
 def _row(fields: dict[str, str], line: int) -> _Row:
     period = fields["period"].removesuffix(".0")
     if period not in ("1", "2", "3", "4", "5"):
-        raise Location(line, "Period").error(
+        raise CellLocation(line, "Period").error(
             fields["period"], f"is no period; periods are 1 to {SHOOT_OUT}"
         )
-    start_s = _seconds(fields["start time [s]"], Location(line, "Start Time [s]"))
+    start_s = _seconds(fields["start time [s]"], CellLocation(line, "Start Time [s]"))
     end, player = (
         "" if fields.get(name, "").lower() == "nan" else fields.get(name, "")
         for name in ("end time [s]", "from")
@@ -168,12 +168,12 @@ def _row(fields: dict[str, str], line: int) -> _Row:
         frozenset(word.strip() for word in fields["subtype"].upper().split("-")),
         int(period),
         start_s,
-        _seconds(end, Location(line, "End Time [s]")) if end else start_s,
+        _seconds(end, CellLocation(line, "End Time [s]")) if end else start_s,
         player,
     )
 
 
-def _seconds(text: str, place: Location) -> float:
+def _seconds(text: str, place: CellLocation) -> float:
     hint = f"times are seconds from 0 to {MAX_S:g}, such as 91.56"
     if not _NUMBER.fullmatch(text):
         raise place.error(text, f"isn't a time; {hint}")

@@ -35,6 +35,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match import (
     GOALS,
     SHOOT_OUT,
@@ -53,10 +54,9 @@ from overview_dsp.data.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
-from overview_dsp.data.readers.tables.table import MAX_COLUMNS, Location
+from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -146,11 +146,11 @@ class _Row:
 
     @property
     def place(self) -> str:
-        return str(Location(self.line))
+        return str(CellLocation(self.line))
 
-    def at(self, what: str) -> Location:
+    def at(self, what: str) -> CellLocation:
         """Return the location of the field that is `what`."""
-        return Location(self.line, self.headers.get(what, what))
+        return CellLocation(self.line, self.headers.get(what, what))
 
     def get(self, what: str) -> str:
         value = self.fields.get(what, "")
@@ -167,7 +167,7 @@ class _Row:
         return self.get("date"), self.get("home"), self.get("away"), self.get("match")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with minutes and with kinds of events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
@@ -184,14 +184,14 @@ def sniff(source: Source) -> bool:
     return "kind" in columns and _speaks_football(source.head_text, columns, timed[0])
 
 
-def matches(source: Source) -> list[str]:
+def matches(source: DataFile) -> list[str]:
     """Return a line on each match of the file."""
     text = source.text
     with validation.located(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names file and line."""
     text = source.text  # its errors name the file themselves
     with validation.located(f"{source.where}: "):
@@ -422,7 +422,7 @@ def _minute(row: _Row) -> Minute:
     return replace(minute, period=_period(period, row.at("period"))) if period else minute
 
 
-def _period(text: str, place: Location) -> int | None:
+def _period(text: str, place: CellLocation) -> int | None:
     words = re.sub(r" 0$", "", words_of(text))  # 1.0, as a table of numbers writes it
     for number, known in _PERIODS.items():
         if words in known:

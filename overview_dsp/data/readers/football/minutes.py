@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from overview_dsp.data.readers.football.match import SHOOT_OUT, lay_end_to_end
-from overview_dsp.data.readers.tables.table import Location
-from overview_dsp.data.timeline.times import match_minute
+from overview_dsp.data.readers.tables.table import CellLocation
+from overview_dsp.data.timeline.time_parsing import match_minute
 from overview_dsp.errors import InputError, shown
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
@@ -57,7 +57,7 @@ class Minute:
         return self.base + (self.added or 0)
 
 
-def parse_minute(text: str, place: str | Location) -> Minute:
+def parse_minute(text: str, place: str | CellLocation) -> Minute:
     """Return the minute written as `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError if not."""
     found = match_minute(text)
     if found is None:
@@ -67,7 +67,7 @@ def parse_minute(text: str, place: str | Location) -> Minute:
     return Minute(base, added, seconds)
 
 
-def check_minute(base: int, added: int | None, place: str | Location) -> None:
+def check_minute(base: int, added: int | None, place: str | CellLocation) -> None:
     """Refuse minutes no match has."""
     if not 0 <= base <= MAX_MINUTE:
         raise _wrong(place, base, f"is no minute; minutes are {_RANGE}")
@@ -75,8 +75,8 @@ def check_minute(base: int, added: int | None, place: str | Location) -> None:
         raise _wrong(place, added, f"minutes of stoppage time; that is 0 to {MAX_ADDED}")
 
 
-def _wrong(place: str | Location, value: object, note: str) -> InputError:
-    if isinstance(place, Location):
+def _wrong(place: str | CellLocation, value: object, note: str) -> InputError:
+    if isinstance(place, CellLocation):
         return place.error(value, note)
     return InputError(f"{place}: {shown(value)} {note}")
 

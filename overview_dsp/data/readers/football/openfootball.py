@@ -41,6 +41,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match import (
     Happening,
     choose,
@@ -49,7 +50,6 @@ from overview_dsp.data.readers.football.match import (
     short_name,
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -136,7 +136,7 @@ class _Match:
         return "  ".join(part for part in (self.date, teams, self.round) if part)
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is JSON whose `matches` (or `rounds`) name team1 and team2."""
     if not source.looks_like_json or '"team1"' not in source.text:
         return False
@@ -146,7 +146,7 @@ def sniff(source: Source) -> bool:
     )
 
 
-def sniff_text(source: Source) -> bool:
+def sniff_text(source: DataFile) -> bool:
     """Return whether the file is text of matches with goals in minutes, or of scores alone."""
     if source.head_text is None or source.looks_like_json:
         return False
@@ -154,14 +154,14 @@ def sniff_text(source: Source) -> bool:
     return _has_goals(document) or _is_a_list_of_scores(source.head_text, document)
 
 
-def matches(source: Source) -> list[str]:
+def matches(source: DataFile) -> list[str]:
     """Return a line on each match of the file."""
     document = _document(source)
     with validation.located(f"{source.where}: "):
         return [match.line for match in _matches(document)]
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`).
 
     Raises
@@ -174,7 +174,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         return decode(document, options.match, source.stem)
 
 
-def _document(source: Source) -> object:
+def _document(source: DataFile) -> object:
     """Return the file as its JSON has it; errors name the file."""
     if source.looks_like_json:
         return source.json

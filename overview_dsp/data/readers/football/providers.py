@@ -22,6 +22,7 @@ from datetime import datetime
 from typing import Any
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import repeated_ids
 from overview_dsp.data.readers.football.match import (
     MAX_PERIOD_S,
@@ -33,8 +34,7 @@ from overview_dsp.data.readers.football.match import (
     match_timeline,
     short_name,
 )
-from overview_dsp.data.readers.plugins import needed
-from overview_dsp.data.readers.source import LoadOptions, Source
+from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
@@ -78,22 +78,22 @@ class _Feed:
     """
 
     name: str
-    claims: Callable[[Source], bool]
+    claims: Callable[[DataFile], bool]
     load: tuple[str, ...]
-    beside: tuple[str, Callable[[Source], bool]] | None = None
+    beside: tuple[str, Callable[[DataFile], bool]] | None = None
 
 
-def _xml(root: str, *words: str) -> Callable[[Source], bool]:
-    def claims(source: Source) -> bool:
+def _xml(root: str, *words: str) -> Callable[[DataFile], bool]:
+    def claims(source: DataFile) -> bool:
         return source.xml_root == root and all(w in (source.head_text or "") for w in words)
 
     return claims
 
 
-def _json(*path: str | int) -> Callable[[Source], bool]:
+def _json(*path: str | int) -> Callable[[DataFile], bool]:
     """Return whether a file is JSON with something at the end of a path of keys and positions."""
 
-    def claims(source: Source) -> bool:
+    def claims(source: DataFile) -> bool:
         if not source.looks_like_json or f'"{path[0]}"' not in source.text:
             return False
         at: Any = source.json
@@ -107,7 +107,7 @@ def _json(*path: str | int) -> Callable[[Source], bool]:
     return claims
 
 
-def _either(*claims: Callable[[Source], bool]) -> Callable[[Source], bool]:
+def _either(*claims: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
     return lambda source: any(claim(source) for claim in claims)
 
 
@@ -145,12 +145,12 @@ _FEEDS = (
 )
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file holds the events of a provider that kloppy reads."""
     return _feed_of(source) is not None
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes no options but the limits).
 
     Raises
@@ -163,7 +163,7 @@ def read(source: Source, options: LoadOptions) -> Timeline:
     files = [_bytes(source)]
     with validation.located(f"{source.where}: "):
         module, function, *arguments = feed.load
-        kloppy = needed(f"kloppy.{module}", feed.name, "football")
+        kloppy = require_package(f"kloppy.{module}", feed.name, "football")
         if feed.beside is not None:
             files.append(_bytes(_beside(source, feed)))
         streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
@@ -179,11 +179,11 @@ def read(source: Source, options: LoadOptions) -> Timeline:
         return _timeline(dataset, feed, source.stem)
 
 
-def _feed_of(source: Source) -> _Feed | None:
+def _feed_of(source: DataFile) -> _Feed | None:
     return next((feed for feed in _FEEDS if feed.claims(source)), None)
 
 
-def _bytes(source: Source) -> bytes:
+def _bytes(source: DataFile) -> bytes:
     """Return a file's text as UTF-8, checked to be harmless."""
     limit = source.options.max_mb * 2**20 if source.options.max_mb is not None else MAX_BYTES
     if source.size > limit:
@@ -198,18 +198,18 @@ def _bytes(source: Source) -> bytes:
     return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
 
 
-def _beside(source: Source, feed: _Feed) -> Source:
+def _beside(source: DataFile, feed: _Feed) -> DataFile:
     """Return the one file beside the events that holds the teams."""
     assert feed.beside is not None
     what, is_it = feed.beside
-    found: list[Source] = []
+    found: list[DataFile] = []
     try:
         paths = sorted(p for p in source.folder.iterdir() if p.suffix.lower() in (".xml", ".json"))
     except OSError:  # a folder that may be passed through but not listed
         paths = []
     for path in paths[:MAX_BESIDE]:
         with contextlib.suppress(InputError):  # some other file
-            candidate = Source.open(path, source.options)
+            candidate = DataFile.open(path, source.options)
             if path != source.path and candidate.size <= MAX_BYTES and is_it(candidate):
                 found.append(candidate)
     if len(found) > 1:

@@ -30,6 +30,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import repeated_ids
 from overview_dsp.data.readers.football.match import (
     GOALS,
@@ -43,7 +44,6 @@ from overview_dsp.data.readers.football.match import (
     short_name,
     team_index,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -79,14 +79,14 @@ _ENDS = {1: "half-time", 2: "full time", 3: "extra-time half-time", 4: "full tim
 _CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is a JSON list with period, timestamp and type in an early entry."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
     return has_entry(source.json, "period", "timestamp", "type")
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); InputError names the file and the record."""
     document = source.json  # its errors name the file themselves
     with validation.located(f"{source.where}: "):

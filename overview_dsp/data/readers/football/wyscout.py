@@ -28,6 +28,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.listing import repeated_ids
 from overview_dsp.data.readers.football.match import (
     GOALS,
@@ -42,7 +43,6 @@ from overview_dsp.data.readers.football.match import (
     shoot_out_note,
     short_name,
 )
-from overview_dsp.data.readers.source import LoadOptions, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -108,14 +108,14 @@ class _Event:
             )
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is JSON with Wyscout's matchPeriod and eventSec in an early event."""
     if not source.looks_like_json or '"matchPeriod"' not in source.text:
         return False
     return has_entry(_listed(source.json), "matchPeriod", "eventSec")
 
 
-def matches(source: Source) -> list[str]:
+def matches(source: DataFile) -> list[str]:
     """Return a line on each match of the file."""
     document = source.json
     with validation.located(f"{source.where}: "):
@@ -124,7 +124,7 @@ def matches(source: Source) -> list[str]:
         return _lines(list(grouped), known)
 
 
-def read(source: Source, options: LoadOptions) -> Timeline:
+def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); InputError names the file and the event."""
     document = source.json  # its errors name the file themselves
     with validation.located(f"{source.where}: "):
@@ -397,7 +397,7 @@ class Companion:
 
 
 def companions(
-    source: Source, ids: Collection[str]
+    source: DataFile, ids: Collection[str]
 ) -> tuple[dict[str, Companion], tuple[str, ...]]:
     """Return what the `matches*.json` beside a file know of some matches, by id, and notes."""
     found: dict[str, Companion] = {}
@@ -408,7 +408,7 @@ def companions(
         return {}, ()
     for candidate in beside[:MAX_FILES]:
         try:
-            found_beside = Source.open(candidate, LoadOptions(max_mb=MAX_MB))
+            found_beside = DataFile.open(candidate, LoadOptions(max_mb=MAX_MB))
             document = found_beside.json if found_beside.looks_like_json else None
         except InputError as error:
             notes.append(f"the names beside it weren't read: {error}")

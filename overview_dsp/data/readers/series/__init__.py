@@ -1,1 +1,1 @@
-"""Series: from the columns of a table to a curve, its gaps and its events."""
+"""Timelines of series: a table of times and values becomes a curve, gaps and events."""

@@ -1,12 +1,11 @@
-"""Points in time into an intensity: how many rows there are in each window (`--map count`).
+"""Number of rows in each window of time as an intensity curve (`--map count`).
 
-For quakes, commits, log lines, messages: a table with a column of times, in any order, and whatever
-else. `count:WINDOW` says how long a window is (s, min, h, d, w, y: `count:6h`); left out, it is the
-shortest of a row of round ones of which there are at most `USUAL_WINDOWS`. Windows begin on the
-calendar, weeks with Monday, and the timeline with a window, so that each is whole.
+This is for earthquakes, commits, log lines or messages: a table with times in any order.
+`count:WINDOW` sets the length of a window (s, min, h, d, w, y: `count:6h`). By default, it is the
+shortest round length with at most `USUAL_WINDOWS` windows. Windows are aligned to the calendar
+(weeks to Monday). The timeline begins with a window, so that each is complete.
 
-Every row with a time counts once: 8 bytes are kept of each, none is left out, and a window without
-rows is a 0, not a gap.
+Every row with a time counts once and takes 8 bytes. A window without rows is 0, not a gap.
 """
 
 from __future__ import annotations
@@ -18,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis import curve_maps
-from overview_dsp.data.analysis.series_events import Calendar, PartRules, Series, find_events
-from overview_dsp.data.readers.series.plan import HEAD_ROWS
-from overview_dsp.data.readers.series.rows import RowReader, settled
-from overview_dsp.data.readers.source import LoadOptions
-from overview_dsp.data.readers.tables.cells import Style
+from overview_dsp.data.analysis.series_events import Calendar, Series, WindowRules, find_events
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.series.read_plan import HEAD_ROWS
+from overview_dsp.data.readers.series.rows import RowReader, with_settled_order
 from overview_dsp.data.readers.tables.column_roles import choose_time
 from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
 from overview_dsp.data.timeline.growable_array import Store
@@ -30,11 +28,11 @@ from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, shown
 
 MAX_ROWS = 500_000_000
-"""Most rows: their times take 8 bytes each in a temporary file."""
+"""Maximum number of rows; their times take 8 bytes each in a temporary file."""
 
 MAX_WINDOWS = 2_000_000
 USUAL_WINDOWS = 500
-"""Windows of a count whose length isn't given, at most: a hand tells apart some of them."""
+"""Maximum number of windows without a requested length."""
 
 _DAY = 86_400.0
 _ROUND = {
@@ -44,37 +42,37 @@ _ROUND = {
 }  # fmt: skip
 
 
-def asked_of(table: Table, options: LoadOptions) -> bool:
-    """Return whether a table's rows are to be counted: not if `count` is one of its columns."""
+def counts_rows(table: Table, options: LoadOptions) -> bool:
+    """Return whether rows are counted: map is `count`, and no column has this name."""
     return options.counts and (options.map or "").strip().lower() not in headers_of(table.columns)
 
 
 @dataclass(frozen=True)
 class _Windows:
-    """Windows in a row: what one is called, how long it is, where the first begins, how many."""
+    """Consecutive windows: name of their length, length, start of the first, and number."""
 
-    words: str
+    name: str
     span_s: float
     first_s: float
     count: int
 
 
-def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
-    """Make a Timeline of how many rows there are in each window.
+def count_rows(table: Table, options: LoadOptions, title: str) -> Timeline:
+    """Return a Timeline whose curve is the number of rows in each window.
 
     Raises
     ------
     InputError
-        An option that says nothing here, no window or one too short, no times, a cell that is none.
+        An option that does not apply, a wrong or too short window, no times, a wrong cell.
     """
     for name in ("value", "rate"):
         if getattr(options, name) is not None:
             raise InputError(f"map count counts rows by their times; leave {name} out")
     assert options.map is not None
-    wanted = _span(options.map)
+    requested = _span(options.map)
     head = first_rows(table, HEAD_ROWS)
-    time = settled(table, choose_time(table, head, options.time, False))
-    reader = RowReader(table, time, (), Style(), None, options.report_progress)
+    time = with_settled_order(table, choose_time(table, head, options.time, False))
+    reader = RowReader(table, time, (), ".", None, options.report_progress)
     store = Store(np.float64)
     low, high = np.inf, -np.inf
     for rows in reader:
@@ -88,29 +86,29 @@ def counted(table: Table, options: LoadOptions, title: str) -> Timeline:
     first, last = float(low), float(high)
     if not np.isfinite(last - first) or last - first > 1e15:
         raise InputError("the times span more than 30 million years; check their unit")
-    windows = _windows(wanted, first, last, reader.time.start(first))
+    windows = _windows(requested, first, last, reader.time.start(first))
     numbers = _numbers(store.finish(), windows)
     start = reader.time.start(windows.first_s)
     return _timeline(table, reader, windows, numbers, start, title)
 
 
-def _span(wish: str) -> tuple[str, float] | None:
-    """Return the window asked for, in words and in s; None for none."""
-    _, colon, words = (part.strip() for part in wish.partition(":"))
+def _span(option: str) -> tuple[str, float] | None:
+    """Return the requested window as text and in s, None if it is left out."""
+    _, colon, text = (part.strip() for part in option.partition(":"))
     if not colon:
         return None
-    seconds = curve_maps.span_s(words)
+    seconds = curve_maps.span_s(text)
     if seconds is None:
         raise InputError(
-            f"map count:{shown(words)}: give a window as a time (count:6h; s, min, h, d, w, y)"
+            f"map count:{shown(text)}: give a window as a time (count:6h; s, min, h, d, w, y)"
         )
-    return words, seconds
+    return text, seconds
 
 
 def _windows(
-    wanted: tuple[str, float] | None, first: float, last: float, start: datetime | None
+    requested: tuple[str, float] | None, first: float, last: float, start: datetime | None
 ) -> _Windows:
-    words, span = wanted or next(
+    text, span = requested or next(
         (item for item in _ROUND.items() if (last - first) / item[1] < USUAL_WINDOWS - 1),
         ("1000y", 365_250.0 * _DAY),
     )
@@ -118,14 +116,14 @@ def _windows(
     count = int((last - begin) // span) + 1
     if count > MAX_WINDOWS:
         raise InputError(
-            f"map count:{words} makes {count} windows of {last - first:.6g} s; up to {MAX_WINDOWS} "
+            f"map count:{text} makes {count} windows of {last - first:.6g} s; up to {MAX_WINDOWS} "
             "are made: give a longer window"
         )
-    return _Windows(words, span, begin, count)
+    return _Windows(text, span, begin, count)
 
 
 def _since_round(first: float, span: float, start: datetime | None) -> float:
-    """Return how long before the first time a round window begins."""
+    """Return the time from the start of the first window to the first row, s."""
     if start is None:
         return first % span
     midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
@@ -136,13 +134,13 @@ def _since_round(first: float, span: float, start: datetime | None) -> float:
         since = of_day + start.weekday() * _DAY
     else:
         since = of_day
-    # nothing is before the calendar's first day
+    # no window before the first day of the calendar
     earliest = datetime.min.replace(tzinfo=start.tzinfo) + timedelta(days=1)
     return since if start - earliest > timedelta(seconds=since) else 0.0
 
 
 def _numbers(seconds: NDArray[np.float64], windows: _Windows) -> NDArray[np.float64]:
-    """Return how many times lie in each window, some at a time."""
+    """Return the number of times in each window."""
     numbers = np.zeros(windows.count, np.int64)
     for begin in range(0, len(seconds), 1 << 20):
         part = np.asarray(seconds[begin : begin + (1 << 20)])
@@ -163,9 +161,7 @@ def _timeline(
     span = windows.span_s
     duration_s = windows.count * span
     middle = (np.arange(windows.count, dtype=np.float64) + 0.5) * span
-    unit = (
-        f"per {windows.words.removeprefix('1') if windows.words[1:].isalpha() else windows.words}"
-    )
+    unit = f"per {windows.name.removeprefix('1') if windows.name[1:].isalpha() else windows.name}"
     calendar = Calendar(start, dates_only=False)
     step = np.concatenate(([np.nan], np.diff(numbers)))
     series = Series(middle, numbers, step, False, unit, calendar)
@@ -175,8 +171,8 @@ def _timeline(
     value = np.concatenate((numbers[:1], numbers, numbers[-1:]))
     busiest = int(np.argmax(numbers))
     notes = [
-        f"{reader.rows} rows, counted in {windows.count} windows of {windows.words} "
-        f"(map count:{windows.words}); {numbers[busiest]:g} in the fullest, from "
+        f"{reader.rows} rows, counted in {windows.count} windows of {windows.name} "
+        f"(map count:{windows.name}); {numbers[busiest]:g} in the fullest, from "
         f"{calendar.text(busiest * span)} on"
     ]
     if reader.skipped:
@@ -188,9 +184,10 @@ def _timeline(
         events=tuple(events),
         intensity=Intensity(time_s, value, unit),
         provenance=(
-            f"a {table.kind} table, rows by {names} ({reader.choice.format.words}); events by rule"
+            f"a {table.kind} table, rows by {names} ({reader.choice.format.description}); "
+            "events by rule"
         ),
         notes=(*table.notes, *reader.choice.notes, *notes, *event_notes),
         start=start,
-        rules=PartRules(series, 0.0, duration_s),
+        rules=WindowRules(series, 0.0, duration_s),
     )

@@ -1,4 +1,4 @@
-"""Rows of a table as numbers: seconds and values, chunk by chunk."""
+"""Conversion of table rows to seconds and values, chunk by chunk."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables.cells import NumberColumn, Style
+from overview_dsp.data.readers.tables.cells import NumberColumn
 from overview_dsp.data.readers.tables.column_roles import TimeChoice
-from overview_dsp.data.readers.tables.table import Location, Table, location
+from overview_dsp.data.readers.tables.table import CellLocation, Table, cell_locator
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, shown
 
 Rows = NDArray[np.float64]
-"""Rows that have a time, shape (2 + columns, n): the number of each as a person counts, its
-seconds, and the values of each column asked for, NaN = missing."""
+"""Rows with a time, shape (2 + columns, n): row number from 1, seconds, and the value of each
+requested column, NaN = missing."""
 
 
 @dataclass
 class RowReader:
-    """Reads the chosen columns of a table, chunk by chunk, into seconds and values.
+    """Iterator over the selected columns of a table as seconds and values, chunk by chunk.
 
-    `time` and `numbers` are the columns' parsers, whose findings stand after the last chunk.
+    `time` and `numbers` are the parsers of the columns; units are known after the last chunk.
     """
 
     table: Table
     choice: TimeChoice
     columns: Sequence[int]
-    style: Style
+    decimal_mark: str
     rate: float | None = None
     progress: Callable[[float], None] = lambda part: None
     time: TimeColumn = field(init=False)
@@ -40,7 +40,7 @@ class RowReader:
     def __post_init__(self) -> None:
         zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
         self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
-        self.numbers = [NumberColumn(self.style) for _ in self.columns]
+        self.numbers = [NumberColumn(self.decimal_mark) for _ in self.columns]
 
     def __iter__(self) -> Iterator[Rows]:
         count = len(self.choice.columns)
@@ -48,14 +48,14 @@ class RowReader:
         for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
             self.progress(chunk.part)
             values = [
-                number.values(cells, location(self.table, chunk, index))
+                number.values(cells, cell_locator(self.table, chunk, index))
                 for number, cells, index in zip(
                     self.numbers, chunk.cells[count:], self.columns, strict=True
                 )
             ]
             if count:
-                place = location(self.table, chunk, self.choice.columns[0])
-                seconds = self.time.seconds(self.choice.cells(chunk), place)
+                locate = cell_locator(self.table, chunk, self.choice.columns[0])
+                seconds = self.time.seconds(self.choice.cells(chunk), locate)
             else:
                 assert self.rate is not None
                 seconds = (seen + np.arange(len(chunk))) / self.rate
@@ -67,20 +67,20 @@ class RowReader:
                 valued = timeless & ~np.all([np.isnan(value) for value in values], axis=0)
                 if valued.any():
                     i = int(np.flatnonzero(valued)[0])
-                    raise place(i).missing("give the time, or leave the row out")
+                    raise locate(i).missing("give the time, or leave the row out")
                 self.skipped += int(timeless.sum())
                 read = read[:, ~timeless]
             self.rows += read.shape[1]
             yield read
 
 
-def settled(table: Table, choice: TimeChoice) -> TimeChoice:
-    """Distinguish day and month where the head left it open, by the whole column.
+def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
+    """Return the choice with `dmy or mdy` resolved by the whole column.
 
     Raises
     ------
     InputError
-        They can't be distinguished; the line says how to give it.
+        Day and month can't be distinguished; the message says how to set the format.
     """
     if choice.format.name != "dmy or mdy":
         return choice
@@ -100,24 +100,26 @@ def settled(table: Table, choice: TimeChoice) -> TimeChoice:
     if not name:
         raise InputError(
             f"column {header}: {shown(example)} may be day/month or month/day, no row shows "
-            f"which; say it with time (--time-column): '{column.header}:dmy' or "
+            f"which; choose with time (--time-column): '{column.header}:dmy' or "
             f"'{column.header}:mdy'"
         )
-    words = Format(name).words
+    description = Format(name).description
     evidence = (
-        f"{table.row_word} {row}" if row is not None else "the order of rows (only so do they rise)"
+        f"{table.row_word} {row}"
+        if row is not None
+        else "the order of rows (only then are they ascending)"
     )
-    note = f"column {header} is read as {words}, detected from {evidence}"
+    note = f"column {header} is read as {description}, detected from {evidence}"
     return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))
 
 
 def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
-    """Sort rows and keep the last of each time; return notes on it too.
+    """Sort rows and keep the last row of each time; return notes on this, too.
 
     Raises
     ------
     InputError
-        A clock that goes back.
+        A clock time earlier than the one before it.
     """
     number, seconds = read[:2]
     word = reader.table.row_word
@@ -128,13 +130,13 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):
         order = np.arange(len(seconds))[::-1]
-        if (step == 0.0).any():  # equal times stay in the file's order
+        if (step == 0.0).any():  # equal times keep their order
             order = np.argsort(seconds, kind="stable")
-        notes.append("rows were in descending order; they were turned round")
+        notes.append("rows were in descending order; they were reversed")
     elif (step < 0.0).any():
         back = int(np.flatnonzero(step < 0.0)[0]) + 1
         if reader.choice.format.name in CLOCKS:
-            raise Location(int(number[back]), word=word).fault(
+            raise CellLocation(int(number[back]), word=word).fault(
                 "the clock goes back; give dates too, or cut the file there"
             )
         order = np.argsort(seconds, kind="stable")
@@ -145,9 +147,7 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     ordered = read if order is None else read[:, order]
     single = last_of_each_time(ordered)
     if repeats := ordered.shape[1] - single.shape[1]:
-        notes.append(
-            f"{repeats} rows repeat a time; of rows of one time the last with a value counts"
-        )
+        notes.append(f"{repeats} rows repeat a time; the last value of each time counts")
     return single, notes
 
 
@@ -157,12 +157,12 @@ def skipped_note(reader: RowReader) -> str:
 
 
 def last_of_each_time(rows: Rows) -> Rows:
-    """Keep one row of each time: the last, its missing values filled from the rows before it.
+    """Return the last row of each time, with missing values from earlier rows of that time.
 
     Parameters
     ----------
     rows
-        In order of their times.
+        Rows sorted by time.
     """
     begins = np.flatnonzero(np.diff(rows[1], prepend=-np.inf) > 0.0)
     count = rows.shape[1]

@@ -1,9 +1,9 @@
-"""NumPy's `.npy` and `.npz` as a table, as `np.save` and `np.savez` write them.
+"""Tables in NumPy's `.npy` and `.npz` files, and in Parquet files.
 
 `.npy`: one row of values (give `rate`), rows and columns (`column 1` ...), or a structured array
-(its names). `.npz`: all its arrays of one dimension and of the greatest length, by their names.
-Objects are refused: unpickling them would run whatever code they hold. What a header claims is
-compared with the file's size, or the limit, before anything is read.
+(its names). `.npz`: all arrays of one dimension and of the greatest length, by their names.
+Arrays of Python objects are errors, since unpickling runs code from the file. The size in a header
+is compared with the size of the file, or the limit, before data are read.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.opening import MAX_MB
-from overview_dsp.data.readers.source import Source
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
     NO_ROWS,
@@ -32,6 +32,7 @@ from overview_dsp.data.readers.tables.table import (
     require_few_columns,
 )
 from overview_dsp.errors import InputError, shown
+from overview_dsp.installation import install_command
 
 MAGIC = b"\x93NUMPY"
 _NUMBERS = "bhilqBHILQefdg?"
@@ -41,16 +42,16 @@ _MAX_HEADER = 100_000
 def array_table(
     names: Sequence[str], arrays: Sequence[NDArray[Any]], notes: Sequence[str] = ()
 ) -> ColumnTable:
-    """Return columns of one dimension and length, in memory or on disk, as a table.
+    """Return a table of one-dimensional arrays of equal length, in memory or on disk.
 
     Parameters
     ----------
     names
-        Of the columns.
+        Names of the columns.
     arrays
         Numbers, datetimes, texts.
     notes
-        What a person should know.
+        Messages about how the table was read.
     """
     return ColumnTable(
         "NumPy",
@@ -70,18 +71,18 @@ def _cells(part: Any) -> Cells:
     return np.asarray(part) if kind == "M" else [str(cell) for cell in part.tolist()]
 
 
-def sniff_npy(source: Source) -> bool:
-    """Return whether the file begins as `.npy` does."""
+def sniff_npy(source: DataFile) -> bool:
+    """Return whether the file is in `.npy` format."""
     return source.head.startswith(MAGIC)
 
 
-def sniff_npz(source: Source) -> bool:
-    """Return whether the file is a ZIP archive (which `opened` leaves packed only if it is one)."""
+def sniff_npz(source: DataFile) -> bool:
+    """Return whether the file is a ZIP archive; `opened` unpacks all other archives."""
     return source.head.startswith(b"PK\x03\x04")
 
 
-def open_npy(source: Source) -> ColumnTable:
-    """Return the file's table; InputError for objects, for a file that is cut off."""
+def open_npy(source: DataFile) -> ColumnTable:
+    """Return the table of a file; InputError for objects or a truncated file."""
     with open(source.path, "rb") as stream:
         shape, fortran, dtype = _header(stream)
         offset = stream.tell()
@@ -96,8 +97,8 @@ def open_npy(source: Source) -> ColumnTable:
     return _table(array)
 
 
-def open_npz(source: Source) -> ColumnTable:
-    """Return the table of the archive's longest arrays of one dimension."""
+def open_npz(source: DataFile) -> ColumnTable:
+    """Return the table of the longest one-dimensional arrays in an archive."""
     limit = (source.options.max_mb if source.options.max_mb is not None else MAX_MB) * 2**20
     arrays: dict[str, Any] = {}
     try:
@@ -111,8 +112,8 @@ def open_npz(source: Source) -> ColumnTable:
                         limit -= size
                         if limit < 0:
                             raise InputError(
-                                "unpacks to more than what is read; raise the limit with max_mb "
-                                "(--read max-mb=MB) if that is what it should hold"
+                                "unpacks to more than the limit; if that is intended, raise it "
+                                "with max_mb (--read max-mb=MB)"
                             )
                         data = stream.read(size)
                         if len(data) != size:
@@ -138,7 +139,7 @@ def open_npz(source: Source) -> ColumnTable:
 
 
 def _header(stream: IO[bytes] | zipfile.ZipExtFile) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    """Read what an array is; InputError for objects and for no such header."""
+    """Read the header of an array; InputError for objects or a wrong header."""
     try:
         version = np.lib.format.read_magic(stream)
         read = (
@@ -180,16 +181,14 @@ def _table(array: Any) -> ColumnTable:
 
 
 PARQUET_MAGIC = b"PAR1"
-"""What a Parquet file begins with."""
+"""First bytes of a Parquet file."""
 
 MAX_ROWS = 2_000_000_000
-"""Most rows: a file of a few kilobytes can claim any number of equal ones."""
-
-_INSTALL = 'Parquet needs pyarrow: pip install "overview-dsp[parquet]"'
+"""Maximum number of rows: a file of a few kilobytes can contain any number of equal rows."""
 
 
-def sniff_parquet(source: Source) -> bool:
-    """Return whether the file begins as Parquet does."""
+def sniff_parquet(source: DataFile) -> bool:
+    """Return whether the file is in Parquet format."""
     return source.head.startswith(PARQUET_MAGIC)
 
 
@@ -197,16 +196,18 @@ def _library() -> Any:
     try:
         import pyarrow.parquet
     except ImportError as error:
-        raise InputError(f"{_INSTALL}, or save the table as CSV") from error
+        raise InputError(
+            f"Parquet needs pyarrow: {install_command('parquet')}, or save the table as CSV"
+        ) from error
     return pyarrow
 
 
 class ParquetTable(Table):
-    """A Parquet file, streamed."""
+    """Table of a Parquet file, streamed."""
 
     kind = "Parquet"
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         arrow = _library()
         self._arrow = arrow
         self._path = str(source.path)
@@ -221,7 +222,7 @@ class ParquetTable(Table):
             raise InputError(NO_ROWS)
         require_few_columns(len(schema))
         types = arrow.types
-        # nested columns (lists, structures) are none of a series
+        # nested columns (lists, structures) are left out
         fields = [
             (i, field)
             for i, field in enumerate(schema)
@@ -236,7 +237,7 @@ class ParquetTable(Table):
             raise InputError("no flat columns; a series is a table of times and values")
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError where the file is damaged."""
+        """Read these columns; InputError if the file is damaged."""
         names = [self._names[i] for i in columns]
         first = 1
         with (
@@ -259,7 +260,7 @@ class ParquetTable(Table):
             raise InputError(NO_ROWS)
 
     def _cells(self, column: Any) -> Cells:
-        """A batch's column as numpy numbers or datetimes, or as Python values."""
+        """Return a column of a batch as NumPy numbers or datetimes, or as Python values."""
         types, kind = self._arrow.types, column.type
         if types.is_timestamp(kind):
             naive = column.cast(self._arrow.timestamp(kind.unit))
@@ -284,7 +285,7 @@ class ParquetTable(Table):
 
 @contextmanager
 def _one_line() -> Iterator[None]:
-    """Turn what pyarrow raises about a broken file into one line."""
+    """Convert errors of pyarrow to an InputError of one line."""
     try:
         yield
     except InputError:  # a ValueError too

@@ -1,9 +1,8 @@
-"""Cells of a table: numbers in any way of writing, words for a missing value.
+"""Numbers and missing values in the cells of a table.
 
 Numbers have a decimal point or comma, thousands in groups of three, a currency sign, a per cent
-sign or a unit after the number, K, M and B for thousand, million and milliard (10^9), brackets for
-less than zero. One way holds for a whole file; which of point and comma is the decimal mark is
-detected from cells in which only one can be.
+sign or a unit after the number, K, M and B for thousand, million and 10^9, and brackets for
+negative values. `decimal_mark` detects whether point or comma is the decimal mark of a file.
 """
 
 from __future__ import annotations
@@ -11,20 +10,20 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables.table import Cells, Location
-from overview_dsp.data.timeline.samples import MAX_VALUE
+from overview_dsp.data.readers.tables.table import CellLocation, Cells
+from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.errors import shown
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
 _GROUPS = "'’ \u00a0\u202f_"
-_WHOLE = re.compile(
+NUMBER = re.compile(
     rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{_CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
     rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
     r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
@@ -33,62 +32,21 @@ _WHOLE = re.compile(
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
 
-@dataclass(frozen=True)
-class Style:
-    """How a file writes numbers: its decimal mark, "." or ","."""
-
-    decimal: str = "."
-
-    @property
-    def thousands(self) -> str:
-        """The other one."""
-        return "," if self.decimal == "." else "."
-
-
-def detected_style(cells: Iterable[Any]) -> Style | None:
-    """Return the style that some cell proves, None if none does.
-
-    A cell proves a mark to be decimal if it has both marks (the last one), or just one, once, and
-    not before exactly three digits (`12,5`, `0.250` by its zero).
-    """
-    votes = {".": 0, ",": 0}
-    for cell in cells:
-        if not isinstance(cell, str):
-            continue
-        found = _WHOLE.fullmatch(cell.strip())
-        if found is None:
-            continue
-        digits = found["digits"]
-        point, comma = digits.rfind("."), digits.rfind(",")
-        if point < 0 and comma < 0:
-            continue
-        mark = "." if point > comma else ","
-        if digits.count(mark) > 1:
-            votes["," if mark == "." else "."] += 1  # a mark that repeats groups thousands
-        elif (point >= 0 and comma >= 0) or not re.fullmatch(
-            r"[1-9]\d{0,2}[.,]\d{3}", digits, re.ASCII
-        ):
-            votes[mark] += 1
-    if votes["."] == votes[","]:
-        return None
-    return Style("." if votes["."] > votes[","] else ",")
-
-
-def parse(text: str, style: Style) -> tuple[float, str] | None:
-    """Return a cell's number and what unit or currency it carries; None if it is no number."""
-    found = _WHOLE.fullmatch(text)
+def parse(text: str, decimal_mark: str) -> tuple[float, str] | None:
+    """Return number and unit (or currency) of a cell, None if it is not a number."""
+    found = NUMBER.fullmatch(text)
     if found is None or (found["sign1"] and found["sign"]):
         return None
     digits = found["digits"]
-    whole, mark, part = digits.partition(style.decimal)
-    if style.thousands in part or style.decimal in part:
+    whole, mark, part = digits.partition(decimal_mark)
+    if "." in part or "," in part:
         return None
     separators = set(whole) - set("0123456789")
     if len(separators) > 1:
         return None
     if separators:
         groups = whole.split(separators.pop())
-        # grouped in threes, or in lakhs (12,34,567): the last has three, the others two or three
+        # groups of three, or lakhs (12,34,567): three digits in the last, two or three before it
         if len(groups[-1]) != 3 or not all(2 <= len(g) <= 3 for g in groups[1:-1]):
             return None
         if not 1 <= len(groups[0]) <= 3:
@@ -98,7 +56,7 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
         return None
     value = float(f"{whole or '0'}{'.' if mark else ''}{part}{found['power'] or ''}")
     unit = found["unit"] or ""
-    # half a character, where a byte wasn't text; a power without its digits
+    # a lone surrogate for a byte that is not text; an exponent without digits
     if not unit.isprintable() or unit in ("e", "E"):
         return None
     if unit in _MULTIPLIERS:
@@ -111,80 +69,81 @@ def parse(text: str, style: Style) -> tuple[float, str] | None:
 
 @dataclass
 class NumberColumn:
-    """Makes numbers of a column, chunk by chunk; `unit` is what the cells themselves carry."""
+    """Parser for a column of numbers, chunk by chunk; `unit` is the unit found in the cells."""
 
-    style: Style = field(default_factory=Style)
+    decimal_mark: str = "."
     unit: str | None = None
 
-    def values(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def values(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no value.
 
         Parameters
         ----------
         cells
             A chunk's column.
-        place
-            Called with the index of a wrong cell, gives its location.
+        locate
+            Function from the index of a cell to its location, for errors.
 
         Raises
         ------
         InputError
-            A word, infinity, a number beyond 1e300 or in another unit than the cells before.
+            A text, infinity, a magnitude above 1e300, or a unit other than that of earlier cells.
         """
         if isinstance(cells, np.ndarray):
             if cells.dtype.kind not in "iuf":
-                raise place(0).error(cells[0], "is a date; name a column of numbers")
+                raise locate(0).error(cells[0], "is a date; name a column of numbers")
             values = cells.astype(np.float64)
         else:
             plain = self._plain(cells)
             if plain is None:
-                plain = np.array([self._one(cell, i, place) for i, cell in enumerate(cells)])
+                plain = np.array([self._one(cell, i, locate) for i, cell in enumerate(cells)])
             values = plain
         wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
         if wild.size:
             i = int(wild[0])
-            raise place(i).error(
+            raise locate(i).error(
                 float(values[i]),
                 f"isn't a finite number up to {MAX_VALUE:g}; leave a missing value empty",
             )
         return values
 
     def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
-        """Return the numbers if all cells are plain ones with a decimal point."""
-        if self.style.decimal != "." or self.unit:
+        """Return the numbers if all cells are plain numbers with a decimal point, else None."""
+        if self.decimal_mark != "." or self.unit:
             return None
         try:
             if not are_written_in(cells, "0123456789+-.eE"):
                 return None
             values = np.fromiter(map(float, cells), np.float64, len(cells))
-        except (TypeError, ValueError):  # a cell that's no text, an empty one, a lone sign
+        except (TypeError, ValueError):  # a cell that is not text, an empty one, a lone sign
             return None
         if values.size:
             self.unit = ""
         return values
 
-    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _one(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
             return math.nan
         if isinstance(cell, bool):
-            raise place(i).error(cell, "isn't a number; name a column of numbers")
+            raise locate(i).error(cell, "isn't a number; name a column of numbers")
         if isinstance(cell, int | float):
             try:
                 return float(cell)
             except OverflowError:
                 return math.inf
-        found = parse(cell.strip(), self.style) if isinstance(cell, str) else None
+        found = parse(cell.strip(), self.decimal_mark) if isinstance(cell, str) else None
         if found is None:
-            other = parse(cell.strip(), Style(self.style.thousands)) if isinstance(cell, str) else 0
-            hint = f" with a decimal {_MARKS[self.style.decimal]}" if other else ""
-            raise place(i).error(
+            other, name = (",", "point") if self.decimal_mark == "." else (".", "comma")
+            swapped = isinstance(cell, str) and parse(cell.strip(), other) is not None
+            hint = f" with a decimal {name}" if swapped else ""
+            raise locate(i).error(
                 cell, f"isn't a number{hint}; correct it, or leave it empty if there is no value"
             )
         value, unit = found
         if self.unit is None or (unit and not self.unit):
             self.unit = unit
         elif unit and unit != self.unit:
-            raise place(i).error(
+            raise locate(i).error(
                 cell,
                 f"is in {shown(unit)}, cells before it in {shown(self.unit)}; give one unit for "
                 "the column",
@@ -193,26 +152,23 @@ class NumberColumn:
 
 
 def are_written_in(cells: Iterable[str], letters: str) -> bool:
-    """Return whether texts hold nothing but some ASCII letters; TypeError for a cell of none."""
+    """Return whether texts consist of these ASCII characters; TypeError for other cells."""
     text = "".join(cells).encode("ascii", "replace")  # "?" for any other
     return not text.translate(None, letters.encode())
 
 
-_MARKS = {".": "point", ",": "comma"}
-
-
 def is_number(cell: Any) -> bool:
-    """Return whether a cell is a number in either style."""
+    """Return whether a cell is a number with either decimal mark."""
     if isinstance(cell, str):
         text = cell.strip()
-        return parse(text, Style(".")) is not None or parse(text, Style(",")) is not None
+        return parse(text, ".") is not None or parse(text, ",") is not None
     return isinstance(cell, int | float) and not isinstance(cell, bool)
 
 
 def looks_numeric(cells: Iterable[Any]) -> bool:
-    """Return whether a column's first cells are numbers, missing ones aside.
+    """Return whether at least two thirds of a column's cells, without missing ones, are numbers.
 
-    One that isn't among two or more that are is a mistake, to be named when it is read.
+    The others are mistakes; reading them raises an error with their location.
     """
     found = [is_number(cell) for cell in cells if not is_missing(cell)]
     return any(found) and 3 * sum(found) >= 2 * len(found)
@@ -223,14 +179,14 @@ TOKENS = frozenset(
     | {"#na", "#n/a n/a", "<na>", "nan", "-nan", "nat", "nil", "none", "null", "missing", "\\n"}
     | {"#value!", "#ref!", "#div/0!", "no data", "nodata", "unavailable", "unknown"}
 )
-"""Cells that mean "no value", in small letters, without the blanks around them."""
+"""Cells that mean "no value", in lower case, without surrounding blanks."""
 
 SENTINELS = (-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.0, -9999.9, -99999.0, -32768.0)
-"""Numbers that loggers and archives write where they have none."""
+"""Numbers that loggers and archives write for "no value"."""
 
 
 def is_missing(cell: Any) -> bool:
-    """Return whether a cell holds no value: None, NaN, NaT or a word of `TOKENS`."""
+    """Return whether a cell holds no value: None, NaN, NaT or one of `TOKENS`."""
     if cell is None:
         return True
     if isinstance(cell, str):
@@ -241,10 +197,10 @@ def is_missing(cell: Any) -> bool:
 
 
 def sentinel(value: NDArray[np.float64]) -> float | None:
-    """Return the number that stands for "no value" in a column, if there is one.
+    """Return the number that means "no value" in a column, or None.
 
-    It is the column's smallest value, one of `SENTINELS`, and further below all others than these
-    spread: -9999 among temperatures is one, -99 among depths from 0 to -120 isn't.
+    It is the smallest value, one of `SENTINELS`, and further below all others than their range:
+    -9999 among temperatures qualifies, -99 among depths from 0 to -120 does not.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""Which column of a table is what: times, values, prices, kinds, labels; as asked, or detected.
+"""Roles of the columns of a table: times, values, prices, kinds and labels.
+
+Roles are requested by options, or detected from names and first cells.
 
 A table of prices has a close, and an open, high or low; it may have volume and an adjusted close.
 """
@@ -12,7 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from overview_dsp.data.readers.source import LoadOptions
+from overview_dsp.data.readers.data_file import LoadOptions
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
 from overview_dsp.data.readers.tables.table import (
     Cells,
@@ -28,79 +31,14 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.time_column import (
     CLOCKS,
     Format,
-    asked_format,
     detected_format,
+    requested_format,
 )
-from overview_dsp.data.timeline.times import moment
+from overview_dsp.data.timeline.time_parsing import moment
 from overview_dsp.errors import InputError, shown
 
-# --- names
-
-TIMES = (
-    "time", "times", "date", "datetime", "timestamp", "minute", "start", "begin", "onset", "when",
-    "times", "clock", "starttime", "startdate", "start_time", "begintime", "from", "in", "at",
-    "day", "datum", "zeit", "uhrzeit", "beginn", "fecha", "hora", "heure", "debut", "début",
-    "minutes", "min", "second", "seconds", "sec", "secs", "position", "offset", "timecode", "tc",
-    "t", "ts", "hour", "hours", "year", "timeofday", "createdat", "elapsed", "eventtime",
-    "eventdate", "dtstart", "ms", "milliseconds", "gametime", "matchtime", "startdatetime",
-)  # fmt: skip
-"""Names of a column of times, the likelier first; a unit may follow (`time_s`, `start (min)`)."""
-
-KINDS = (
-    "kind", "event", "eventtype", "type", "what", "category", "action", "eventname", "class",
-    "ereignis", "evento", "evenement", "événement", "art", "typ", "tipo", "tag", "code",
-    "behavior", "behaviour", "annotation", "incident", "trialtype", "status", "activity",
-)  # fmt: skip
-"""Names of a column that says what happened."""
-
-LABELS = (
-    "label", "name", "title", "description", "text", "note", "notes", "comment", "summary",
-    "subject", "message", "details", "detail", "bezeichnung", "beschreibung", "titel", "nombre",
-    "nom", "caption", "remark", "content", "chapter", "marker", "scene", "task", "milestone",
-)  # fmt: skip
-"""Names of a column of words."""
-
-EXTRAS = (
-    "weight", "strength", "importance", "priority", "intensity", "end", "endtime", "enddate",
-    "stop", "finish", "out", "to", "duration", "length", "dur", "id", "eventid", "no", "nr",
-    "number", "num", "index", "row", "n", "", "color", "colour", "player", "team", "who", "person",
-    "user", "author", "channel", "track", "speaker", "fps", "enddatetime", "allday",
-    "location", "place", "where", "latitude", "longitude", "lat", "lon", "url", "link", "period",
-)  # fmt: skip
-"""Names of columns that a list of events may have besides; numbers in them are no series."""
-
-_WEIGHTS = ("weight", "strength", "importance")
-_ENDS = ("end", "endtime", "enddate", "stop", "finish", "out", "to", "enddatetime")
-_LENGTHS = ("duration", "length", "dur")
-_IDS = ("id", "eventid", "uuid", "uid", "guid")
-_UNIT = re.compile(r"(?:in)?(ns|us|ms|s|sec|secs|seconds|min|mins|minutes|h|hrs|hours)$")
-
-_DATE_NAMES = (
-    "date", "datetime", "timestamp", "time", "ts", "t", "datum", "zeit", "zeitstempel", "fecha",
-    "data", "jour", "day", "month", "year", "period", "quarter", "week", "observationdate",
-    "opentime", "epoch", "unix", "unixtime", "unixtimestamp", "times", "seconds", "secs", "sec",
-    "minutes", "hours", "elapsed", "elapsedtime", "valid", "dateutc", "timeutc", "localtime",
-    "createdat", "recordedat", "index", "", "yyyymmdd", "decimaldate", "decimalyear", "jahr",
-    "anno", "ano", "año", "mes", "monat", "tag",
-)  # fmt: skip
-_DATE_WORDS = ("date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed")
-_COUNTER_NAMES = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
-_OFFSET_NAMES = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
 _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
-_CLOCK_NAMES = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
-
-_CLOSE = (
-    "close", "closelast", "closeprice", "last", "lastprice", "closing", "settle", "price",
-    "schlusskurs", "schluss", "zuletzt", "cierre", "dernier", "c",
-)  # fmt: skip
-_NO_CLOSE = ("price", "lastprice", "settle")
-_ALONE = (*_NO_CLOSE, "close", "closelast", "closeprice", "closing", "schlusskurs")
-_OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
-_HIGH_LOW = (
-    "high", "low", "highprice", "lowprice", "dayhigh", "daylow", "hoch", "tief", "h", "l",
-)  # fmt: skip
-_VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
 
 
 # --- columns of a series
@@ -108,10 +46,11 @@ _VOLUME = ("volume", "vol", "shares", "sharestraded", "v")
 
 @dataclass(frozen=True)
 class TimeChoice:
-    """The columns whose cells, joined, are the times, and how those are written.
+    """Columns whose joined cells are the times, and the format of the times.
 
     Several columns are joined by `joint`: a date and a clock by a blank, year, month and day by
-    hyphens. No column: rows are evenly spaced (`rate`).
+    hyphens. Without columns, rows are
+    evenly spaced (`rate`).
     """
 
     columns: tuple[int, ...]
@@ -120,7 +59,7 @@ class TimeChoice:
     notes: tuple[str, ...] = ()
 
     def cells(self, chunk: Chunk) -> Cells:
-        """Return the times of a chunk, whose first columns they are; None where any is missing."""
+        """Return the times in the first columns of a chunk; None if a part is missing."""
         if len(self.columns) == 1:
             return chunk.cells[0]
         lists = map(as_list, chunk.cells[: len(self.columns)])
@@ -131,7 +70,7 @@ class TimeChoice:
         ]
 
 
-def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> TimeChoice:
+def choose_time(table: Table, head: Head, requested: str | None, rated: bool) -> TimeChoice:
     """Choose the time column.
 
     Parameters
@@ -139,21 +78,21 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
     table
         The table.
     head
-        Its first rows, a list a column.
-    wish
+        Its first rows, one list per column.
+    requested
         `COLUMN`, `COLUMN:FORMAT` or `:FORMAT`.
     rated
-        Rows are evenly spaced at a rate that was given.
+        Whether rows are evenly spaced at a requested rate.
 
     Raises
     ------
     InputError
-        No such column, or none that looks like times; the line names the columns.
+        No such column, or no column of times; the message lists the columns.
     """
     columns = table.columns
-    asked, written = asked_format(wish, columns)
-    if asked is not None:
-        index = _asked(columns, asked, "times")
+    name, written = requested_format(requested, columns)
+    if name is not None:
+        index = _require_column(columns, name, "times")
         form = _form_of(columns[index], head[index], written, True)
         return TimeChoice((index,), form, notes=_form_notes(form))
     if rated:
@@ -165,14 +104,14 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
             return parts
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one with time "
-            "(--time-column COLUMN:FORMAT; numbers that only count rows are no times), or give the "
+            "(--time-column COLUMN:FORMAT; row numbers are not times), or give the "
             "samples a second of evenly spaced rows with rate (--read rate=HZ)"
         )
     index, form = found
     if written:
         form = Format(written)
-    clock = _clock_beside(columns, head, index, form)
-    offset = _offset_beside(columns, head, index, form)
+    clock = _clock_column(columns, head, index, form)
+    offset = _offset_column(columns, head, index, form)
     beside = tuple(i for i in (clock, offset) if i is not None)
     if beside:
         return TimeChoice((index, *beside), form, " ", _form_notes(form))
@@ -181,26 +120,26 @@ def choose_time(table: Table, head: Head, wish: str | None, rated: bool) -> Time
         if parts is not None:
             return parts
     notes = _form_notes(form)
-    if columns[index].plain not in _DATE_NAMES:
+    if columns[index].plain not in column_names.SERIES_TIMES:
         notes = (*notes, f"times are taken from column {shown(columns[index].header)}")
     return TimeChoice((index,), form, "", notes)
 
 
-def _asked(columns: Columns, name: str, what: str) -> int:
-    """Return the column that is called so; InputError names those there are."""
+def _require_column(columns: Columns, name: str, what: str) -> int:
+    """Return the index of a named column; InputError lists the columns."""
     index = column_named(columns, name)
     if index is None:
         raise InputError(f"no column {shown(name)} for the {what}; columns are {listed(columns)}")
     return index
 
 
-def _form_of(column: Column, cells: Sequence[Any], written: str, asked: bool) -> Format:
-    """Return how a column's times are written; numbers that were asked for are seconds."""
+def _form_of(column: Column, cells: Sequence[Any], written: str, is_requested: bool) -> Format:
+    """Return the format of a column's times; requested columns of numbers are seconds."""
     if written:
         return Format(written)
     form = detected_format(column, cells)
     header = shown(column.header)
-    if form is None and asked and looks_numeric(cells):
+    if form is None and is_requested and looks_numeric(cells):
         form = Format("s", f"the numbers of column {header} are read as seconds")
     if form is None:
         first = next((cell for cell in cells if not is_missing(cell)), None)
@@ -217,17 +156,19 @@ def _form_notes(form: Format) -> tuple[str, ...]:
 
 
 def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
-    """The first column of the best rank: named and dated, dated, named, first and rising."""
+    """Return the column of times: named and dated, dated, named, or first and rising."""
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
         form = detected_format(column, cells)
         if form is None:
             continue
         fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
-        if fixed and _clock_beside(columns, head, i, form) is None:
+        if fixed and _clock_column(columns, head, i, form) is None:
             continue
         name = column.plain
-        named = name in _DATE_NAMES or any(word in name for word in _DATE_WORDS)
+        named = name in column_names.SERIES_TIMES or any(
+            word in name for word in column_names.SERIES_TIME_PARTS
+        )
         dated = form.calendar and form.name != "year"
         if dated and form.name.startswith("epoch") and not named:
             dated = i == 0  # large numbers elsewhere are volumes and the like
@@ -238,7 +179,7 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
             continue
         if dated:
             rank = 0 if named and name != "" else 1
-        elif named and name not in _COUNTER_NAMES:
+        elif named and name not in column_names.ROW_COUNTERS:
             rank = 2 if form.calendar else 3
         elif i == 0 and len(columns) > 1 and _rising(cells):
             rank = 4
@@ -264,18 +205,26 @@ def _float(cell: Any) -> float | None:
         return None
 
 
-def _clock_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
-    """A column of clock times that completes one of days."""
+def _clock_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
+    """Return the column of clock times that belongs to a column of days."""
     dates = _texts(head[date]) if form.name in _DAYS else []
     if not dates or any(":" in text for text in dates):
         return None
-    named = [i for i, c in enumerate(columns) if any(word in c.plain for word in _CLOCK_NAMES)]
+    named = [
+        i
+        for i, c in enumerate(columns)
+        if any(word in c.plain for word in column_names.CLOCK_PARTS)
+    ]
     return next((i for i in named if i != date and _all(head[i], _is_day_clock)), None)
 
 
-def _offset_beside(columns: Columns, head: Head, date: int, form: Format) -> int | None:
-    """A column of offsets from UTC, which tells the hours apart that clock changes repeat."""
-    named = [i for i, c in enumerate(columns) if c.plain in _OFFSET_NAMES and form.name in _DAYS]
+def _offset_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
+    """Return the column of offsets from UTC, which make the hour of a clock change unique."""
+    named = [
+        i
+        for i, c in enumerate(columns)
+        if c.plain in column_names.UTC_OFFSETS and form.name in _DAYS
+    ]
     return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
 
@@ -293,7 +242,7 @@ def _texts(cells: Sequence[Any]) -> list[str]:
 
 
 def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
-    """Columns `year`, `month` and maybe `day` (and `hour`) together."""
+    """Return the columns `year`, `month` and optionally `day` as one time, if there are any."""
     names = [column.plain for column in columns]
     wanted = (("year", "yr", "jahr"), ("month", "mo", "mon", "monat"), ("day", "dy", "tag"))
     found: list[int] = []
@@ -322,21 +271,21 @@ def _stripped(cell: Any) -> str:
 
 
 def choose_value(
-    table: Table, head: Head, wish: str | None, times: tuple[int, ...]
+    table: Table, head: Head, requested: str | None, times: tuple[int, ...]
 ) -> tuple[int, str]:
-    """Choose the column of values, and return a note on the choice too.
+    """Return the index of the column of values and a note on the choice.
 
-    The one asked for; else the only one of numbers; else, of a table of prices, the adjusted
-    close or the close, with a note.
+    This is the requested column, else the only column of numbers, else the adjusted close or the
+    close in a table of prices.
 
     Raises
     ------
     InputError
-        No such column, none of numbers, or several: the line names them.
+        No such column, no column of numbers, or several; the message lists them.
     """
     columns = table.columns
-    if wish is not None:
-        return _asked(columns, wish, "values"), ""
+    if requested is not None:
+        return _require_column(columns, requested, "values"), ""
     numeric = [
         i
         for i in range(len(columns))
@@ -374,7 +323,7 @@ def choose_value(
 
 
 def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
-    """Return whether three or more cells are all the same: a station's number, a table's date."""
+    """Return whether three or more cells are equal, like the number of a station."""
     known = [cell for cell in cells if not is_missing(cell)]
     if len(known) < 3 or any(cell != known[0] for cell in known):
         return False
@@ -382,16 +331,18 @@ def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
 
 
 def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
-    """A second column of times isn't a value: `date` beside `unix`."""
+    """Return whether a column has times too, and so no values: `date` in addition to `unix`."""
     form = detected_format(column, cells)
     name = column.plain
-    named = name in _DATE_NAMES[1:8] or any(word in name for word in _DATE_WORDS)
+    named = name in column_names.SERIES_TIMES[1:8] or any(
+        word in name for word in column_names.SERIES_TIME_PARTS
+    )
     return form is not None and form.calendar and named and name != ""
 
 
 def _is_counter(column: Column, cells: Sequence[Any]) -> bool:
     """Return whether a column counts rows."""
-    if column.plain not in _COUNTER_NAMES:
+    if column.plain not in column_names.ROW_COUNTERS:
         return False
     known = [_float(cell) for cell in cells]
     return all(
@@ -414,22 +365,28 @@ def is_adjusted(column: Column) -> bool:
 
 
 def is_price(column: Column, columns: Columns) -> bool:
-    """Return, by its name, whether a column is a price; a high or a low is one beside a close."""
+    """Return whether a column is named like a price; a high or low requires a close."""
     name = _key(column)
-    if is_price_table(columns) and name in (*_CLOSE, *_OPEN, *_HIGH_LOW):
+    if is_price_table(columns) and name in (
+        *column_names.CLOSE,
+        *column_names.OPEN,
+        *column_names.HIGH_LOW,
+    ):
         return True
     return (
         is_adjusted(column)
-        or name in _ALONE
+        or name in column_names.PRICES_ALONE
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")
     )
 
 
 def is_close(column: Column) -> bool:
-    """Return, by its name, whether a column is a closing price of an exchange."""
+    """Return whether a column is named like a closing price of an exchange."""
     name = _key(column)
-    return is_adjusted(column) or (name in _CLOSE and name not in _NO_CLOSE)
+    return is_adjusted(column) or (
+        name in column_names.CLOSE and name not in column_names.OTHER_PRICES
+    )
 
 
 def _first(columns: Columns, names: Sequence[str]) -> int | None:
@@ -437,33 +394,31 @@ def _first(columns: Columns, names: Sequence[str]) -> int | None:
 
 
 def is_price_table(columns: Columns) -> bool:
-    """Return whether these columns are a table of prices: a close, and an open, high or low."""
-    return _first(columns, _CLOSE) is not None and (
-        _first(columns, _OPEN) is not None or _first(columns, _HIGH_LOW) is not None
+    """Return whether there is a close and also an open, high or low."""
+    return _first(columns, column_names.CLOSE) is not None and (
+        _first(columns, column_names.OPEN) is not None
+        or _first(columns, column_names.HIGH_LOW) is not None
     )
 
 
 def price_columns(columns: Columns) -> dict[str, int]:
-    """Return which columns are the adjusted close, the close, the opening price and the volume.
-
-    Those of `adjusted`, `close`, `open` and `volume` that are there.
-    """
+    """Return the indices of the columns `adjusted`, `close`, `open` and `volume`, if present."""
     found = {
         "adjusted": next((i for i, column in enumerate(columns) if is_adjusted(column)), None),
-        "close": _first(columns, _CLOSE),
-        "open": _first(columns, _OPEN),
-        "volume": _first(columns, _VOLUME),
+        "close": _first(columns, column_names.CLOSE),
+        "open": _first(columns, column_names.OPEN),
+        "volume": _first(columns, column_names.VOLUME),
     }
     return {name: i for name, i in found.items() if i is not None}
 
 
 def preferred_price(columns: Columns) -> int | None:
-    """Return the column of a table of prices that is the value: adjusted close, else close."""
+    """Return the index of the adjusted close, else of the close; None without prices."""
     if is_price_table(columns):
         found = price_columns(columns)
         return found.get("adjusted", found["close"])
     # a close and its volume alone
-    rest = [column for column in columns if _key(column) not in _VOLUME]
+    rest = [column for column in columns if _key(column) not in column_names.VOLUME]
     if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
@@ -474,7 +429,7 @@ def preferred_price(columns: Columns) -> int | None:
 
 @dataclass(frozen=True)
 class Roles:
-    """The index of each column that is read; None where there is none."""
+    """Index of the column for each role, None without such a column."""
 
     time: int
     kind: int | None
@@ -489,89 +444,94 @@ class Roles:
 
 
 def named(columns: Columns, names: Sequence[str]) -> int | None:
-    """Return the first column with one of these names, the first name first."""
+    """Return the index of a column with one of these names, earlier names first."""
     plain = [column.plain for column in columns]
     return next((plain.index(name) for name in names if name in plain), None)
 
 
-def time_named(columns: Columns) -> int | None:
-    """Return the column that is called like times, with a unit or without."""
-    found = named(columns, TIMES)
+def named_time_column(columns: Columns) -> int | None:
+    """Return the index of a column named like times, with or without a unit."""
+    found = named(columns, column_names.EVENT_TIMES)
     if found is not None:
         return found
     for i, column in enumerate(columns):
-        stem = _UNIT.sub("", column.plain)
-        if stem in TIMES and stem != column.plain:
+        stem = column_names.UNIT_SUFFIX.sub("", column.plain)
+        if stem in column_names.EVENT_TIMES and stem != column.plain:
             return i
     return None
 
 
-def words_named(columns: Columns) -> tuple[int | None, int | None]:
-    """Return the column of kinds and that of labels."""
-    return named(columns, KINDS), named(columns, LABELS)
+def kind_and_label_columns(columns: Columns) -> tuple[int | None, int | None]:
+    """Return the indices of the columns of kinds and of labels."""
+    return named(columns, column_names.EVENT_KINDS), named(columns, column_names.EVENT_LABELS)
 
 
 def is_wordy(cells: Sequence[Any]) -> bool:
-    """Return whether cells are words and not numbers."""
+    """Return whether cells are texts other than numbers."""
     known = [cell for cell in cells if not is_missing(cell)]
     return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
 
 
-def looks_listed(columns: Columns, head: Head, options: LoadOptions) -> bool:
-    """Return whether a table is a list of events: times, words, and no series of numbers.
+def is_event_table(columns: Columns, head: Head, options: LoadOptions) -> bool:
+    """Return whether a table lists events: it has times and texts, and no series of numbers.
 
-    A table of which a caller names the kinds or the labels is one, whatever it holds.
+    A requested column of kinds or labels makes any table a list of events.
     """
     if len(columns) < 2:
         return False
     if options.kind is not None or options.label is not None:
         return True
-    time = _asked_time(columns, options.time)
-    kind, label = words_named(columns)
+    time = _time_column(columns, options.time)
+    kind, label = kind_and_label_columns(columns)
     if time is None or (kind is None and label is None):
         return False
     words = [i for i in (kind, label) if i is not None and i != time]
     if not any(is_wordy(head[i]) for i in words):
         return False
     for i, column in enumerate(columns):
-        if i in (time, *words) or column.plain in (*EXTRAS, *TIMES, *KINDS, *LABELS):
+        if i in (time, *words) or column.plain in (
+            *column_names.EVENT_EXTRAS,
+            *column_names.EVENT_TIMES,
+            *column_names.EVENT_KINDS,
+            *column_names.EVENT_LABELS,
+        ):
             continue
         numeric = [cell for cell in head[i] if not is_missing(cell)]
         if numeric and looks_numeric(numeric) and detected_format(column, numeric) is None:
             return False
-        if numeric and looks_numeric(numeric) and not _UNIT.search(column.plain):
-            return False  # a quantity: a series with words beside it
+        if numeric and looks_numeric(numeric) and not column_names.UNIT_SUFFIX.search(column.plain):
+            return False  # a quantity: a series with additional texts
     return True
 
 
-def _asked_time(columns: Columns, wish: str | None) -> int | None:
-    """The column of times that a caller names, else the one that is called like times."""
-    if wish is not None:
-        with contextlib.suppress(InputError):  # said when it is read
-            asked, _ = asked_format(wish, columns)
-            if asked is not None:
-                return column_named(columns, asked)
-    return time_named(columns)
+def _time_column(columns: Columns, requested: str | None) -> int | None:
+    """Return the requested column of times, else a column named like times."""
+    if requested is not None:
+        with contextlib.suppress(InputError):  # raised again when the table is read
+            name, _ = requested_format(requested, columns)
+            if name is not None:
+                return column_named(columns, name)
+    return named_time_column(columns)
 
 
 def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
-    """Decide which columns are read.
+    """Assign roles to the columns of an event table.
 
     Parameters
     ----------
     columns, head
-        The table's, and its first rows, a list a column.
+        Columns of the table, and its first rows, one list per column.
     options
         `time` (`COLUMN`, `COLUMN:FORMAT` or `:FORMAT`), `kind` and `label`.
 
     Raises
     ------
     InputError
-        No such column, or cells that aren't times.
+        No such column, or cells that are not times.
     """
-    asked, written = asked_format(options.time, columns)
-    if asked is not None:
-        time = _asked(columns, asked, "times")
+    name, written = requested_format(options.time, columns)
+    if name is not None:
+        time = _require_column(columns, name, "times")
     else:
         found = _best_time(columns, head)
         if found is None:
@@ -580,17 +540,17 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
                 "name one with time (--time-column)"
             )
         time = found
-    form = _form_of(columns[time], head[time], written, asked is not None)
-    kind, label = words_named(columns)
+    form = _form_of(columns[time], head[time], written, name is not None)
+    kind, label = kind_and_label_columns(columns)
     if options.kind is not None:
-        kind = _asked(columns, options.kind, "kinds")
+        kind = _require_column(columns, options.kind, "kinds")
         label = None if label == kind else label
     if options.label is not None:
-        label = _asked(columns, options.label, "labels")
+        label = _require_column(columns, options.label, "labels")
         kind = None if kind == label and options.kind is None else kind
     if kind is None and label is None:
         raise InputError(
-            "no column says what happened (event, what, kind, type, name); columns are "
+            "no column of kinds or labels (event, what, kind, type, name); columns are "
             f"{listed(columns)}: name one with kind or label (--read kind=COLUMN, label=COLUMN)"
         )
     return Roles(
@@ -598,20 +558,20 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
         kind,
         label,
         form,
-        _clock_beside(columns, head, time, form),
-        named(columns, _WEIGHTS),
-        named(columns, _ENDS),
-        named(columns, _LENGTHS),
-        named(columns, _IDS),
+        _clock_column(columns, head, time, form),
+        named(columns, column_names.EVENT_WEIGHTS),
+        named(columns, column_names.EVENT_ENDS),
+        named(columns, column_names.EVENT_LENGTHS),
+        named(columns, column_names.EVENT_IDS),
         (form.note,) if form.note else (),
     )
 
 
 def _best_time(columns: Columns, head: Head) -> int | None:
-    """The column that is called like times; one of dates before one of clocks."""
+    """Return the index of a column named like times, dates before clocks."""
     for i, column in enumerate(columns):
-        if column.plain in TIMES:
+        if column.plain in column_names.EVENT_TIMES:
             form = detected_format(column, head[i])
             if form is not None and form.calendar:
                 return i
-    return time_named(columns)
+    return named_time_column(columns)

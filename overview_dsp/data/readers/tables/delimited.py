@@ -19,15 +19,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, headed
 from overview_dsp.data.readers.tables.table import (
     CHUNK_CELLS,
     CHUNK_ROWS,
     MAX_COLUMNS,
+    CellLocation,
     Chunk,
     Column,
-    Location,
     Table,
 )
 from overview_dsp.errors import InputError
@@ -36,28 +36,28 @@ BLOCK_BYTES = 1 << 20
 """Bytes read at a time."""
 
 MAX_RECORDS = 200_000
-"""Most rows of a list: a hundred times those of a match."""
+"""Maximum number of rows of a list: about a hundred matches."""
 
 MAX_LINE = 1 << 20
-"""Longest line, characters: a row of a table isn't a megabyte."""
+"""Maximum length of a line, in characters."""
 
 _UTF8 = "utf-8"
 
 LONGEST_FIELD = 131_072
-"""Longest field, characters, as of Python's csv module."""
+"""Maximum length of a field, in characters, as in Python's csv module."""
 
 _FLAT = 4
-"""Where at least one in so many columns is asked for, all fields are made at once."""
+"""All fields are split at once if at least one in this many columns is requested."""
 
 _NEWLINE = 10
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is text with a table that has a column of numbers."""
     return detect(source) is not None
 
 
-def open_table(source: Source) -> DelimitedTable:
+def open_table(source: DataFile) -> DelimitedTable:
     """Return the file's table.
 
     Raises
@@ -66,15 +66,17 @@ def open_table(source: Source) -> DelimitedTable:
         No rows below the header.
     """
     dialect = detect(source)
-    assert dialect is not None  # the reader asked `sniff`
+    assert dialect is not None  # `sniff` has returned True
     table = DelimitedTable(source, dialect)
     if not any(len(chunk) for chunk in table.chunks([0])):
-        raise InputError(f"no rows below the header (line {dialect.first - 1}); add one row a time")
+        raise InputError(
+            f"no rows below the header (line {dialect.first - 1}); add one row for each time"
+        )
     return table
 
 
 def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
-    """Give (line, {column: field}) of each row below a header, names in small letters.
+    """Yield (line, {column: field}) for each row below a header, with lower-case names.
 
     Raises
     ------
@@ -92,7 +94,7 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
         raise InputError(f"the header names the column '{twice}' twice; rename one")
     for count, (line, fields) in enumerate(DelimitedTable(text, dialect).records(), start=1):
         if count > MAX_RECORDS:
-            raise Location(line).fault(
+            raise CellLocation(line).fault(
                 f"more than {MAX_RECORDS} rows; keep those of one match or season"
             )
         yield line, fields
@@ -104,7 +106,7 @@ class DelimitedTable(Table):
     kind = "CSV"
     row_word = "line"
 
-    def __init__(self, source: Source | str, dialect: Dialect) -> None:
+    def __init__(self, source: DataFile | str, dialect: Dialect) -> None:
         self._source, self._dialect = source, dialect
         self.columns = tuple(
             Column.of(name, unit) for name, unit in zip(dialect.header, dialect.units, strict=True)
@@ -112,18 +114,18 @@ class DelimitedTable(Table):
         self.notes = dialect.notes
         self.separator = dialect.separator
         self.comments: dict[int, str] = {}
-        """The comment lines that were met, by their number."""
+        """Comment lines read so far, by their number."""
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a row that is too long, or a broken quote."""
+        """Read these columns; InputError names a row with too many fields, or a broken quote."""
         rest = yield from self._plain(columns)
         if rest is not None:
             yield from self._rows(columns, rest)
 
     def records(self) -> Iterator[tuple[int, dict[str, str]]]:
-        """Give the line of each row and its fields, trimmed, by the names of their columns.
+        """Yield the line of each row and its trimmed fields, by the names of their columns.
 
-        Row by row, so that what is wrong further down is an error only then.
+        Rows are read one by one, so that an error further down is raised only when reached.
         """
         names = self._dialect.header
         for chunk in self._rows(range(len(names)), self._dialect.first, 1):
@@ -131,7 +133,7 @@ class DelimitedTable(Table):
             yield chunk.number(0), {n: f for n, f in zip(names, fields, strict=True) if n}
 
     def _plain(self, columns: Sequence[int]) -> Generator[Chunk, None, int | None]:
-        """Read plain blocks of lines; return the line where the first begins that isn't."""
+        """Read blocks without quotes or comments; return the line of the first other block."""
         dialect, width = self._dialect, len(self._dialect.header)
         separator = dialect.separator
         if separator is None:
@@ -159,7 +161,7 @@ class DelimitedTable(Table):
         return None
 
     def _rows(self, columns: Sequence[int], begin: int, block: int = 0) -> Iterator[Chunk]:
-        """Read whatever lines there are from line `begin` on."""
+        """Read all lines from line `begin` on, with the csv module."""
         dialect = self._dialect
         above = dialect.first - 1
         found = self.comments
@@ -182,7 +184,7 @@ class DelimitedTable(Table):
     def _skipped(
         self, begin: int, first: int, numbers: list[int] | None, rows: list[list[Any]]
     ) -> int:
-        """How many rows lie before line `begin`."""
+        """Return the number of rows before line `begin`."""
         if numbers is None:
             return min(len(rows), begin - first)
         return sum(number < begin for number in numbers)
@@ -190,7 +192,7 @@ class DelimitedTable(Table):
     def _tidied(
         self, first: int, numbers: list[int] | None, rows: list[list[Any]]
     ) -> tuple[int, list[int], list[list[Any]]]:
-        """Drop blank rows, fill short ones, refuse those with more fields than columns."""
+        """Drop blank rows, fill short rows, raise InputError for rows with too many fields."""
         width = len(self._dialect.header)
         kept, lines = [], []
         for i, row in enumerate(rows):
@@ -199,7 +201,7 @@ class DelimitedTable(Table):
                 continue
             if len(row) > width:
                 if any(cell.strip() for cell in row[width:]):
-                    raise Location(line).fault(
+                    raise CellLocation(line).fault(
                         f"{len(row)} fields for {width} columns; put quotes around a field that "
                         "holds the separator"
                     )
@@ -211,20 +213,20 @@ class DelimitedTable(Table):
 
 @dataclass
 class Lines:
-    """Iterates over the lines of a file, or of a text, with their ends.
+    """Iterator over the lines of a file or a text, with their line ends.
 
-    A file's ends become "\\n", a text's are kept. Comment lines, unless a quoted field goes on in
-    them, become blank ones, and so do the first `above` lines. A byte that isn't text in a UTF-8
-    file becomes a lone surrogate, so that only a cell which is used is an error.
+    Line ends of a file become "\\n", those of a text are kept. Comment lines outside of quoted
+    fields become blank, and so do the first `above` lines. Invalid bytes in a UTF-8 file become
+    lone surrogates, so that they are errors only in cells that are used.
     """
 
-    source: Source | str
+    source: DataFile | str
     encoding: str = _UTF8
     comments: tuple[str, ...] = ()
     above: int = 0
     part: float = 0.0
     found: dict[int, str] = field(default_factory=dict)
-    """Numbers and texts of the comment lines."""
+    """Comment lines by their number."""
 
     def __iter__(self) -> Iterator[str]:
         number, quotes = 0, 0
@@ -247,7 +249,7 @@ class Lines:
                 yield line
 
     def blocks(self) -> Iterator[str]:
-        """Read whole lines together, comment lines too; InputError for one that is too long."""
+        """Yield blocks of whole lines, with comments; InputError for a line that is too long."""
         if isinstance(self.source, str):
             self.part = 1.0
             yield self.source
@@ -265,13 +267,13 @@ class Lines:
             if len(rest) > MAX_LINE:
                 raise InputError(
                     f"line {count + 1} is longer than {MAX_LINE} characters; a table has one "
-                    "row a line: save it as CSV"
+                    "line per row: save it as CSV"
                 )
             self.part = min(1.0, seen / max(1, self.source.size))
             yield block
 
     def _data(self) -> Iterator[bytes]:
-        """The file's bytes, an empty block at the end."""
+        """Yield the bytes of the file in blocks, then an empty block."""
         assert not isinstance(self.source, str)
         try:
             with open(self.source.path, "rb") as stream:
@@ -284,9 +286,9 @@ class Lines:
 
 @dataclass
 class Rows:
-    """Iterates over blocks of rows: (number of the first row's line, line numbers or None, rows).
+    """Iterator over blocks of rows: (line of the first row, line numbers or None, rows).
 
-    Line numbers are None where each row is one line. Blank lines are empty rows.
+    Line numbers are None if each row is one line. Blank lines are empty rows.
     """
 
     lines: Lines
@@ -306,7 +308,7 @@ class Rows:
             try:
                 rows = list(itertools.islice(reader, self.block))
             except csv.Error as error:
-                broken = Location(self._broken_row())
+                broken = CellLocation(self._broken_row())
                 raise broken.fault(f"{error}; check the quotes from there on") from error
             if not rows:
                 return
@@ -326,7 +328,7 @@ class Rows:
         )
 
     def _broken_row(self) -> int:
-        """Read once more, row by row, and return the line at which the broken one begins."""
+        """Read again, row by row, and return the line where the broken row begins."""
         assert self.separator is not None
         reader = self._reader(self.separator)
         first = 1
@@ -349,18 +351,18 @@ def _line_ends(text: str) -> int:
 def marks_of(
     block: str, separator: str, width: int, comments: tuple[str, ...]
 ) -> NDArray[np.int64] | None:
-    """Return where the fields of a block end, shape (rows * width,); None if it isn't plain.
+    """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.
 
     Parameters
     ----------
     block
-        Whole lines, the last one with its end too.
+        Whole lines, each with its line end.
     separator
-        One character between fields.
+        Character between fields.
     width
-        Fields a line.
+        Number of fields per line.
     comments
-        What lines that are no rows begin with.
+        Prefixes of comment lines.
     """
     if '"' in block or "\r" in block or not block.isascii():
         return None
@@ -369,7 +371,7 @@ def marks_of(
     if _has_comment(block, comments):
         return None
     if separator != "\t" and (f"{separator} " in block or "\n " in block):
-        return None  # blanks before a field aren't part of it
+        return None  # blanks before a field do not belong to it
     data = np.frombuffer(block.encode("ascii"), np.uint8)
     ends = data == _NEWLINE
     marks = np.flatnonzero(ends | (data == ord(separator)))
@@ -388,7 +390,7 @@ def marks_of(
 def cells_of(
     block: str, marks: NDArray[np.int64], separator: str, width: int, columns: Sequence[int]
 ) -> tuple[list[str], ...]:
-    """Return the cells of some columns of a block whose fields end at `marks`."""
+    """Return the cells of these columns in a block whose fields end at `marks`."""
     if _FLAT * len(columns) >= width:
         flat = block.replace("\n", separator).split(separator)
         return tuple(flat[i : len(marks) : width] for i in columns)

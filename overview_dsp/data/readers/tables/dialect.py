@@ -1,8 +1,8 @@
-"""How a text holds a table, by its head: separator, header, units, comment lines, the first row.
+"""Layout of a text table, detected from its first lines: separator, header, units, comments.
 
 Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
 table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
-may be the header). Where the names of the columns are known (`headed`), the header decides alone.
+may be the header). For known column names (`headed`), the header alone decides.
 """
 
 from __future__ import annotations
@@ -16,50 +16,50 @@ from collections import Counter
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from overview_dsp.data.readers.source import CONTROL, Source
+from overview_dsp.data.readers.data_file import CONTROL, DataFile
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_numeric
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS
-from overview_dsp.data.timeline.times import FORMS, moment
+from overview_dsp.data.timeline.time_parsing import FORMS, moment
 
 SEPARATORS = (";", "\t", "|", ",")
-"""What may separate fields, besides blanks (`None`), those asked first that numbers don't hold."""
+"""Separators of fields, in addition to blanks (`None`); first those that numbers never contain."""
 
 COMMENTS = ("#",)
-"""What a comment line begins with."""
+"""Prefixes of comment lines."""
 
 SAMPLE_LINES = 400
-"""Lines of the head from which the layout is detected."""
+"""Number of lines from which the layout is detected."""
 
 _COLUMN_ROWS = 50
 _BLANKS_COST = 0.25
 _LONGEST_UNIT = 24
-_TIME_HEADERS = ("date", "time", "datum", "zeit", "year", "fecha")
-_SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # what spreadsheets begin with
-_WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # what a field of an RDB file may hold
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # first line of some spreadsheets
+_WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # column widths and types of an RDB file
 _EVENT_LIST = {"time_s", "kind"}
 
 Rows = list[tuple[int, list[str]]]
-"""Line numbers from 1, and the fields of each."""
+"""Line number, from 1, and fields of each row."""
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a text holds a table.
+    """Layout of a text table.
 
     Parameters
     ----------
     encoding, separator
-        The text's encoding, and what lies between fields: one of `SEPARATORS`, None for blanks.
+        Encoding of the text, and character between fields: one of `SEPARATORS`, None for blanks.
     header
-        The header's fields; made up (`column 1`) where the file has none.
+        Names of the columns; `column 1` and so on if the file has no header.
     units
-        What a row of units below the header says, or empty texts.
+        Units from a row below the header, or empty texts.
     first
-        The line of the first row.
+        Line number of the first row.
     comments
-        What lines that are no rows begin with.
+        Prefixes of comment lines.
     notes
-        What a person should know.
+        Messages about how the layout was detected.
     """
 
     encoding: str
@@ -72,16 +72,16 @@ class Dialect:
 
 
 Accepts = Callable[[tuple[str, ...], list[list[str]]], bool]
-"""Whether a table with this header and these first rows is the one that is looked for."""
+"""Function that decides whether a table with this header and these first rows is acceptable."""
 
 
-def encoding_of(source: Source) -> str | None:
-    """Return the encoding of a text file by its head, None for what is no text."""
+def encoding_of(source: DataFile) -> str | None:
+    """Return the encoding of a text file, detected from its first bytes, None for other files."""
     text = source.head_text
     return None if text is None or CONTROL & set(text) else source.encoding
 
 
-def head_lines(source: Source, encoding: str) -> list[str]:
+def head_lines(source: DataFile, encoding: str) -> list[str]:
     """Return the whole lines of the head, without their ends."""
     decoder = io.IncrementalNewlineDecoder(codecs.getincrementaldecoder(encoding)(), True)
     whole = source.size <= len(source.head)
@@ -90,9 +90,9 @@ def head_lines(source: Source, encoding: str) -> list[str]:
 
 
 def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int, list[str]]]:
-    """Return the fields of numbered lines; a row that spans lines has the number of its first.
+    """Return the fields of numbered lines; a row of several lines has the number of the first.
 
-    What comes after a field too long to be one is left out.
+    Lines after a field that is too long are left out.
     """
     if separator is None:
         return [(number, line.split()) for number, line in lines]
@@ -109,10 +109,10 @@ def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int
 
 
 def headed(text: str, known: Collection[str] = ()) -> Dialect | None:
-    """Return the dialect of a text by its first line that is neither blank nor a comment.
+    """Return the dialect of a text from its header, the first line that is not blank or a comment.
 
-    The separator is the one by which the header has most names of `known`, then most fields. Names
-    are in small letters and trimmed. None if there is no such line.
+    The separator is the one with the most names in `known`, then the most fields. Names become
+    lower case and are trimmed. None if there is no header.
     """
     for number, line in enumerate(io.StringIO(text, newline=""), start=1):
         if line.strip() and not line.startswith(COMMENTS):
@@ -128,9 +128,9 @@ def _names(line: str, separator: str) -> tuple[str, ...]:
 
 
 def detect(
-    source: Source, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
+    source: DataFile, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
 ) -> Dialect | None:
-    """Detect how a file holds a table; None if it is no table of numbers (or that `accepts`)."""
+    """Detect the layout of a text table; None without numbers, or if `accepts` returns False."""
     if source.looks_like_json:
         return None
     encoding = encoding_of(source)
@@ -140,7 +140,7 @@ def detect(
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
     if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
         del lines[0]
-    # where most lines begin with # (rank, hash tags), they are rows, and so is a header "#,name"
+    # if most lines begin with # (a rank, a hash tag), they are rows, and so is a header "#,name"
     ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
     comments = not ranked and 2 * sum(line.startswith(signs) for _, line in lines) <= len(lines)
     kept = [entry for entry in lines if not (comments and entry[1].startswith(signs))]
@@ -177,7 +177,7 @@ def detect(
 
 
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
-    """Detect the separator and how many fields most lines have; None if there are no lines."""
+    """Return separator and usual number of fields, None without lines."""
     best: tuple[float, int, str | None, int] | None = None
     for rank, separator in enumerate((*SEPARATORS, None)):
         widths = Counter(len(row) for _, row in split(lines, separator))
@@ -187,7 +187,7 @@ def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
         width, count = max(widths.items(), key=lambda item: (item[1], item[0]))
         if width < 2 and separator is not None:
             continue
-        # blanks come last: dates, names and units hold them too
+        # blanks rank last: dates, names and units contain them too
         share = round(count / len(lines), 1) - (_BLANKS_COST if separator is None else 0.0)
         if best is None or share > best[0]:
             best = (share, -rank, separator, width)
@@ -198,8 +198,8 @@ def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
 
 
 def _begin(rows: Rows, width: int) -> int | None:
-    """Return where the table begins: where rows of its width follow each other."""
-    least = max(min(width, 2), width - 1)  # a header may leave the rows' names out
+    """Return the index of the first of several rows of the table's width, None without any."""
+    least = max(min(width, 2), width - 1)  # a header may omit the column of row names
     lengths = [len(row) for _, row in rows]
     for k in range(len(rows)):
         if all(least <= length <= width + 1 for length in lengths[k : k + 3]):
@@ -208,7 +208,7 @@ def _begin(rows: Rows, width: int) -> int | None:
 
 
 def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[str, ...], int, str]:
-    """Return the header's fields, units, the line of the first row, and a note."""
+    """Return header, units, line of the first row, and a note."""
     (first, top), below = rows[0], [row for _, row in rows[1:]]
     units: list[str] = []
     note = ""
@@ -226,7 +226,7 @@ def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[st
             note = "the file has no header: columns are called column 1, column 2 ..."
     named = bool(below) and all(len(row) == len(header) + 1 for row in below)
     if named and any(row[-1].strip() for row in below):
-        # rows begin with a name that the header doesn't count
+        # rows begin with a name that the header omits
         header, units = ["", *header], ["", *units] if units else []
     if len(header) > 1 and not header[-1].strip() and not _fields(below, len(header) - 1, 1):
         header = header[:-1]  # every line ends with a separator
@@ -239,7 +239,7 @@ def _stripped(cells: list[str]) -> tuple[str, ...]:
 
 
 def _fields(rows: list[list[str]], i: int, most: int = _COLUMN_ROWS) -> list[str]:
-    """A column's first fields that hold a value."""
+    """Return the first fields of a column that have a value."""
     found = [row[i].strip() for row in rows[:_COLUMN_ROWS] if i < len(row)]
     return [cell for cell in found if not is_missing(cell)][:most]
 
@@ -249,9 +249,9 @@ def _is_date(cell: str) -> bool:
 
 
 def _is_header(top: list[str], below: list[list[str]]) -> bool:
-    """Return whether a row names columns: it is unlike those below it.
+    """Return whether a row is a header: it differs from the rows below it.
 
-    Columns of dates decide, else those of numbers: most of them begin with another thing.
+    Columns of dates decide, else columns of numbers: most of them have another type in this row.
     """
     dates, numbers = [], []
     for i, cell in enumerate(map(str.strip, top)):
@@ -268,7 +268,7 @@ def _is_header(top: list[str], below: list[list[str]]) -> bool:
 
 
 def _is_units(cells: list[str], below: list[list[str]]) -> bool:
-    """Return whether the row under the header holds units: no number where those below are."""
+    """Return whether the row below the header has units: no numbers in columns of numbers."""
     texts = [
         cell.strip()
         for i, cell in enumerate(cells)
@@ -282,24 +282,24 @@ def _is_units(cells: list[str], below: list[list[str]]) -> bool:
 
 
 def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
-    """Return whether a table may be a series: it has numbers, or times without any value yet."""
+    """Return whether a table may be a series: it has numbers, or times and no value yet."""
     names = [name.lower() for name in header]
     if set(names) >= _EVENT_LIST:
         return False
     columns = [_fields(below, i) for i in range(len(header))]
     if any(looks_numeric(column) for column in columns):
         return True
-    named = any(word in name for name in names for word in _TIME_HEADERS)
+    named = any(word in name for name in names for word in column_names.TIME_HEADER_PARTS)
     return named and any(not column for column in columns)
 
 
 def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
-    """Return whether rows may be counted by their times: a column of dates or numbers."""
+    """Return whether there is a column of dates or numbers, by which rows can be counted."""
     columns = [_fields(below, i) for i in range(len(header))]
     return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
 
 
 def _is_bare(rows: list[list[str]]) -> bool:
-    """Return whether rows without a header are samples: two or more, of a time or number first."""
+    """Return whether two or more rows without a header begin with a time or a number."""
     first = _fields(rows, 0)
     return len(rows) > 1 and (looks_numeric(first) or any(map(_is_date, first)))

@@ -1,4 +1,4 @@
-"""Tables of several series below each other, distinguished by a column (`symbol`, `station`)."""
+"""Tables with several series, distinguished by a column such as `symbol` or `station`."""
 
 from __future__ import annotations
 
@@ -19,36 +19,36 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.errors import InputError, shown
 
 MAX_GROUPS = 5_000
-"""Most series a column may distinguish."""
+"""Maximum number of series that a column may distinguish."""
 
 MAX_ROWS = 2_000_000
-"""Rows that are looked at to find the column."""
+"""Number of rows examined to find the column."""
 
 
 class OneGroup(Table):
-    """The rows of a table in which a column holds one text."""
+    """Rows of a table in which a column has a given text."""
 
-    def __init__(self, table: Table, column: int, wanted: str) -> None:
-        self._table, self._column, self._wanted = table, column, wanted
+    def __init__(self, table: Table, column: int, text: str) -> None:
+        self._table, self._column, self._text_of_group = table, column, text
         self.kind, self.row_word = table.kind, table.row_word
         self.columns: tuple[Column, ...] = table.columns
         header = shown(table.columns[column].header)
-        self.notes = (*table.notes, f"the rows whose column {header} is {shown(wanted)}")
+        self.notes = (*table.notes, f"the rows whose column {header} is {shown(text)}")
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns of the group's rows."""
         for chunk in self._table.chunks((*columns, self._column)):
             names = as_list(chunk.cells[-1])
-            kept = [i for i, name in enumerate(names) if _text(name) == self._wanted]
+            kept = [i for i, name in enumerate(names) if _text(name) == self._text_of_group]
             if not kept:
                 continue
             numbers = [chunk.number(i) for i in kept]
-            cells = tuple(_taken(cells, kept) for cells in chunk.cells[:-1])
+            cells = tuple(_select(cells, kept) for cells in chunk.cells[:-1])
             yield Chunk(cells, numbers[0], numbers, chunk.part)
 
 
-def _taken(cells: Cells, kept: list[int]) -> Cells:
-    return cells[kept] if isinstance(cells, np.ndarray) else [cells[i] for i in kept]
+def _select(cells: Cells, indices: list[int]) -> Cells:
+    return cells[indices] if isinstance(cells, np.ndarray) else [cells[i] for i in indices]
 
 
 def _text(cell: Any) -> str:
@@ -57,20 +57,20 @@ def _text(cell: Any) -> str:
     return str(cell).strip()
 
 
-def chosen_group(table: Table, wish: str) -> OneGroup:
-    """Return the rows a person asks for: `COLUMN=TEXT`, or a text that just one column holds.
+def select_group(table: Table, option: str) -> OneGroup:
+    """Return the rows selected by `COLUMN=TEXT`, or by a text in only one column.
 
     Raises
     ------
     InputError
-        No row is such, or several columns hold the text.
+        No row matches, or several columns contain the text.
     """
-    name, equals, text = wish.partition("=")
+    name, equals, text = option.partition("=")
     index = column_named(table.columns, name) if equals else None
     if index is not None:
         wanted, candidates = text.strip(), [index]
     else:
-        wanted, candidates = wish.strip(), list(range(len(table.columns)))
+        wanted, candidates = option.strip(), list(range(len(table.columns)))
     found: dict[int, str] = {}
     examples: dict[str, None] = {}
     for chunk in table.chunks(candidates):
@@ -88,22 +88,22 @@ def chosen_group(table: Table, wish: str) -> OneGroup:
     if found:
         names = ", ".join(shown(table.columns[i].header) for i in found)
         raise InputError(
-            f"match {shown(wish)}: columns {names} hold it; give match (--select) as "
+            f"match {shown(option)}: columns {names} contain it; give match (--select) as "
             f"'COLUMN={wanted}'"
         )
-    there = f"; it holds {', '.join(examples)}" if examples else ""
-    raise InputError(f"match {shown(wish)}: no row holds that{there}")
+    there = f"; texts are {', '.join(examples)}" if examples else ""
+    raise InputError(f"match {shown(option)}: no row contains it{there}")
 
 
-def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
-    """Refuse a table in which some column distinguishes several series of equal times.
+def require_single_series(table: Table, times: Sequence[int], value: int) -> None:
+    """Raise InputError if a column distinguishes several series with the same times.
 
-    Called for a table in which times repeat.
+    This is called for a table with repeated times.
 
     Raises
     ------
     InputError
-        The line names the column and its first texts.
+        There is such a column; the message names it and its first texts.
     """
     others = [i for i in range(len(table.columns)) if i not in times and i != value]
     if not others:
@@ -123,7 +123,7 @@ def refuse_groups(table: Table, times: Sequence[int], value: int) -> None:
             before = len(pairs[i])
             pairs[i].update((*moment, text) for moment, text in zip(moments, texts, strict=True))
             if len(pairs[i]) - before < len(chunk) or len(names[i]) > MAX_GROUPS:
-                del left[i]  # times repeat within a group, or each row is one
+                del left[i]  # times repeat within a group, or each row is a group
         if rows > MAX_ROWS or not left:
             break
     several = [i for i in left if 1 < len(names[i]) <= max(2, rows // 2)]

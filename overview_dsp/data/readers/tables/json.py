@@ -1,17 +1,17 @@
 """JSON as a table: the series with the most rows that its document holds.
 
-The shapes that are read:
+These shapes are read:
 
 - a list of records: `[{"date": "2012-09-19", "close": 702.1}, ...]`
 - columns: `{"time": [...], "temperature_2m": [...]}`
 - rows with their names: `{"columns": [...], "index": [...], "data": [[...], ...]}`
 - pairs: `[[1347926400000, 702.1], ...]`
 - by time: `{"2012-09-19": 702.1, ...}` or `{"2012-09-19": {"close": 702.1}, ...}`
-- share charts of several kinds (`price_charts`)
+- charts of share prices in several forms
 - columns by row: `{"date": {"0": ...}, "close": {"0": ...}}`
 
-wherever in the document such a table lies. Units from a neighbour `NAME_units` (`{"hourly": {...},
-"hourly_units": {...}}`) are taken.
+The table may be at any level of the document. Units come from a key `NAME_units` next to it
+(`{"hourly": {...}, "hourly_units": {...}}`).
 """
 
 from __future__ import annotations
@@ -22,30 +22,31 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
+    CellLocation,
     Chunk,
     Column,
     ColumnTable,
-    Location,
     Table,
     require_few_columns,
     single_cells,
 )
-from overview_dsp.data.timeline.times import FORMS, moment
+from overview_dsp.data.timeline.time_parsing import FORMS, moment
 from overview_dsp.errors import shown
 
 
-def sniff(source: Source) -> bool:
+def sniff(source: DataFile) -> bool:
     """Return whether the file is JSON that holds a series in one of the known shapes."""
     return source.looks_like_json and bool(series_in(source.json))
 
 
-def open_table(source: Source) -> Table:
+def open_table(source: DataFile) -> Table:
     """Return the largest series of the document."""
     series = series_in(source.json)
     largest = max(series, key=lambda table: table.rows)
@@ -56,25 +57,18 @@ def open_table(source: Source) -> Table:
 
 
 MAX_DEPTH = 8
-"""How deep in a document a table is looked for."""
+"""Maximum nesting level of a table in a document."""
 
 MAX_WIDTH = 64
-"""Longest list that may be a row."""
+"""Maximum number of values in a row."""
 
 _MAX_KEYS, _MAX_ENTRIES = 1000, 10
 _SAMPLE = 50
-_TIME_WORDS = ("date", "time", "timestamp", "day", "month", "year", "period", "epoch", "unix")
-
-_LETTERS = {
-    "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
-}  # fmt: skip
-_CANDLE = ("time", "open", "high", "low", "close", "volume")
-_QUOTES = ("open", "high", "low", "close", "volume")
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """Columns by name, how many rows they have, what cuts them, and the units that are said."""
+    """Column names, number of rows, function that cuts out rows, and units by column name."""
 
     names: tuple[str, ...]
     rows: int
@@ -97,12 +91,12 @@ def is_single(value: Any) -> bool:
     return value is None or isinstance(value, str | int | float)
 
 
-def _tables(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
+def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
     found = None
     features = value.get("features") if isinstance(value, dict) else None
     if isinstance(features, list) and value.get("type") == "FeatureCollection":
         value = [_properties(feature) for feature in features]  # GeoJSON
-        place = f"{place}.features" if place else "features"
+        path = f"{path}.features" if path else "features"
     if isinstance(value, list) and value:
         found = _record_list(value) or _row_list(value)
     elif isinstance(value, dict):
@@ -110,19 +104,19 @@ def _tables(value: Any, place: str, depth: int, units: dict[str, str]) -> Iterat
     if found is not None:
         units = found.units or units
         columns = tuple(Column.of(n, units.get(n, "")) for n in _spelled_out(found.names))
-        notes = (f"the table is at {shown(place)}",) if place else ()
+        notes = (f"the table is at {shown(path)}",) if path else ()
         yield ColumnTable("JSON", columns, found.rows, found.cut, "record", notes)
     if depth >= MAX_DEPTH:
         return
     if isinstance(value, dict):
         for key, item in list(value.items())[:_MAX_KEYS]:
             if isinstance(item, dict | list):
-                below = f"{place}.{key}" if place else key
+                below = f"{path}.{key}" if path else key
                 yield from _tables(item, below, depth + 1, _units(value, key))
     elif isinstance(value, list) and found is None:
         for i, item in enumerate(value[:_MAX_ENTRIES]):
             if isinstance(item, dict | list):
-                yield from _tables(item, f"{place}[{i}]", depth + 1, {})
+                yield from _tables(item, f"{path}[{i}]", depth + 1, {})
 
 
 def _properties(feature: object) -> object:
@@ -137,7 +131,7 @@ def _units(value: dict[str, Any], key: str) -> dict[str, str]:
 
 
 def _record_list(entries: list[Any]) -> _Shape | None:
-    """A list of objects."""
+    """Return the shape of a list of objects."""
     sample = entries[:_SAMPLE]
     if not all(isinstance(entry, dict) for entry in sample):
         return None
@@ -146,13 +140,13 @@ def _record_list(entries: list[Any]) -> _Shape | None:
 
 
 def _names_in(records: Iterable[dict[str, Any]]) -> tuple[str, ...]:
-    """The names of single values, in the order in which they come."""
+    """Return the keys with single values, in order of appearance."""
     single = (name for record in records for name, v in record.items() if is_single(v))
     return tuple(dict.fromkeys(single))
 
 
 def _row_list(entries: list[Any]) -> _Shape | None:
-    """A list of equally long lists of single values, with or without a row of names."""
+    """Return the shape of a list of equally long rows, with or without a row of names."""
     sample = entries[:_SAMPLE]
     head = entries[0]
     if not isinstance(head, list) or not 2 <= len(head) <= MAX_WIDTH:
@@ -167,7 +161,7 @@ def _row_list(entries: list[Any]) -> _Shape | None:
 
 
 def _named_rows(value: dict[str, Any]) -> _Shape | None:
-    """`columns`, `data` and maybe `index`, as pandas writes with orient="split"."""
+    """Return the shape of `columns`, `data` and `index`, as pandas writes with orient="split"."""
     names, rows, index = value.get("columns"), value.get("data"), value.get("index")
     if not (isinstance(names, list) and isinstance(rows, list) and rows):
         return None
@@ -176,18 +170,20 @@ def _named_rows(value: dict[str, Any]) -> _Shape | None:
     shape = _of_entries(rows, tuple(map(str, names)), list)
     if not isinstance(index, list) or len(index) != len(rows):
         return shape
-    return _beside("index", index, shape)
+    return _with_first_column("index", index, shape)
 
 
 def _price_chart(value: dict[str, Any]) -> _Shape | None:
-    """Times, and quotes further down (Yahoo)."""
+    """Return the shape of a price chart from Yahoo."""
     times, indicators = value.get("timestamp"), value.get("indicators")
     if not isinstance(times, list) or not times or not isinstance(indicators, dict):
         return None
     quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
-    given = {name: quote.get(name) for name in _QUOTES} | {"adj close": adjusted.get("adjclose")}
+    lists = {name: quote.get(name) for name in column_names.QUOTES} | {
+        "adj close": adjusted.get("adjclose")
+    }
     columns = {"time": times}
-    columns |= {n: c for n, c in given.items() if isinstance(c, list) and len(c) == len(times)}
+    columns |= {n: c for n, c in lists.items() if isinstance(c, list) and len(c) == len(times)}
     currency = _first([value.get("meta")]).get("currency")
     priced = [name for name in columns if name not in ("time", "volume")]
     units = dict.fromkeys(priced, currency) if isinstance(currency, str) else {}
@@ -199,7 +195,7 @@ def _first(value: Any) -> dict[str, Any]:
 
 
 def _columns(value: dict[str, Any]) -> _Shape | None:
-    """Two or more lists of one length."""
+    """Return the shape of two or more lists of one length."""
     lists = {
         key: item
         for key, item in value.items()
@@ -211,7 +207,7 @@ def _columns(value: dict[str, Any]) -> _Shape | None:
 
 
 def _by_time(value: dict[str, Any]) -> _Shape | None:
-    """Dates as keys, of a value each or of an object of values each."""
+    """Return the shape of an object whose keys are dates, with values or objects of values."""
     if len(value) < 2 or not _all_dates(value):
         return None
     times, entries = list(value), list(value.values())
@@ -220,11 +216,11 @@ def _by_time(value: dict[str, Any]) -> _Shape | None:
         return _of_lists({"time": times, "value": entries})
     if not all(isinstance(entry, dict) for entry in sample):
         return None
-    return _beside("time", times, _of_entries(entries, _names_in(sample), dict))
+    return _with_first_column("time", times, _of_entries(entries, _names_in(sample), dict))
 
 
 def _columns_by_row(value: dict[str, Any]) -> _Shape | None:
-    """Objects of the same keys, which name the rows, as pandas writes them."""
+    """Return the shape of columns that are objects with the same keys, as pandas writes."""
     columns = [item for item in value.values() if isinstance(item, dict)]
     if len(columns) != len(value) or len(columns) < 2 or not columns[0]:
         return None
@@ -235,7 +231,7 @@ def _columns_by_row(value: dict[str, Any]) -> _Shape | None:
     if not all(is_single(cell) for column in cells.values() for cell in column[:_SAMPLE]):
         return None
     shape = _of_lists(cells)
-    return _beside("time", list(rows), shape) if _all_dates(rows) else shape
+    return _with_first_column("time", list(rows), shape) if _all_dates(rows) else shape
 
 
 _OBJECT_SHAPES = (_named_rows, _price_chart, _columns, _by_time, _columns_by_row)
@@ -259,22 +255,22 @@ def _of_lists(columns: dict[str, list[Any]]) -> _Shape:
 def _of_entries(
     entries: list[Any], names: tuple[str, ...], kind: type[dict[Any, Any]] | type[list[Any]]
 ) -> _Shape:
-    """Objects by their names, or lists by their order; one unlike those before it is an error."""
+    """Return the shape of a list of records; an entry of another type or length is an error."""
     words = "an object {...}" if kind is dict else f"a list of {len(names)}"
 
     def cut(i: int, begin: int, end: int) -> list[Any]:
         part = entries[begin:end]
         for number, entry in enumerate(part, begin + 1):
             if not isinstance(entry, kind) or (kind is list and len(entry) != len(names)):
-                place = Location(number, word="record")
-                raise place.error(entry, f"isn't {words}, as those before it")
+                location = CellLocation(number, word="record")
+                raise location.error(entry, f"isn't {words}, as those before it")
         return [entry.get(names[i]) if kind is dict else entry[i] for entry in part]
 
     return _Shape(names, len(entries), cut)
 
 
-def _beside(name: str, cells: list[Any], shape: _Shape) -> _Shape:
-    """A shape with a column more, the first."""
+def _with_first_column(name: str, cells: list[Any], shape: _Shape) -> _Shape:
+    """Return a shape with an additional first column."""
 
     def cut(i: int, begin: int, end: int) -> list[Any]:
         return cells[begin:end] if i == 0 else shape.cut(i - 1, begin, end)
@@ -287,12 +283,12 @@ def _is_date(text: str) -> bool:
 
 
 def _is_series(table: ColumnTable) -> bool:
-    """Return whether a table has a column of times by name or by look, and one of numbers."""
+    """Return whether a table has a column of numbers and one that looks or is named like times."""
     cells = [table.cut(i, 0, _SAMPLE) for i in range(len(table.columns))]
     if not any(looks_numeric(column) for column in cells):
         return False
     for named, column in zip(table.columns, cells, strict=True):
-        if any(word in named.header.lower() for word in _TIME_WORDS):
+        if any(word in named.header.lower() for word in column_names.JSON_TIME_PARTS):
             return True
         if column and all(isinstance(cell, str) and _is_date(cell) for cell in column):
             return True
@@ -300,19 +296,19 @@ def _is_series(table: ColumnTable) -> bool:
 
 
 class JsonLinesTable(Table):
-    """One JSON object a line; InputError names a broken one."""
+    """JSON Lines: one object per line; InputError names a broken line."""
 
     kind = "JSON lines"
     row_word = "line"
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         self._source = source
         encoding = encoding_of(source) or "utf-8"
         self._lines = Lines(source, encoding)
         sample = itertools.islice(self._records(), _SAMPLE)
         self._names = _names_in(record for _, record in sample)
         if not self._names:
-            raise Location(1).fault("an object without values; give times and values")
+            raise CellLocation(1).fault("an object without values; give times and values")
         require_few_columns(len(self._names))
         self.columns = tuple(map(Column.of, self._names))
 
@@ -332,15 +328,15 @@ class JsonLinesTable(Table):
             try:
                 record = json.loads(line)
             except (ValueError, RecursionError) as error:
-                note = f"broken JSON ({error}); one object a line is read"
-                raise Location(number).fault(note) from error
+                note = f"broken JSON ({error}); each line must be one object"
+                raise CellLocation(number).fault(note) from error
             if not isinstance(record, dict):
-                raise Location(number).error(record, "isn't an object {...}")
+                raise CellLocation(number).error(record, "isn't an object {...}")
             yield number, record
 
 
-def sniff_lines(source: Source) -> bool:
-    """Return whether the file is one JSON object a line."""
+def sniff_lines(source: DataFile) -> bool:
+    """Return whether each line of the file is a JSON object."""
     text = source.head_text
     if text is None or not text.lstrip().startswith("{"):
         return False
@@ -354,16 +350,16 @@ def sniff_lines(source: Source) -> bool:
 
 
 def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names of columns, single letters of a price chart written out."""
+    """Return column names, with the single letters of a price chart replaced."""
     if not {"t", "o", "h", "l", "c"} <= set(names):
         return tuple(names)
-    return tuple(_LETTERS.get(name, name) for name in names)
+    return tuple(column_names.CHART_LETTERS.get(name, name) for name in names)
 
 
 def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
-    """Return names of the columns of candles; None where the rows are none.
+    """Return the column names of a price chart, None for other rows.
 
-    In a candle the third number is the highest and the fourth the lowest of four.
+    In a price chart, the second of four prices is the highest and the third the lowest.
     """
     if not rows or not len(rows[0]) >= 5:
         return None
@@ -377,4 +373,8 @@ def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
             return None
         moved = moved or high > low
     width = len(rows[0])
-    return (*_CANDLE[:width], *(f"column {i}" for i in range(7, width + 1))) if moved else None
+    return (
+        (*column_names.CANDLE[:width], *(f"column {i}" for i in range(7, width + 1)))
+        if moved
+        else None
+    )

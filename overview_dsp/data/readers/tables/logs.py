@@ -1,6 +1,6 @@
 """A log as a table of one column, to count its lines (`--map count`): their times.
 
-A line's time is the first thing in its first 100 characters that is written like one:
+The time of a line is the first one in its first 100 characters, in one of these forms:
 
 | written | by |
 |---|---|
@@ -8,11 +8,11 @@ A line's time is the first thing in its first 100 characters that is written lik
 | `10/Oct/2000:13:55:36 -0700` | web servers |
 | `Fri May 3 18:20:00 2024 +0200` | `git log`, `date`, Apache's errors |
 | `[03.05.24, 18:20:01]`, `5/3/24, 6:20 PM -` | exported chats, at the beginning of a line |
-| `May  3 18:20:01` | syslog: without a year, which is counted from 2000 on |
+| `May  3 18:20:01` | syslog: without a year, years are counted from 2000 |
 
-A log is written in one of these ways, that of most lines of its head. Lines without such a time
-(the rest of a message of several lines) are no rows of their own; of `git log` those that begin
-with `Date:` are.
+A log uses one of these forms, that of most of its first lines. Lines without a time continue the
+message before them and are not rows. In the output of `git log`, lines that begin with `Date:` are
+rows.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column, Table
-from overview_dsp.data.timeline.times import LINE_FORMS, in_line
+from overview_dsp.data.timeline.time_parsing import LINE_FORMS, in_line
 
 _REACH = 100
 _SNIFFED = 50
@@ -36,7 +36,7 @@ _COMMIT = re.compile(r"commit [0-9a-f]{7,64}\b")
 
 
 def _time_in(form: str, line: str) -> str | None:
-    """Return the time in a line as an ISO text; of chats, in the file's order of day and month."""
+    """Return the time in a line as ISO text; chats keep their order of day and month."""
     if form == "git":
         if not line.startswith("Date:"):
             return None
@@ -44,20 +44,20 @@ def _time_in(form: str, line: str) -> str | None:
     return in_line(line[:_REACH], form)
 
 
-def sniff(source: Source) -> bool:
-    """Return whether rows are to be counted and the first line and most others have a time."""
-    asked = (source.options.time or "").rpartition(":")[0]
-    if not source.options.counts or (source.options.time and asked not in ("", "time")):
+def sniff(source: DataFile) -> bool:
+    """Return whether lines are counted, and the first line and most others have a time."""
+    column = (source.options.time or "").rpartition(":")[0]
+    if not source.options.counts or (source.options.time and column not in ("", "time")):
         return False  # a column of a table
     return is_log(source)
 
 
-def is_log(source: Source) -> bool:
-    """Return whether the first line and most others have a time, or it is what git says."""
+def is_log(source: DataFile) -> bool:
+    """Return whether the first line and most others have a time, or the file is from `git log`."""
     return _form_of(source) is not None
 
 
-def _form_of(source: Source) -> str | None:
+def _form_of(source: DataFile) -> str | None:
     if source.head_text is None or source.looks_like_json:
         return None
     lines = [line for line in source.head_text.splitlines() if line.strip()][:_SNIFFED]
@@ -71,19 +71,19 @@ def _form_of(source: Source) -> str | None:
 
 
 class LogTable(Table):
-    """The times of a log's lines, streamed."""
+    """Table of the times of a log's lines, streamed."""
 
     kind = "log"
     row_word = "line"
     columns = (Column.of("time"),)
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: DataFile) -> None:
         self._source = source
         self._form = _form_of(source) or "iso"
         self.notes = (_NO_YEAR,) if self._form == "short" else ()
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read the times; None for a line without one."""
+        """Read the times; None for a line without time."""
         encoding = encoding_of(self._source) or "utf-8"
         lines = Lines(self._source, encoding)
         rest = iter(lines)
@@ -98,7 +98,7 @@ class LogTable(Table):
 
 
 class _Years:
-    """Puts a year before times without one: the next where December is followed by January."""
+    """Adds years to times without year: the next year begins when January follows December."""
 
     def __init__(self) -> None:
         self._year, self._month = _FIRST_YEAR, 0

@@ -1,4 +1,4 @@
-"""Frames, arrays, lists and dicts as one table of named columns.
+"""Tables of data in memory: data frames, arrays, lists and dicts.
 
 Frames and columns of pandas, polars, Arrow and their relatives are read through narwhals.
 """
@@ -20,30 +20,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.table import (
+    CellLocation,
     Cells,
     Column,
     ColumnTable,
-    Location,
     as_list,
 )
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, shown
+from overview_dsp.installation import install_command
 
 
 class SupportsNumpy(Protocol):
     """A Series or a DataFrame of pandas, polars and their relatives; a column of Arrow."""
 
     def to_numpy(self, *args: Any, **kwargs: Any) -> Any:
-        """Give the values as an array."""
+        """Return the values as an array."""
         ...
 
 
 class SupportsArrow(Protocol):
-    """A table of Arrow, and whatever gives its columns as one does."""
+    """A table of Arrow, or another object with its interface."""
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """Give the columns."""
+        """Return the columns."""
         ...
 
 
@@ -51,51 +52,48 @@ TableData = SupportsNumpy | SupportsArrow | NDArray[Any] | Sequence[Any] | Mappi
 """Columns, rows or samples in memory."""
 
 MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
-"""A file's content, or where it can be read."""
+"""Content of a file, or an open file."""
 
 TimelineData = str | os.PathLike[str] | MemoryFile | TableData
-"""Whatever `load_timeline` takes besides a Timeline."""
+"""Types that `load_timeline` accepts, in addition to Timeline."""
 
 EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
-"""What the parts of an event given as a tuple are called."""
+"""Names of the values of an event tuple."""
 
 _SAMPLE = 50
 _OF_DAY = "hh:mm"
-"""The unit of clocks of the day."""
+"""Unit of times of day."""
 
 _SECOND = np.timedelta64(1, "s")
-_INSTALL = (
-    'needs narwhals: pip install "overview-dsp[dataframes]", or give its columns as a dict of lists'
-)
 
 
 def table_of(data: Any, times: Any = None) -> ColumnTable:
-    """Take data in memory as a table; `is_table` knows which can be.
+    """Return data in memory as a table, if `is_table` returns True for them.
 
     Parameters
     ----------
     data
-        A frame or a column of a library for them; an array of one or two dimensions, or with named
-        fields; a list of numbers, rows, records or events; a dict of columns, or of values by time.
+        A data frame or series; an array of one or two dimensions, or with named fields; a list of
+        numbers, rows, records or events; a dict of columns, or of values by time.
     times
-        The rows' times, where `data` doesn't hold them: what would be a column in `data`.
+        Times of the rows, if `data` does not contain them.
 
     Raises
     ------
     InputError
-        Rows unlike each other, none or of too many columns, columns of different lengths, a frame
-        that can't be read.
+        Rows of different types or lengths, no rows, too many columns, columns of different
+        lengths, a data frame that can't be read.
     """
     kind, columns = _columns(data)
     if times is not None:
-        _, given = _columns(times)
-        if len(given) != 1:
-            raise InputError(f"time has {len(given)} columns; give one time a row")
-        columns = [("time", given[0][1]), *((h, c) for h, c in columns if h != "time")]
+        _, time_columns = _columns(times)
+        if len(time_columns) != 1:
+            raise InputError(f"time has {len(time_columns)} columns; give one time per row")
+        columns = [("time", time_columns[0][1]), *((h, c) for h, c in columns if h != "time")]
     lengths = {header: len(column.cells) for header, column in columns}
     if len(set(lengths.values())) > 1:
         uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
-        raise InputError(f"columns of different lengths ({uneven}); give one value a row")
+        raise InputError(f"columns of different lengths ({uneven}); give one value per row")
     return ColumnTable(
         kind,
         tuple(column.column(header) for header, column in columns),
@@ -105,7 +103,7 @@ def table_of(data: Any, times: Any = None) -> ColumnTable:
 
 
 def csv_text(table: ColumnTable, rows: int) -> str:
-    """Write the header and the first rows as a file would have them."""
+    """Return the header and the first rows as CSV."""
     lines = [",".join(_field(column.header) for column in table.columns)]
     texts = [_texts(table.cut(i, 0, rows), column) for i, column in enumerate(table.columns)]
     lines += map(",".join, zip(*texts, strict=True))
@@ -113,14 +111,14 @@ def csv_text(table: ColumnTable, rows: int) -> str:
 
 
 def is_table(data: object) -> bool:
-    """Return whether `table_of` knows what to do with data."""
+    """Return whether `table_of` accepts data."""
     if isinstance(data, Sequence):
         return not isinstance(data, str | bytes)
     return isinstance(data, Mapping) or hasattr(data, "__array__") or is_frame(data)
 
 
 def is_document(data: Any) -> bool:
-    """Return whether data are what a JSON file of objects within objects holds."""
+    """Return whether data are nested objects, as in a JSON file."""
     if isinstance(data, Mapping):
         values = list(data.values())
         return any(isinstance(value, Mapping) or _holds_more(value) for value in values)
@@ -137,11 +135,11 @@ def _holds_more(data: Any) -> bool:
 
 
 def document_bytes(data: Any) -> bytes:
-    """Write a document as the file that it came from; InputError where JSON can't hold it."""
+    """Return a document as JSON; InputError for values that JSON cannot contain."""
     try:
         return json.dumps(data).encode()
     except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"a {type(data).__name__} that JSON can't hold ({error})") from error
+        raise InputError(f"a {type(data).__name__} can't be written as JSON ({error})") from error
 
 
 def _columns(data: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
@@ -164,7 +162,9 @@ def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, InputColumn]]:
     if data.ndim == 2:
         names = _numbered(data.shape[1])
         return [(name, of_array(data[:, i])) for i, name in enumerate(names)]
-    raise InputError(f"an array of {data.ndim} dimensions; give one value a row, or a row a time")
+    raise InputError(
+        f"an array of {data.ndim} dimensions; give one value per row, or one row per time"
+    )
 
 
 def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, InputColumn]]:
@@ -187,7 +187,9 @@ def _of_sequence(data: list[Any]) -> list[tuple[str, InputColumn]]:
         if sample and isinstance(sample[0], kind):
             for number, entry in enumerate(data, 1):
                 if not isinstance(entry, kind):
-                    raise Location(number, word="row").error(entry, "isn't as those before it")
+                    raise CellLocation(number, word="row").error(
+                        entry, "has another type than the others"
+                    )
             return taken(data)
     return [("value", of_list(data))]
 
@@ -202,7 +204,7 @@ def _of_records(records: Sequence[Mapping[Any, Any]]) -> list[tuple[str, InputCo
 
 
 def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
-    """Rows of a time and values, of a time and a kind; or with a row of names first."""
+    """Return the columns of rows of times and values, or times and kinds; a header is optional."""
     head, *below = rows
     width = max(map(len, rows))
     if below and _is_header(head, below[0]):
@@ -217,12 +219,12 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             note = f"has {len(row)} values, not {len(names)} as the others"
-            raise Location(number, word="row").error(row, note)
+            raise CellLocation(number, word="row").error(row, note)
     return [(name, of_list([row[i] for row in rows])) for i, name in enumerate(names)]
 
 
 def _is_header(row: Sequence[Any], below: Sequence[Any]) -> bool:
-    """Return whether a row is one of names: texts, none of them a time, unlike what is below it."""
+    """Return whether a row is a header: texts, and unlike the row below, none of them a time."""
     if not _is_text(row):
         return False
     return not _is_text(below) or (not any(map(_is_time, row)) and any(map(_is_time, below)))
@@ -237,7 +239,7 @@ def _is_text(row: Sequence[Any]) -> bool:
 
 
 def _is_event(row: Sequence[Any]) -> bool:
-    """Return whether a row is a time, a kind, and maybe a label and a weight."""
+    """Return whether a row is a time and a kind, with or without label and weight."""
     return (
         2 <= len(row) <= len(EVENT_COLUMNS)
         and isinstance(row[1], str)
@@ -251,7 +253,7 @@ def _numbered(count: int) -> list[str]:
 
 
 def _texts(cells: Cells, column: Column) -> list[str]:
-    """Cells as the fields of a file."""
+    """Return cells as fields of a CSV file."""
     if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
         return _dated_texts(cells, column)
     return [_text(cell) for cell in as_list(cells)]
@@ -260,7 +262,7 @@ def _texts(cells: Cells, column: Column) -> list[str]:
 def _text(cell: Any) -> str:
     if cell is None or cell != cell:
         return ""
-    # 18.0 is 18 that lay in a column with missing ones
+    # whole numbers in a column with missing values are floats
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 1e15:
         return str(int(cell))
     return _field(str(cell))
@@ -281,7 +283,7 @@ def _dated_texts(cells: np.ndarray[Any, Any], column: Column) -> list[str]:
 
 
 def _field(text: str) -> str:
-    """A field of a file; quoted where it holds what would end it, or begins as a comment does."""
+    """Return a field of a CSV file, quoted if necessary, also if it looks like a comment."""
     if text[:1] == "#" or text != text.strip():
         return '"' + text.replace('"', '""') + '"'
     line = io.StringIO()
@@ -294,16 +296,16 @@ def _field(text: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class InputColumn:
-    """A column as it was given.
+    """Column of data in memory.
 
     Parameters
     ----------
     cells
-        As a table's chunks have them.
+        Cells, as in the chunks of a table.
     offset_min
-        For datetimes with a zone, which are UTC in `cells`: its offset at the first of them, min.
+        Offset from UTC of the first datetime, min, for datetimes with a zone; `cells` are in UTC.
     unit
-        What the type says of the unit: `s` of time spans, `hh:mm` of clocks of the day.
+        Unit of the type: `s` for time spans, `hh:mm` for times of day.
     """
 
     cells: Cells
@@ -311,8 +313,8 @@ class InputColumn:
     unit: str = ""
 
     def column(self, header: object) -> Column:
-        """Return the column's description under this header."""
-        if self.unit == _OF_DAY:  # the header says it too, as that of a file would
+        """Return the description of the column with this header."""
+        if self.unit == _OF_DAY:  # the header contains the unit, as in a file
             return Column.of(f"{header} ({_OF_DAY})")
         found = Column.of(str(header), self.unit)
         if self.offset_min is None:
@@ -321,7 +323,7 @@ class InputColumn:
 
 
 def of_array(values: NDArray[Any]) -> InputColumn:
-    """Take a column of one dimension."""
+    """Return a one-dimensional array as a column."""
     if isinstance(values, np.ma.MaskedArray):
         return of_list(values.tolist())
     kind = values.dtype.kind
@@ -339,7 +341,7 @@ def of_array(values: NDArray[Any]) -> InputColumn:
 
 
 def of_list(values: list[Any]) -> InputColumn:
-    """Take a column of Python's values; None = missing."""
+    """Return a list of Python values as a column; None means missing."""
     kinds = set(map(type, values)) - {type(None)}
     if not kinds or kinds <= {str, bool}:
         return InputColumn(values)
@@ -363,7 +365,7 @@ def of_list(values: list[Any]) -> InputColumn:
 def _numbers(values: list[Any], kinds: set[type]) -> InputColumn:
     try:
         if kinds == {int}:
-            # a whole number beside a missing one stays whole
+            # whole numbers stay whole if some are missing
             return InputColumn(values if None in values else np.array(values, dtype=np.int64))
         return InputColumn(np.array(values, dtype=np.float64))
     except OverflowError:
@@ -371,7 +373,7 @@ def _numbers(values: list[Any], kinds: set[type]) -> InputColumn:
 
 
 def _moments(values: list[Any]) -> InputColumn:
-    """Datetimes, with a zone or without; a mixture stays text, for the reader to refuse."""
+    """Return a column of datetimes; a mixture with and without zone stays text, an error later."""
     offsets = [None if v is None or v != v else v.utcoffset() for v in values]
     known = [v is not None and v == v for v in values]  # NaT isn't itself
     zoned = [offset is not None for offset in offsets]
@@ -394,7 +396,7 @@ def _moments(values: list[Any]) -> InputColumn:
 
 
 def _single(value: Any) -> Any:
-    """A cell as a table's: text for what a file would hold as text."""
+    """Return a value as a single cell, as text if a file would contain text."""
     if value is None or isinstance(value, str | bool | int | float | list | dict):
         return value
     if isinstance(value, np.generic):
@@ -408,29 +410,38 @@ def _single(value: Any) -> Any:
 
 
 def is_frame(data: object) -> bool:
-    """Return whether data are a frame or a column of some library for them."""
+    """Return whether data are a data frame, a series or an index."""
     if isinstance(data, np.ndarray | list | tuple | dict | type):
         return False
-    faces = ("to_numpy", "__arrow_c_stream__", "__dataframe__", "__narwhals_dataframe__", "collect")
-    return any(hasattr(data, face) for face in faces)
+    interfaces = (
+        "to_numpy",
+        "__arrow_c_stream__",
+        "__dataframe__",
+        "__narwhals_dataframe__",
+        "collect",
+    )
+    return any(hasattr(data, name) for name in interfaces)
 
 
 def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
-    """Return the library's name and the columns (header, cells) of a frame or a column.
+    """Return the name of the library and the columns of a data frame or series.
 
-    An index is the first column, but for one of plain row numbers.
+    An index becomes the first column, except plain row numbers.
 
     Raises
     ------
     InputError
-        narwhals isn't installed, or doesn't know the frame; a lazy one; a header given twice.
+        narwhals isn't installed, or does not support the type; a lazy frame; a repeated header.
     """
     library = type(frame).__module__.partition(".")[0]
     what = f"a {library} {type(frame).__name__}"
     try:
         import narwhals.stable.v2 as nw
     except ImportError as error:
-        raise InputError(f"{what} {_INSTALL}") from error
+        raise InputError(
+            f"{what} needs narwhals: {install_command('dataframes')}, or give its columns as a "
+            "dict of lists"
+        ) from error
     if hasattr(frame, "collect") and not hasattr(frame, "to_numpy"):
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself
@@ -452,25 +463,25 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
 
 
 def _one_header_a_column(frame: Any) -> Any:
-    """Join headers of several levels (`Close`, `AAPL`), but for levels that are the same in all."""
+    """Join headers of several levels (`Close`, `AAPL`), except levels that are equal in all."""
     headers: Any = getattr(frame, "columns", None)
     if getattr(headers, "nlevels", 1) == 1:
         return frame
     rows = [tuple(map(str, header)) for header in headers]
-    told = [level for level in range(headers.nlevels) if len({row[level] for row in rows}) > 1]
-    joined = [" ".join(filter(None, (row[level] for level in told or [0]))) for row in rows]
+    distinct = [level for level in range(headers.nlevels) if len({row[level] for row in rows}) > 1]
+    joined = [" ".join(filter(None, (row[level] for level in distinct or [0]))) for row in rows]
     return frame.set_axis(joined, axis="columns")
 
 
 def _index(index: Any) -> list[tuple[str, InputColumn]]:
-    """The columns of an index that says something: names, or anything but whole numbers."""
+    """Return the columns of an index, none for an unnamed index of whole numbers."""
     if index is None:
         return []
     names = list(index.names)
     if names == [None] and index.dtype.kind in "iu":
-        return []  # row numbers, or what is left of them, are no times
+        return []  # row numbers are not times
     if hasattr(index, "to_timestamp"):
-        index = index.to_timestamp()  # periods begin
+        index = index.to_timestamp()  # the beginnings of periods
     levels = [index] if len(names) == 1 else [index.get_level_values(i) for i in range(len(names))]
     return [
         (str(name) if name is not None else "index", _of_index(level))
@@ -480,7 +491,7 @@ def _index(index: Any) -> list[tuple[str, InputColumn]]:
 
 def _of_index(level: Any) -> InputColumn:
     values = level.to_numpy()
-    # one with a zone gives Timestamps
+    # an index with a zone contains Timestamps
     return of_list(list(values)) if values.dtype.kind == "O" else of_array(values)
 
 
@@ -502,6 +513,6 @@ def _input_column(nw: Any, column: Any) -> InputColumn:
 
 
 def _offset_min(column: Any) -> int:
-    """The offset of a column's first moment from UTC, min."""
+    """Return the offset from UTC of the first datetime in a column, min."""
     first = column.drop_nulls().head(1).to_list()
     return round(first[0].utcoffset().total_seconds() / 60.0) if first else 0

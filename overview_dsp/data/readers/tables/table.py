@@ -1,4 +1,7 @@
-"""What every table looks like to the rest of this package, whichever file it came from."""
+"""Tables read in chunks of rows: columns, chunks, cell locations and errors.
+
+Every file format of tables, and data in memory, become one of these.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +24,9 @@ CHUNK_CELLS = 2_000_000
 _HEAD_CELLS = 150_000
 
 MAX_COLUMNS = 10_000
-"""Most columns a table may have: each is looked at before one is chosen."""
+"""Maximum number of columns: each is examined before one is chosen."""
 
-NO_ROWS = "no rows; a series has one row a time, an event list one an event"
+NO_ROWS = "no rows; a series has one row per time, an event list one row per event"
 
 Cells = list[Any] | NDArray[Any]
 """One column of a chunk: text and other single values (None = missing), or an array of float64
@@ -38,24 +41,24 @@ _LAST_WORDS = {
     "bpm": "bpm", "rpm": "rpm", "hz": "Hz", "khz": "kHz", "db": "dB", "lufs": "LUFS", "lux": "lux",
     "ppm": "ppm", "pct": "%", "percent": "%",
 }  # fmt: skip
-"""Units that a header may end with (`rain_mm`), none of time nor money."""
+"""Units at the end of a header (`rain_mm`), except those of time and money."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its header as written, and what the header says.
+    """Header of a column, with the name and the unit that it contains.
 
     Parameters
     ----------
     header
-        As the file has it, without the blanks around it.
+        Header as written, without surrounding blanks.
     name, unit
-        `temp_max` and `°C` of `temp_max (°C)`, `rain_mm` and `mm` of `rain_mm`; the unit is empty
-        where the header has none.
+        `temp_max` and `°C` for `temp_max (°C)`, `rain_mm` and `mm` for `rain_mm`. Without a unit,
+        `unit` is empty.
     zoned
-        Its datetimes are UTC. (Text says so itself.)
+        True if the datetimes are UTC. Columns of text contain their time zone instead.
     offset_min
-        The offset from UTC, min, of the clock they were written by.
+        Offset of the original time zone from UTC, min.
     """
 
     header: str
@@ -66,7 +69,7 @@ class Column:
 
     @classmethod
     def of(cls, header: str, unit: str = "") -> Column:
-        """Take a header apart."""
+        """Split a header into name and unit."""
         header = " ".join(header.split())
         found = _WITH_UNIT.fullmatch(header)
         if unit or found is None or not found[1]:
@@ -76,31 +79,31 @@ class Column:
 
     @property
     def plain(self) -> str:
-        """The name in small letters and digits alone: `adjclose` of `Adj Close**`."""
+        """Name reduced to lower-case letters and digits: `adjclose` for `Adj Close**`."""
         return re.sub(r"[^0-9a-zäöüßéèáíóú]+", "", self.name.lower())
 
 
 Columns = Sequence[Column]
-"""The columns of a table."""
+"""Columns of a table."""
 
 Head = Sequence[Sequence[Any]]
-"""The first rows of a table, a list a column."""
+"""First rows of a table, one list per column."""
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some rows of some columns.
+    """Some rows of the requested columns.
 
     Parameters
     ----------
     cells
-        One entry a column asked for, all of the same length.
+        One entry per requested column, all of the same length.
     first
-        The number of the first row as a person counts (a line, a row, a record).
+        Number of the first row: of its line, row or record, counted from 1.
     numbers
-        The number of each row where they don't just count on from `first`.
+        Number of each row, if they are not consecutive from `first`.
     part
-        How much of the file has been read, 0 to 1.
+        Fraction of the file that has been read, 0 to 1.
     """
 
     cells: tuple[Cells, ...]
@@ -112,22 +115,22 @@ class Chunk:
         return len(self.cells[0])
 
     def number(self, i: int) -> int:
-        """The number of row `i` of this chunk."""
+        """Return the number of row `i` of this chunk."""
         return self.first + i if self.numbers is None else self.numbers[i]
 
 
 @dataclass(frozen=True)
-class Location:
-    """Where a cell stands, and the errors about it: their sentences are made here.
+class CellLocation:
+    """Location of a cell or row in a file. It builds all error messages about cells.
 
     Parameters
     ----------
     line
-        Its number as a person counts.
+        Number of the line, row or record, counted from 1.
     column
-        The column's header; empty for the whole row.
+        Header of the column; empty for a whole row.
     word
-        What a row is called: `line`, `row`, `record`.
+        Name of a row: `line`, `row` or `record`.
     """
 
     line: int
@@ -139,33 +142,33 @@ class Location:
         return f"{row}, column {shown(self.column)}" if self.column else row
 
     def error(self, value: object, note: str) -> InputError:
-        """Return the error of a value that `note` says what is wrong with."""
+        """Return the error for a wrong value; `note` states the problem."""
         words = f"{self}: {shown(value)} {note}"
         return InputError(words, line=self.line, column=self.column, value=value, note=note)
 
     def missing(self, note: str) -> InputError:
-        """Return the error of a cell that is empty; `note` says what to write."""
+        """Return the error for an empty cell; `note` states the requirement."""
         words = f"{self}: is missing; {note}"
         return InputError(words, line=self.line, column=self.column, value="", note=note)
 
     def fault(self, note: str) -> InputError:
-        """Return the error of a whole row that `note` says what is wrong with."""
+        """Return the error for a whole row; `note` states the problem."""
         return InputError(f"{self}: {note}", line=self.line, column=self.column, note=note)
 
 
 class Table:
-    """A table that can be read as often as needed, some rows at a time.
+    """A table that is read in chunks of rows, any number of times.
 
     Attributes
     ----------
     kind
-        What it is: `CSV`, `Parquet`, `JSON`.
+        Kind of file: `CSV`, `Parquet`, `JSON`.
     columns
         All columns, in order.
     row_word
-        What a row is called in an error line: `line`, `row`, `record`.
+        Name of a row in error messages: `line`, `row` or `record`.
     notes
-        What a person should know about how it was read.
+        Messages about how the table was read.
     """
 
     kind: str
@@ -174,20 +177,20 @@ class Table:
     notes: tuple[str, ...] = ()
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns from the beginning; InputError names row and column."""
+        """Read these columns from the first row; InputError names row and column."""
         raise NotImplementedError
 
 
 @dataclass(eq=False)
 class ColumnTable(Table):
-    """A table of which any part can be cut: in memory, or mapped from a file.
+    """A table with random access: in memory, or mapped from a file.
 
     Parameters
     ----------
     rows
-        How many it has.
+        Number of rows.
     cut
-        Takes the index of a column and the rows from and to; returns its cells.
+        Function of column index, first row and end row that returns the cells.
     """
 
     kind: str
@@ -198,7 +201,7 @@ class ColumnTable(Table):
     notes: tuple[str, ...] = ()
 
     def checked(self) -> ColumnTable:
-        """Return the table; InputError for one without rows or of too many columns."""
+        """Return the table; InputError if it has no rows or too many columns."""
         require_few_columns(len(self.columns))
         if not self.rows:
             raise InputError(NO_ROWS)
@@ -213,64 +216,58 @@ class ColumnTable(Table):
 
 
 def require_few_columns(count: int) -> None:
-    """Refuse a table of more than `MAX_COLUMNS`."""
+    """Raise InputError for more than `MAX_COLUMNS` columns."""
     if count > MAX_COLUMNS:
-        raise InputError(f"{count} columns, more than {MAX_COLUMNS}; keep fewer")
+        raise InputError(f"{count} columns; at most {MAX_COLUMNS} are allowed, remove some")
 
 
 def headers_of(columns: Columns) -> frozenset[str]:
-    """Return what columns may be called: headers, and names without a unit, in small letters."""
+    """Return headers and names of columns, in lower case."""
     return frozenset(word.lower() for c in columns for word in (c.header, c.name) if word)
 
 
-def split_wish(wish: str, columns: Columns) -> tuple[str, str]:
-    """Return the column and the word of `COLUMN:WORD`, "" for none; a header with a colon outranks.
+def split_column_option(option: str, columns: Columns) -> tuple[str, str]:
+    """Split `COLUMN:WORD` into column and lower-case word; either may be "".
 
-    The word is in small letters, and either may be left out.
+    An option that equals a header is a column, even with a colon in it.
     """
-    name, colon, word = wish.rpartition(":")
-    if not colon or " ".join(wish.split()).lower() in headers_of(columns):
-        return wish, ""
+    name, colon, word = option.rpartition(":")
+    if not colon or " ".join(option.split()).lower() in headers_of(columns):
+        return option, ""
     return name.strip(), word.strip().lower()
 
 
-def column_named(columns: Columns, wanted: str) -> int | None:
-    """Return the column a person means: the header itself, then its name, in any case.
+def column_named(columns: Columns, name: str) -> int | None:
+    """Return the index of a column by header or name; case matters only to choose between several.
 
     Raises
     ------
     InputError
-        The words fit several columns.
+        Several columns have this name.
     """
-    asked = " ".join(wanted.split())
+    exact = " ".join(name.split())
     headers, names = [c.header for c in columns], [c.name for c in columns]
-    small = asked.lower()
-    rules = (
-        (headers, asked),
-        (names, asked),
-        ([header.lower() for header in headers], small),
-        ([name.lower() for name in names], small),
-    )
-    for words, word in rules:
-        found = [i for i, candidate in enumerate(words) if candidate == word]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise InputError(
-                f"{len(found)} columns are called {shown(wanted)}; rename one in the file"
-            )
+    for fold in (str, str.lower):
+        for candidates in (headers, names):
+            found = [i for i, text in enumerate(candidates) if fold(text) == fold(exact)]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                raise InputError(
+                    f"{len(found)} columns are called {shown(name)}; rename one in the file"
+                )
     return None
 
 
 def listed(columns: Columns, limit: int = 12) -> str:
-    """Return the columns' headers for a line to a person."""
+    """Return the headers of columns, quoted, for a message."""
     names = [shown(column.header) for column in columns[:limit]]
     more = len(columns) - limit
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
 
 
 def first_rows(table: Table, rows: int) -> list[list[Any]]:
-    """Return the first `rows` rows (of a wide table fewer, some 30) as one list a column."""
+    """Return the first `rows` rows, fewer of a wide table (at least 30), as one list per column."""
     wanted = range(len(table.columns))
     most = min(rows, max(_HEAD_CELLS // len(wanted), 30))
     found: list[list[Any]] = [[] for _ in wanted]
@@ -284,22 +281,22 @@ def first_rows(table: Table, rows: int) -> list[list[Any]]:
 
 
 def as_list(cells: Cells) -> list[Any]:
-    """Return cells as Python values: datetimes stay numpy's, since theirs may not fit Python's."""
+    """Return cells as Python values, except datetimes, which may not fit Python's type."""
     if isinstance(cells, np.ndarray):
         return list(cells) if cells.dtype.kind == "M" else list(cells.tolist())
     return cells
 
 
-def location(table: Table, chunk: Chunk, column: int) -> Callable[[int], Location]:
-    """Return what gives the location of a cell in a column of a chunk, by its index."""
+def cell_locator(table: Table, chunk: Chunk, column: int) -> Callable[[int], CellLocation]:
+    """Return a function from the index of a cell in a chunk to its location."""
     header, word = table.columns[column].header, table.row_word
-    return lambda i: Location(chunk.number(i), header, word)
+    return lambda i: CellLocation(chunk.number(i), header, word)
 
 
 def single_cells(table: Table, chunk: Chunk, columns: Sequence[int]) -> Chunk:
-    """Return a chunk of single values; InputError names row and column of a list or an object."""
+    """Return a chunk; InputError names row and column of a nested list or object."""
     for index, cells in zip(columns, chunk.cells, strict=True):
         for i, cell in enumerate(cells if isinstance(cells, list) else ()):
             if isinstance(cell, list | dict):
-                raise location(table, chunk, index)(i).error(cell, "isn't a single value")
+                raise cell_locator(table, chunk, index)(i).error(cell, "isn't a single value")
     return chunk

@@ -1,4 +1,4 @@
-"""Columns of times: how they are written, detected or given, and their seconds, chunk by chunk.
+"""Columns of times: detection of their format, and conversion to seconds, chunk by chunk.
 
 `--time-column COLUMN`, `--time-column COLUMN:FORMAT` or `--time-column :FORMAT`, where FORMAT is
 one of `FORMATS`.
@@ -17,66 +17,55 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import are_written_in, is_missing
 from overview_dsp.data.readers.tables.table import (
+    CellLocation,
     Cells,
     Column,
     Columns,
-    Location,
     as_list,
-    split_wish,
+    split_column_option,
 )
-from overview_dsp.data.timeline.times import DAY_NS, FORMS, NS, Moment, clock_s, day_clock_s, moment
+from overview_dsp.data.timeline.time_parsing import (
+    DAY_NS,
+    FORMS,
+    NS,
+    Moment,
+    clock_s,
+    day_clock_s,
+    moment,
+)
 from overview_dsp.errors import InputError, shown
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
-"""Units of time since 1970-01-01T00:00Z, ns."""
+"""Units of time since 1970-01-01T00:00Z, in ns."""
 
 PLAIN = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}
-"""Units of plain time, s."""
+"""Units of plain time, in s."""
 
 FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "hhmm", "year", "excel")
-"""What may be given as the way times are written; `clock` is m:ss or h:mm:ss, `hhmm` h:mm."""
+"""Formats that the user can request; `clock` is m:ss or h:mm:ss, `hhmm` is h:mm."""
 
 CLOCKS = ("clock", "hhmm")
-"""Formats of clocks: the first of a recording, the second of the day."""
+"""Clock formats: time in a recording, and time of day."""
 
 _YEARS = (1500.0, 2200.0)
-_UNIT_WORDS = {
-    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
-    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
-    "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
-}  # fmt: skip
 _DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
 _DECIMAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 
-_CALENDAR_NAMES = ("date", "year", "yr", "jahr", "period", "datum", "month", "yyyymm", "decimal")
-_DAY_NAMES = (
-    "timeofday", "tod", "hour", "hora", "heure", "uhrzeit", "localtime", "clocktime", "daytime",
-    "hhmm", "walltime", "wallclock", "departure", "arrival", "timeutc", "timelocal", "opening",
-)  # fmt: skip
-"""Beginnings of headings that name a time of day."""
-
-_TIME_NAMES = (
-    "t", "ts", "tc", "start", "begin", "onset", "end", "stop", "from", "to", "in", "out", "at",
-    "when", "position", "offset", "zeit", "temps", "tiempo", "tempo", "beginn", "clock", "x",
-)  # fmt: skip
-"""Names of columns whose plain numbers are seconds, besides those with `time` in them."""
-
 _EXCEL_DAYS = (20_000.0, 60_000.0)
-"""Days of a spreadsheet from 1954 to 2064."""
-
-_EPOCH_NAMES = ("epoch", "unix", "timestamp", "posix")
+"""Spreadsheet days of the years 1954 to 2064."""
 
 _EXCEL_ZERO = -25_569
-"""Day 0 of a spreadsheet (1899-12-30), days from 1970-01-01."""
+"""Spreadsheet day 0 (1899-12-30), in days from 1970-01-01."""
 
 _UNIT_NS = {
     "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
     "us": 1_000, "ns": 1,
 }  # fmt: skip
 _FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
-"""The calendar's first and last moment, s from 1970."""
+"""First and last moment of the calendar, in s from 1970."""
 
 _ISO_SHAPE = re.compile(r"dddd-dd-dd([T ]dd:dd(:dd(\.d{1,9})?)?)?Z?")
 _ISO_MARKS = "-:.TZ "
@@ -86,14 +75,14 @@ _AS_SHAPE = str.maketrans("0123456789", "dddddddddd")
 
 @dataclass(frozen=True)
 class Format:
-    """How a column's times are written.
+    """Format of a column of times.
 
     Parameters
     ----------
     name
-        One of `FORMATS`, or a key of `times.FORMS`.
+        One of `FORMATS`, or a key of `time_parsing.FORMS`.
     note
-        What a person should know about the choice, or empty.
+        Message about the choice, or empty.
     """
 
     name: str
@@ -101,12 +90,12 @@ class Format:
 
     @property
     def calendar(self) -> bool:
-        """True if times are moments of the calendar, False if they are plain seconds."""
+        """True for moments of the calendar, False for plain times and clocks."""
         return self.name not in PLAIN and self.name not in CLOCKS
 
     @property
-    def words(self) -> str:
-        """What the column holds, in words for a person."""
+    def description(self) -> str:
+        """Description of the times, for messages."""
         names = {
             "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
             "yyyymm": "months", "month names": "dates with names of months",
@@ -119,29 +108,29 @@ class Format:
         return names.get(self.name, f"plain time in {self.name}")
 
 
-def asked_format(wish: str | None, columns: Columns) -> tuple[str | None, str]:
-    """Return the column and the format of a `--time-column` value, else None and "".
+def requested_format(option: str | None, columns: Columns) -> tuple[str | None, str]:
+    """Return column (or None) and format (or "") of a `--time-column` option.
 
     Raises
     ------
     InputError
-        The words after the last colon are no format.
+        The text after the last colon is not a format.
     """
-    if wish is None:
+    if option is None:
         return None, ""
-    name, written = split_wish(wish, columns)
-    if name != wish and written not in FORMATS:
+    name, written = split_column_option(option, columns)
+    if name != option and written not in FORMATS:
         raise InputError(
-            f"time {shown(wish)}: {shown(written)} is no way of writing times; "
-            f"known are {', '.join(FORMATS)}"
+            f"time {shown(option)}: {shown(written)} is not a format of times; "
+            f"allowed: {', '.join(FORMATS)}"
         )
-    return name if name or not wish else None, written
+    return name if name or not option else None, written
 
 
 def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
-    """Detect how times are written from a column's first cells; None if they are no times.
+    """Detect the format of times from the first cells of a column; None for other cells.
 
-    Day or month first is left as `dmy or mdy` where both fit all cells.
+    The format is `dmy or mdy` if both fit all cells.
     """
     known = [cell for cell in cells if not is_missing(cell)]
     if not known or any(isinstance(cell, bool) for cell in known):
@@ -150,7 +139,7 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
         return Format("iso")
 
     def most(count: int) -> bool:
-        # one in three may be a mistake, to be named when it is read
+        # up to one in three may be a mistake, an error when it is read
         return 3 * count >= 2 * len(known)
 
     numbers = [(cell, number) for cell in known if (number := as_number(cell)) is not None]
@@ -165,13 +154,13 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
     if most(fits[best]):
         if not fits["dmy"] == fits["mdy"] == fits[best]:
             return Format(best)
-        # points between the parts: day first wherever they are used
+        # dates with points have the day first
         return Format("dmy" if all("." in text.split()[0] for text in texts) else "dmy or mdy")
     return _clock_format(column, texts, most)
 
 
 def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool]) -> Format | None:
-    """Distinguish clocks of the day from those of a recording, and say so where both would do."""
+    """Distinguish times of day from times in a recording; a note explains ambiguous cases."""
     of_day = most(sum(day_clock_s(text) is not None for text in texts))
     halves = most(sum(text[-1:] in "mM." for text in texts))
     running = most(sum(clock_s(text) is not None for text in texts))
@@ -194,20 +183,26 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
 
 def _names_time_of_day(column: Column) -> bool:
     unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
-    return column.plain.startswith(_DAY_NAMES) or unit in ("hhmm", "hmm", "24h", "12h", "localtime")
+    return column.plain.startswith(column_names.TIME_OF_DAY_PREFIXES) or unit in (
+        "hhmm",
+        "hmm",
+        "24h",
+        "12h",
+        "localtime",
+    )
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
-    """Distinguish `dmy` and `mdy` by all cells of a column, (row number, text) each.
+    """Distinguish `dmy` and `mdy` by all cells of a column, as pairs of row number and text.
 
-    A part above 12 is the day. Where there is none in the whole column, the order in which the
-    times increase (or decrease) throughout is taken if just one does.
+    A number above 12 is the day. Without any, the format is chosen with which the times always
+    increase, or always decrease, if only one format does.
 
     Returns
     -------
     tuple
-        `dmy` or `mdy` and the number of the row that proves it (None: the order of rows does), or
-        an empty text if nothing decides it.
+        `dmy` or `mdy`, and the number of the row that decides (None if the order of rows does).
+        The text is empty if nothing decides.
     """
     order = {"dmy": [True, True], "mdy": [True, True]}  # still increasing, still decreasing
     last: dict[str, int] = {}
@@ -230,14 +225,14 @@ def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
 
 
 def as_text(cell: Any) -> str:
-    """A cell as text: 20120919 may be a number, with a fraction of 0 too."""
+    """Return a cell as text; 20120919.0 becomes 20120919."""
     if isinstance(cell, float) and cell.is_integer():
         cell = int(cell)
     return str(cell).strip()
 
 
 def as_number(cell: Any) -> int | float | None:
-    """The number a cell is, exact if it is whole."""
+    """Return the number in a cell, as int if it is whole, else None."""
     if isinstance(cell, bool):
         return None
     if isinstance(cell, int | float):
@@ -254,11 +249,11 @@ def as_number(cell: Any) -> int | float | None:
 
 
 def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]) -> Format | None:
-    """Detect what a time column's numbers mean from their size and its name."""
+    """Detect the format of a column of numbers from their size and its name."""
     name, size = column.plain, max(abs(number) for number in numbers)
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
-    dated = any(word in name for word in _CALENDAR_NAMES)
+    dated = any(word in name for word in column_names.CALENDAR_PARTS)
     if whole and _all_dates(cells, 8):
         return Format("iso")
     if dated and whole and _all_dates(cells, 6):
@@ -267,20 +262,20 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         return Format("year")
     if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
         return Format("excel", "numbers under a date are read as a spreadsheet's days")
-    unit = _UNIT_WORDS.get(column.unit.lower(), column.unit.lower())
+    unit = column_names.TIME_UNITS.get(column.unit.lower(), column.unit.lower())
     tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
     if unit not in PLAIN and tail:
-        unit = _UNIT_WORDS.get(tail[1], tail[1])
-    # by size: between 1990 and 2100 in just one of the units
+        unit = column_names.TIME_UNITS.get(tail[1], tail[1])
+    # numbers from 1990 to 2100 in only one of the units
     for epoch, unit_ns in EPOCHS.items():
         per_second = NS // unit_ns
         if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
             return Format(epoch, f"times {_of(epoch)} were detected from their size")
-    if any(word in name for word in _EPOCH_NAMES) and low >= 0 and size < 2**62:
+    if any(word in name for word in column_names.EPOCH_PARTS) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
     if unit not in PLAIN:
-        unit = _UNIT_WORDS.get(name, "")
+        unit = column_names.TIME_UNITS.get(name, "")
     if unit in PLAIN:
         return Format(unit)
     if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
@@ -289,13 +284,17 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
             "year", f"{note}; time='{column.header}:s' (--time-column) reads them as seconds"
         )
     bare = re.fullmatch(r"column\d+", name)
-    if bare or name in _TIME_NAMES or any(word in name for word in ("time", "elapsed", "date")):
+    if (
+        bare
+        or name in column_names.SECONDS
+        or any(word in name for word in ("time", "elapsed", "date"))
+    ):
         return Format("s")
     return None
 
 
 def _of(epoch: str) -> str:
-    return f"in {Format(epoch).words}"
+    return f"in {Format(epoch).description}"
 
 
 def _all_dates(cells: list[Any], length: int) -> bool:
@@ -308,10 +307,10 @@ def _all_dates(cells: list[Any], length: int) -> bool:
 
 @dataclass
 class TimeColumn:
-    """Makes seconds of a column, chunk by chunk, counted from its first time.
+    """Converter of a column to seconds from its first time, chunk by chunk.
 
-    After the first chunk `anchor_ns` is that time (None for plain time, which counts from 0) and
-    `offset_min` its zone's offset from UTC, None where times name no zone.
+    After the first chunk, `anchor_ns` is the first time (None for plain time, which counts from 0).
+    `offset_min` is its offset from UTC, None without a zone.
     """
 
     format: Format
@@ -319,43 +318,43 @@ class TimeColumn:
     offset_min: int | None = None
     _zoned: bool | None = field(default=None, init=False)
 
-    def seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         """Return float64 of the cells' length, NaN where there is no time.
 
         Parameters
         ----------
         cells
             A chunk's column.
-        place
-            Called with the index of a wrong cell, gives its location.
+        locate
+            Function from the index of a cell to its location, for errors.
 
         Raises
         ------
         InputError
-            A cell that isn't written this way, a moment outside the years 1 to 9999, or a mixture
-            of times with and without a zone.
+            A cell in another format, a moment outside the years 1 to 9999, or a mixture of times
+            with and without a zone.
         """
-        seconds = self._seconds(cells, place)
+        seconds = self._seconds(cells, locate)
         if self.anchor_ns is not None:
             since = seconds + self.anchor_ns / NS
             outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
             if outside.size:
                 i = int(outside[0])
-                raise place(i).error(
+                raise locate(i).error(
                     as_list(cells)[i],
-                    "is a time outside the years 1 to 9999; say how times are written with time "
+                    "is a time outside the years 1 to 9999; give their format with time "
                     "(--time-column COLUMN:FORMAT)",
                 )
         return seconds
 
-    def _seconds(self, cells: Cells, place: Callable[[int], Location]) -> NDArray[np.float64]:
+    def _seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
-            return self._of_datetimes(cells, place)
+            return self._of_datetimes(cells, locate)
         listed = as_list(cells)
         name, fast = self.format.name, None
         if name == "iso":
             datetimes = self._fast_iso(listed)
-            fast = None if datetimes is None else self._of_datetimes(datetimes, place)
+            fast = None if datetimes is None else self._of_datetimes(datetimes, locate)
         elif name in EPOCHS:
             fast = self._fast_whole(listed, EPOCHS[name])
         elif name in PLAIN:
@@ -363,7 +362,7 @@ class TimeColumn:
             fast = None if plain is None else plain * PLAIN[name]
         if fast is not None:
             return fast
-        return np.array([self._one(cell, i, place) for i, cell in enumerate(listed)], np.float64)
+        return np.array([self._one(cell, i, locate) for i, cell in enumerate(listed)], np.float64)
 
     def start(self, first_s: float) -> datetime | None:
         """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
@@ -385,68 +384,68 @@ class TimeColumn:
             self.anchor_ns = ns
         return (ns - self.anchor_ns) / NS
 
-    def _one(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _one(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
             return math.nan
         name = self.format.name
         if isinstance(cell, np.datetime64):
-            return float(self._of_datetimes(np.array([cell]), place)[0])
+            return float(self._of_datetimes(np.array([cell]), locate)[0])
         if name in FORMS:
             read = moment(as_text(cell), name)
             if read is None:
-                raise self._wrong(cell, place(i))
-            self._check_zone(read.offset_min, cell, place(i))
+                raise self._wrong(cell, locate(i))
+            self._check_zone(read.offset_min, cell, locate(i))
             return self._since(read.ns)
         if name in CLOCKS:
             clock = day_clock_s if name == "hhmm" else clock_s
             seconds = clock(cell.strip()) if isinstance(cell, str) else None
             if seconds is None:
-                raise self._wrong(cell, place(i))
+                raise self._wrong(cell, locate(i))
             return seconds
-        return self._of_number(cell, i, place)
+        return self._of_number(cell, i, locate)
 
-    def _of_number(self, cell: Any, i: int, place: Callable[[int], Location]) -> float:
+    def _of_number(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         name = self.format.name
         number = as_number(cell)
         if number is None or not math.isfinite(number) or abs(number) > 1e25:
-            raise self._wrong(cell, place(i))
+            raise self._wrong(cell, locate(i))
         if name in PLAIN:
             return float(number) * PLAIN[name]
         if name in EPOCHS:
-            self._check_zone(0, cell, place(i))
+            self._check_zone(0, cell, locate(i))
             return self._since(round(number * EPOCHS[name]))
         if name == "excel":
             return self._since(round((number + _EXCEL_ZERO) * DAY_NS))
         year = math.floor(number)
         if not 1 <= year <= 9998:
-            raise self._wrong(cell, place(i))
+            raise self._wrong(cell, locate(i))
         begin, end = (moment(f"{y:04d}", "iso") for y in (year, year + 1))
         assert begin is not None
         assert end is not None
         return self._since(begin.ns + round((number - year) * (end.ns - begin.ns)))
 
-    def _check_zone(self, offset_min: int | None, cell: Any, place: Location) -> None:
+    def _check_zone(self, offset_min: int | None, cell: Any, location: CellLocation) -> None:
         zoned = offset_min is not None
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, offset_min
         elif self._zoned != zoned:
             has, others = ("a", "none") if zoned else ("no", "one")
-            raise place.error(
+            raise location.error(
                 cell,
                 f"has {has} time zone, times before it have {others}; write all of them in one way",
             )
 
-    def _wrong(self, cell: Any, place: Location) -> InputError:
-        return place.error(
+    def _wrong(self, cell: Any, location: CellLocation) -> InputError:
+        return location.error(
             cell,
-            f"isn't a time as the column's others ({self.format.words}); correct it, or say how "
-            f"times are written with time (--time-column COLUMN:FORMAT; {', '.join(FORMATS)})",
+            f"isn't a time as the column's others ({self.format.description}); correct it, or give "
+            f"the format with time (--time-column COLUMN:FORMAT; {', '.join(FORMATS)})",
         )
 
     def _of_datetimes(
-        self, cells: NDArray[Any], place: Callable[[int], Location]
+        self, cells: NDArray[Any], locate: Callable[[int], CellLocation]
     ) -> NDArray[np.float64]:
-        """Seconds of datetime64 cells, exact whatever their unit."""
+        """Return the seconds of datetime64 cells, exact in any unit."""
         missing = np.isnat(cells)
         known = cells[~missing]
         seconds = np.full(cells.shape, np.nan)
@@ -457,23 +456,23 @@ class TimeColumn:
             cells, unit, count = cells.astype("datetime64[D]"), "D", 1
             known = cells[~missing]
         if unit not in _UNIT_NS:
-            raise place(0).error(cells[0], "is finer than a nanosecond; round the times")
+            raise locate(0).error(cells[0], "is finer than a nanosecond; round the times")
         step_ns = _UNIT_NS[unit] * count
         if self.anchor_ns is None:
             self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
         whole, rest = divmod(self.anchor_ns, step_ns)
         span = known.astype(np.int64)
-        # the difference is what has to fit an int64, and a float after it
+        # only the difference has to fit an int64, and later a float
         wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
         if wide:
-            raise place(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
-        # a division is exact to the last place, a factor of 1e-9 isn't
+            raise locate(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
+        # a division is exact to the last locate, a factor of 1e-9 isn't
         since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
         seconds[~missing] = since - rest / NS
         return seconds
 
     def _fast_iso(self, cells: list[Any]) -> NDArray[Any] | None:
-        """The cells as datetime64 if all are plain ISO of one shape, zone none or Z."""
+        """Return cells as datetime64 if all are ISO texts of one shape, without zone or with Z."""
         shape = cells[0].translate(_AS_SHAPE) if cells and isinstance(cells[0], str) else ""
         if not _ISO_SHAPE.fullmatch(shape):
             return None
@@ -502,11 +501,11 @@ class TimeColumn:
         if self._zoned is None:
             self._zoned, self.offset_min = zoned, 0 if zoned else None
         elif self._zoned != zoned:
-            return None  # the slow way names the cell
+            return None  # `_one` raises the error
         return moments
 
     def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
-        """Seconds of cells that are all whole numbers."""
+        """Return the seconds of cells that are all whole numbers, else None."""
         try:
             if isinstance(cells[0], str):
                 if not are_written_in(cells, "0123456789"):
@@ -519,7 +518,7 @@ class TimeColumn:
             return None
         if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
             return None
-        self._check_zone(0, cells[0], Location(0))
+        self._check_zone(0, cells[0], CellLocation(0))
         if self.anchor_ns is None:
             self.anchor_ns = int(whole[0]) * unit_ns
         begin, rest = divmod(self.anchor_ns, unit_ns)

@@ -1,9 +1,9 @@
-"""GPX and TCX tracks as a table: a row a point with its time, and what is known there.
+"""Tables of GPX and TCX tracks, with one row for each point.
 
-Columns, where any point has them: `speed` (km/h, from the positions of this point and the one
-before it, or from the distance a TCX gives), `elevation` (m), `heart_rate` (bpm), `cadence`
-(1/min), `distance` (m). Points without a time are left out; all tracks and laps are one table.
-Tags are read as they come, without a tree; XML with a document type is refused.
+A column is present if any point has a value: `speed` (km/h, from the positions of this point and
+the one before it, or from the distance a TCX gives), `elevation` (m), `heart_rate` (bpm), `cadence`
+(1/min), `distance` (m). Points without a time are left out. All tracks and laps form one table.
+The XML is read as a stream; a document type is an error.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.arrays import array_table
 from overview_dsp.data.readers.tables.table import ColumnTable
-from overview_dsp.data.timeline.times import NS, moment
+from overview_dsp.data.timeline.time_parsing import NS, moment
 from overview_dsp.errors import InputError
 
 MAX_DEPTH = 64
-"""Levels of XML: a track has ten."""
+"""Maximum nesting level of the XML; tracks have about ten levels."""
 
 EARTH_M = 6_371_008.8
 """Mean radius of the earth (IUGG)."""
 
 _PIECE = 1 << 20
 _LONGEST = 100
-"""Characters of a point's value that are kept."""
+"""Maximum number of characters of a value."""
 
 _POINTS = frozenset({"trkpt", "Trackpoint"})
 _VALUES = {
@@ -52,13 +52,13 @@ SPEED = "speed (km/h)"
 Floats = NDArray[np.float64]
 
 
-def sniff(source: Source) -> bool:
-    """Return whether the file is XML whose outermost element is a GPX's or a TCX's."""
+def sniff(source: DataFile) -> bool:
+    """Return whether the file is XML with the root element of GPX or TCX."""
     return source.xml_root in ("gpx", "TrainingCenterDatabase")
 
 
-def open_table(source: Source) -> ColumnTable:
-    """Return the points of all tracks; InputError for broken XML, no point with a time."""
+def open_table(source: DataFile) -> ColumnTable:
+    """Return the points of all tracks; InputError for broken XML, or fewer than two times."""
     times = array("d")
     columns = {name: array("d") for name in ("lat", "lon", *_COLUMNS)}
     timeless = 0
@@ -84,10 +84,10 @@ def open_table(source: Source) -> ColumnTable:
     }
     table[SPEED] = _speed(time_s, known["lat"], known["lon"], known["distance (m)"])
     table |= {name: known[name] for name in _COLUMNS}
-    given = [name for name, values in table.items() if not _is_empty(values)]
-    if len(given) < 2:
+    present = [name for name, values in table.items() if not _is_empty(values)]
+    if len(present) < 2:
         raise InputError("its points have neither positions nor anything else but times")
-    points = array_table(given, [table[name] for name in given], notes)
+    points = array_table(present, [table[name] for name in present], notes)
     zoned = (replace(points.columns[0], zoned=True), *points.columns[1:])
     kind = "GPX" if source.xml_root == "gpx" else "TCX"
     return replace(points, kind=kind, columns=zoned, row_word="point")
@@ -98,7 +98,7 @@ def _is_empty(values: NDArray[Any]) -> bool:
 
 
 def _points(text: str, progress: Callable[[float], None]) -> Iterator[dict[str, float]]:
-    """Yield what each point says; InputError for XML that is broken or too deep."""
+    """Yield the values of each point; InputError for XML that is broken or nested too deep."""
     reader = _Reader()
     parser = expat.ParserCreate()
     parser.buffer_text = True
@@ -109,59 +109,59 @@ def _points(text: str, progress: Callable[[float], None]) -> Iterator[dict[str, 
         for begin in range(0, len(text), _PIECE):
             parser.Parse(text[begin : begin + _PIECE], False)
             progress(min(1.0, (begin + _PIECE) / len(text)) / 2.0)
-            yield from reader.taken()
+            yield from reader.pop_points()
         parser.Parse("", True)
     except expat.ExpatError as error:
         raise InputError(f"broken XML ({error}); get the file again") from error
-    yield from reader.taken()
+    yield from reader.pop_points()
 
 
 class _Reader:
-    """Takes tags and keeps what is said of points, and nothing else."""
+    """Handler of XML tags that collects the values of points."""
 
     def __init__(self) -> None:
         self._path: list[str] = []
         self._point: dict[str, float] | None = None
-        self._words = ""
+        self._text = ""
         self._done: list[dict[str, float]] = []
 
-    def taken(self) -> list[dict[str, float]]:
-        """Return the points since the last call."""
+    def pop_points(self) -> list[dict[str, float]]:
+        """Return the points read since the last call."""
         done, self._done = self._done, []
         return done
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         name = tag.rpartition(":")[2]
         self._path.append(name)
-        self._words = ""
+        self._text = ""
         if len(self._path) > MAX_DEPTH:
             raise InputError(f"XML nested more than {MAX_DEPTH} deep; a track isn't")
         if name in _POINTS:
             self._point = {key: _number(attributes.get(key)) for key in ("lat", "lon")}
 
-    def text(self, words: str) -> None:
-        if self._point is not None and len(self._words) < _LONGEST:
-            self._words += words
+    def text(self, text: str) -> None:
+        if self._point is not None and len(self._text) < _LONGEST:
+            self._text += text
 
     def end(self, tag: str) -> None:
         name = self._path.pop()
-        point, words = self._point, self._words.strip()
-        self._words = ""
+        point, text = self._point, self._text.strip()
+        self._text = ""
         if point is None:
             return
         if name in _POINTS:
             self._done.append(point)
             self._point = None
         elif name in ("time", "Time"):
-            point["time"] = _seconds(words)
-        elif words and name in _VALUES:
-            point[_VALUES[name]] = _number(words)
-        elif words and name == "Value" and self._path[-1] == "HeartRateBpm":
-            point["heart_rate (bpm)"] = _number(words)
+            point["time"] = _seconds(text)
+        elif text and name in _VALUES:
+            point[_VALUES[name]] = _number(text)
+        elif text and name == "Value" and self._path[-1] == "HeartRateBpm":
+            point["heart_rate (bpm)"] = _number(text)
 
 
 def _number(text: str | None) -> float:
-    """Return a number, NaN for what is none (as a device writes what it doesn't know)."""
+    """Return a number, NaN for other texts, which devices write for unknown values."""
     try:
         value = float(text or "nan")
     except ValueError:
@@ -170,13 +170,13 @@ def _number(text: str | None) -> float:
 
 
 def _seconds(text: str | None) -> float:
-    """Return an ISO moment as seconds since 1970 (UTC where no zone is said), NaN for none."""
+    """Return an ISO time as seconds since 1970 (UTC without a zone), NaN for other texts."""
     found = moment((text or "").strip(), "iso")
     return math.nan if found is None else found.ns / NS
 
 
 def _speed(time_s: Floats, lat: Floats, lon: Floats, distance: Floats) -> Floats:
-    """Return km/h at each point since the one before it, NaN where that isn't known."""
+    """Return the speed from the previous point to each point, km/h, NaN if unknown."""
     step_s = np.diff(time_s)
     phi, theta = np.radians(lat), np.radians(lon)
     half = (
@@ -188,7 +188,7 @@ def _speed(time_s: Floats, lat: Floats, lon: Floats, distance: Floats) -> Floats
     way = np.where(np.isnan(gone) | (gone < 0.0), way, gone)
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = np.where(step_s > 0.0, 3.6 * way / step_s, np.nan)
-    # finer than a receiver knows it, rounding alone would make turning points of a steady pace
+    # rounding errors below the precision of a receiver would make turning points
     speed = np.round(speed, 3)
-    # the first point stands still with the second
+    # the first point gets the speed of the second
     return np.concatenate((speed[:1], speed))

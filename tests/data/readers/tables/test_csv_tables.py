@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables import delimited
 from tests.data.readers.tables.made import DAILY, load, noted, refusal, times, values
 
@@ -170,7 +170,7 @@ def test_rows_in_any_order_are_sorted_and_that_is_said(tmp_path: Path) -> None:
     head, *rows = DAILY.splitlines()
     down = load(tmp_path, "\n".join([head, *reversed(rows)]))
     assert values(down) == values(load(tmp_path, DAILY))
-    assert noted(down, "descending order; they were turned round")
+    assert noted(down, "descending order; they were reversed")
     mixed = load(tmp_path, "\n".join([head, rows[2], rows[0], rows[3], rows[1]]))
     assert values(mixed) == values(down)
     assert noted(mixed, "2 rows were earlier than the row before them (first line 3)")
@@ -193,7 +193,7 @@ def test_several_series_below_each_other_are_asked_about_and_distinguished(tmp_p
     assert "column 'symbol' distinguishes 2 series ('AAA', 'BBB'); choose one with match" in words
     for match in ("BBB", "bbb", "symbol=BBB"):
         assert values(load(tmp_path, text, match=match)) == [10.0, 20.0, 30.0, 40.0, 50.0]
-    assert "no row holds that" in refusal(lambda: load(tmp_path, text, match="CCC"))
+    assert "no row contains it" in refusal(lambda: load(tmp_path, text, match="CCC"))
 
 
 def test_a_file_larger_than_the_limit_is_refused_and_the_limit_can_be_raised(
@@ -222,7 +222,7 @@ def test_progress_is_reported_from_0_to_1(tmp_path: Path) -> None:
 def test_what_is_no_series_is_left_to_others(tmp_path: Path, text: str) -> None:
     path = tmp_path / "other.csv"
     path.write_text(text)
-    assert not delimited.sniff(Source.open(path))
+    assert not delimited.sniff(DataFile.open(path))
 
 
 @pytest.mark.parametrize(

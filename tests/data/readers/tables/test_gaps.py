@@ -81,7 +81,7 @@ def test_weekends_and_holidays_of_a_share_are_no_gaps_and_a_suspension_is(tmp_pa
     traded = [day for day in business_days(366) if day not in holidays]
     timeline = load(tmp_path, series([(day, 100 + i % 9) for i, day in enumerate(traded)]))
     assert timeline.gaps == ()
-    assert noted(timeline, "business days: weekends and holidays are no gaps")
+    assert noted(timeline, "business days: weekends and holidays are not gaps")
     kept = [day for day in traded if not date(2020, 6, 1) <= day <= date(2020, 6, 26)]
     timeline = load(tmp_path, series([(day, 100 + i % 9) for i, day in enumerate(kept)]))
     assert timeline.start is not None
@@ -108,7 +108,7 @@ def test_nights_of_an_exchange_are_no_gaps_and_a_pause_within_a_day_is(tmp_path:
     ]
     timeline = load(tmp_path, series([(m, i % 11) for i, m in enumerate(moments)]))
     assert timeline.gaps == ()
-    assert noted(timeline, "sessions: nights, weekends and holidays are no gaps")
+    assert noted(timeline, "sessions: nights, weekends and holidays are not gaps")
     halted = [m for m in moments if not datetime(2020, 1, 9, 12) < m < datetime(2020, 1, 9, 13)]
     timeline = load(tmp_path, series([(m, i % 11) for i, m in enumerate(halted)]))
     (gap,) = timeline.gaps

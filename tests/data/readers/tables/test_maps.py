@@ -86,12 +86,12 @@ def test_a_change_is_not_taken_over_a_gap(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wish", "words"),
     [
-        ("loudness", "map 'loudness': neither level, change, activity, volatility, count nor"),
+        ("loudness", "map is 'loudness'; must be level, change, activity, volatility, count or"),
         ("change:often", "give change:percent or change:difference"),
         ("volatility:1", "give a window as samples"),
         ("volatility:soon", "give a window as samples"),
         ("volatility:0d", "give a window as samples"),
-        ("level:2", "map level takes nothing after it"),
+        ("level:2", "map level takes no argument"),
     ],
 )
 def test_an_unknown_map_is_one_line(tmp_path: Path, wish: str, words: str) -> None:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from overview_dsp.data.readers.tables.cells import Style, detected_style, looks_numeric, parse
+from overview_dsp.data.readers.tables.cells import looks_numeric, parse
+from overview_dsp.data.readers.tables.decimal_mark import detect_decimal_mark
 from tests.data.readers.tables.made import load, values
 
 
@@ -38,14 +39,14 @@ from tests.data.readers.tables.made import load, values
     ],
 )  # fmt: skip
 def test_a_number_with_a_decimal_point(text: str, value: float, unit: str) -> None:
-    assert parse(text, Style(".")) == (value, unit)
+    assert parse(text, ".") == (value, unit)
 
 
 @pytest.mark.parametrize(
     ("text", "value"), [("12,5", 12.5), ("1.234,5", 1234.5), ("1 234,5", 1234.5), ("0,25", 0.25)]
 )
 def test_a_number_with_a_decimal_comma(text: str, value: float) -> None:
-    assert parse(text, Style(",")) == (value, "")
+    assert parse(text, ",") == (value, "")
 
 
 @pytest.mark.parametrize(
@@ -54,7 +55,7 @@ def test_a_number_with_a_decimal_comma(text: str, value: float) -> None:
      "1,2345", "5 \ud800", "2020-01-01"],
 )  # fmt: skip
 def test_what_is_no_number_is_none(text: str) -> None:
-    assert parse(text, Style(".")) is None
+    assert parse(text, ".") is None
 
 
 @pytest.mark.parametrize(
@@ -73,7 +74,7 @@ def test_what_is_no_number_is_none(text: str) -> None:
 def test_the_decimal_mark_is_detected_by_cells_in_which_it_can_be_only_one(
     cells: list[str], mark: str | None
 ) -> None:
-    assert detected_style(cells) == (None if mark is None else Style(mark))
+    assert detect_decimal_mark(cells) == mark
 
 
 def test_one_number_of_thousands_does_not_turn_a_column_of_commas(tmp_path: Path) -> None:

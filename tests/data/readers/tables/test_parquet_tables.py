@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from overview_dsp.installation import install_command
 from tests.data.readers.tables.made import load, refusal, times, values
 
-pa = pytest.importorskip("pyarrow", reason="needs pyarrow: pip install overview-dsp[parquet]")
+pa = pytest.importorskip("pyarrow", reason="needs pyarrow: pip install '.[parquet]'")
 pq = pytest.importorskip("pyarrow.parquet")
 
 DAY = 86_400.0
@@ -112,5 +113,5 @@ def test_how_to_install_what_is_missing_is_said(
 
     monkeypatch.setattr(builtins, "__import__", without)
     words = refusal(lambda: load(tmp_path, data))
-    assert 'pip install "overview-dsp[parquet]"' in words
+    assert install_command("parquet") in words
     assert "or save the table as CSV" in words

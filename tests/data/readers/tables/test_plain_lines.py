@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables import delimited, dialect
 from overview_dsp.errors import InputError
 
@@ -22,7 +22,7 @@ ROWS = st.lists(st.lists(FIELDS, min_size=3, max_size=3) | st.just([]), max_size
 def read(path: Path, columns: list[int]) -> list[Any]:
     """Each row's number and cells, or the line with which it is refused."""
     held = dialect.Dialect("utf-8", ",", ("x", "y", "z"), ("", "", ""), 2, ("#",))
-    table = delimited.DelimitedTable(Source.open(path), held)
+    table = delimited.DelimitedTable(DataFile.open(path), held)
     rows: list[Any] = []
     try:
         for chunk in table.chunks(columns):
@@ -63,7 +63,7 @@ def test_a_wide_table_gives_the_columns_that_are_asked_for(tmp_path: Path) -> No
     lines = [",".join(f"{row}.{i}" for i in range(width)) for row in range(rows)]
     path.write_text("\n".join([",".join(header), *lines, ""]))
     table = delimited.DelimitedTable(
-        Source.open(path), dialect.Dialect("utf-8", ",", header, ("",) * 60, 2, ("#",))
+        DataFile.open(path), dialect.Dialect("utf-8", ",", header, ("",) * 60, 2, ("#",))
     )
     for columns in ([0], [59], [7, 30, 0]):
         (chunk,) = table.chunks(columns)

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline, native
-from overview_dsp.data.readers.source import parse_json
+from overview_dsp.data.readers.data_file import parse_json
 from tests.data.readers.outcome import timeline_or_one_line
 
 TABLES = (

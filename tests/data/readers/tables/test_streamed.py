@@ -15,10 +15,10 @@ from scipy import signal
 
 from overview_dsp.data.analysis.extrema import Thinner, lows_and_highs, peaks
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.series import samples as streamed
+from overview_dsp.data.readers.series import sample_scan as streamed
 from overview_dsp.data.readers.tables import delimited
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.samples import EvenTimes
+from overview_dsp.data.timeline.curve_points import RegularTimes
 from tests.data.readers.tables.made import load, noted, refusal
 
 COUNT = 5000
@@ -80,7 +80,7 @@ def test_a_stream_gives_the_same_timeline(
     assert stream.intensity is not None
     assert piece.intensity is not None
     assert stream.intensity.unit == piece.intensity.unit
-    assert isinstance(stream.intensity.time_s, EvenTimes) is even
+    assert isinstance(stream.intensity.time_s, RegularTimes) is even
     at = np.linspace(1.0, stream.duration_s - 1.0, 3001)
     mine, theirs = stream.intensity_at(at), piece.intensity_at(at)
     near = np.isclose(mine, theirs, rtol=1e-6, atol=1e-6)

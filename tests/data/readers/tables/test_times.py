@@ -94,7 +94,8 @@ def test_the_order_of_rows_distinguishes_day_and_month_where_no_part_does(tmp_pa
     timeline = load(tmp_path, series(cells))
     assert timeline.start == datetime(2020, 1, 10)
     assert noted(
-        timeline, "read as dates d/m/y, detected from the order of rows (only so do they rise)"
+        timeline,
+        "read as dates d/m/y, detected from the order of rows (only then are they ascending)",
     )
     # months and days of January both rise
     cells = [f"{month}/1/2020" for month in range(1, 13)]
@@ -110,7 +111,7 @@ def test_a_date_that_fits_both_is_asked_about_and_can_be_given(
     text = series(["01/02/2020", "02/02/2020", "03/03/2020"])
     words = refusal(lambda: load(tmp_path, text))
     assert "'01/02/2020' may be day/month or month/day" in words
-    assert "say it with time (--time-column): 'date:dmy' or 'date:mdy'" in words
+    assert "choose with time (--time-column): 'date:dmy' or 'date:mdy'" in words
     for wish in (f"date:{told}", f":{told}"):
         assert load(tmp_path, text, time=wish).start == start
 
@@ -164,7 +165,7 @@ def test_the_time_column_can_be_named(tmp_path: Path) -> None:
     words = refusal(lambda: load(tmp_path, text, time="level"[:3]))
     assert "no column 'lev' for the times; columns are 'made', 'seen', 'level'" in words
     words = refusal(lambda: load(tmp_path, text, time="seen:weekly"))
-    assert "'weekly' is no way of writing times; known are iso, dmy, mdy, epoch" in words
+    assert "'weekly' is not a format of times; allowed: iso, dmy, mdy, epoch" in words
 
 
 def test_times_with_and_without_a_zone_are_not_mixed(tmp_path: Path) -> None:

@@ -1,20 +1,20 @@
-"""Moments of a timeline as a person writes them, and windows between two of them.
+"""Time expressions: written moments of a timeline, and windows between two of them.
 
 | written | means |
 |---|---|
-| `90`, `90.5`, `90s`, `15min`, `6h`, `3d`, `2w` | so long after the start |
+| `90`, `90.5`, `90s`, `15min`, `6h`, `3d`, `2w` | time after the start |
 | `1:30`, `1:02:03.5` | m:ss and h:mm:ss after the start |
-| `2012-09-19`, `2012-09-19T09:30`, `Sep 19, 2012`, `2012Q3` | that moment, or the beginning of it |
+| `2012-09-19`, `2012-09-19T09:30`, `Sep 19, 2012`, `2012Q3` | that moment, or its beginning |
 | `goal:1`, `event:3` | the first goal, the third event of any kind |
-| `start`, `end` | the timeline's |
+| `start`, `end` | start and end of the timeline |
 
 The last two take an offset, written like the first two: `goal:1-60`, `goal:1+1:30`, `end-6w`.
 
-Dates need a timeline with a calendar (`Timeline.start`); one without a zone is in the timeline's.
-Seconds outside the timeline are an error; a date or an offset that reaches over an end stops there,
-with a warning.
+Dates require a timeline with a calendar (`Timeline.start`), whose time zone is the default. Seconds
+outside the timeline are an error. A date or an offset beyond an end is moved to the end, with a
+warning.
 
-`Zoom` is a window and the ones that come next as one zooms about a moment.
+`Zoom` is a window that can be scaled around a moment.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
-from overview_dsp.data.timeline import times
+from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewWarning, shown
 
 HINT = (
@@ -35,17 +35,16 @@ HINT = (
     "(2012-09-19, 2012-09-19T09:30), kind:number (goal:1, event:3), start or end; the last three "
     "take an offset (goal:1-60, end-6w)"
 )
-"""What a moment may be, for error lines."""
+"""Allowed expressions, for error messages."""
 
 ZOOM_PART = 10.0
-"""A zoom on an event shows a tenth of the whole timeline: nine minutes of a match, in which three
-times as many things are felt one by one as in all of it."""
+"""Zoom factor for an event: a tenth of the timeline, nine minutes of a match."""
 
 ZOOM_LEAD = 0.75
-"""Where in its window an event lies that was zoomed on: what led to it counts more."""
+"""Position of the event in its window: the time before it is more important."""
 
 NARROWEST_S = 0.5
-"""No window is narrower, s (or the whole, where that is shorter)."""
+"""Minimum width of a window, s (or the whole timeline, if it is shorter)."""
 
 _EVENT = re.compile(r"(?P<kind>[a-z0-9_]*[a-z_][a-z0-9_]*):(?P<number>\d{1,9})", re.A)
 _FROM = re.compile(rf"(?P<from>{_EVENT.pattern}|start|end)(?:(?P<sign>[+-])(?P<offset>.+))?", re.A)
@@ -54,20 +53,20 @@ _EPOCH = datetime(1970, 1, 1)
 
 @dataclass(frozen=True)
 class _Moment:
-    """Seconds from the start, and whether an end of the timeline may stop it."""
+    """Seconds from the start, and whether they are limited to the timeline."""
 
     time_s: float
     stops: bool
 
 
-def moment_s(text: str, timeline: Timeline) -> float:
-    """Seconds from the start of the timeline to a written moment, within [0, duration_s].
+def parse_time_expression(text: str, timeline: Timeline) -> float:
+    """Return the seconds from the start to a written moment, within [0, duration_s].
 
     Raises
     ------
     InputError
-        Not a moment, outside the timeline, an event that isn't there, or a date where the timeline
-        has no calendar. Warns (OverviewWarning) of a date or offset stopped at an end.
+        The text is not a moment, is outside the timeline, names a missing event, or is a date in a
+        timeline without calendar. A date or offset beyond an end issues an OverviewWarning.
     """
     moment = _parsed(text, timeline)
     stopped = _stopped(text, moment, timeline)
@@ -77,12 +76,12 @@ def moment_s(text: str, timeline: Timeline) -> float:
 
 
 def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
-    """The window (start_s, end_s) between two written moments.
+    """Return the window (start_s, end_s) between two written moments.
 
     Raises
     ------
     InputError
-        As `moment_s`; or it is empty.
+        As `parse_time_expression`, or the window is empty.
     """
     moments = [_parsed(text, timeline) for text in (start, end)]
     first, last = (
@@ -98,14 +97,14 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
 
 
 def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
-    """The window (start_s, end_s) about an event: `goal:1`, or `goal:1:90` for one of 90 s.
+    """Return the window (start_s, end_s) around an event: `goal:1`, or `goal:1:90` for 90 s.
 
-    The event lies three quarters into it, or later where the timeline begins or ends.
+    The event is at three quarters of the window, except near the ends of the timeline.
 
     Raises
     ------
     InputError
-        Not an event's number with an optional width, or an event that isn't there.
+        The text is not the number of an event with an optional width, or the event is missing.
     """
     name, _, width_text = text.strip().partition(":")
     number, _, width_text = width_text.partition(":")
@@ -113,7 +112,7 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     width = length_s(width_text) if width_text else timeline.duration_s / ZOOM_PART
     if found is None or width is None or not width > 0.0:
         raise InputError(
-            f"{shown(text)} is nothing to zoom to; give kind:number (goal:1, event:3) and, "
+            f"{shown(text)} is not an event; give kind:number (goal:1, event:3) and, "
             "if you like, how long a window (goal:1:90, goal:1:5min)"
         )
     return Zoom.whole(timeline).around(_event_s(found, timeline), width).window
@@ -124,17 +123,17 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
     length = length_s(written)
     if length is not None:
         return _Moment(length, False)
-    try:  # nan, inf and negative numbers: refused with the window they make
+    try:  # nan, inf and negative numbers are rejected later
         return _Moment(float(written), False)
     except ValueError:
         pass
     found = _FROM.fullmatch(written)
     if found is not None:
         return _after(found, timeline, text)
-    date = times.moment(written, "iso", "month names", "quarters, months or weeks")
+    date = time_parsing.moment(written, "iso", "month names", "quarters, months or weeks")
     if date is not None:
         return _Moment(_calendar_s(date, timeline, text), True)
-    raise InputError(f"{shown(text)} is no moment; {HINT}")
+    raise InputError(f"{shown(text)} is not a moment; {HINT}")
 
 
 def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
@@ -148,7 +147,7 @@ def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
     offset = length_s(found["offset"])
     if offset is None:
         raise InputError(
-            f"{shown(text)}: {shown(found['offset'])} is no length; give seconds, "
+            f"{shown(text)}: {shown(found['offset'])} is not a length; give seconds, "
             "m:ss, h:mm:ss, 15min, 6h, 3d or 2w"
         )
     return _Moment(base + offset if found["sign"] == "+" else base - offset, True)
@@ -166,7 +165,7 @@ def _event_s(found: re.Match[str], timeline: Timeline) -> float:
     return timeline.events[number - 1].time_s
 
 
-def _calendar_s(date: times.Moment, timeline: Timeline, text: str) -> float:
+def _calendar_s(date: time_parsing.Moment, timeline: Timeline, text: str) -> float:
     start = timeline.start
     if start is None:
         raise InputError(
@@ -208,14 +207,14 @@ def _reach(timeline: Timeline) -> str:
 
 @dataclass(frozen=True)
 class Zoom:
-    """A window of a timeline, and the ones that can be reached from it; never beyond the ends.
+    """Window of a timeline that can be scaled and moved, within the ends.
 
     Parameters
     ----------
     timeline
-        The whole.
+        Whole timeline.
     start_s, end_s
-        The window on it, 0 <= start_s < end_s <= duration_s; InputError otherwise.
+        Window, 0 <= start_s < end_s <= duration_s; InputError otherwise.
     """
 
     timeline: Timeline
@@ -227,12 +226,12 @@ class Zoom:
 
     @classmethod
     def whole(cls, timeline: Timeline) -> Zoom:
-        """All of a timeline."""
+        """Return the window of a whole timeline."""
         return cls(timeline, 0.0, timeline.duration_s)
 
     @property
     def window(self) -> tuple[float, float]:
-        """(start_s, end_s)."""
+        """Window as (start_s, end_s)."""
         return self.start_s, self.end_s
 
     @property
@@ -241,31 +240,31 @@ class Zoom:
         return self.end_s - self.start_s
 
     def scaled(self, factor: float, moment_s: float, at: float) -> Zoom:
-        """`factor` times as much detail, with a moment at `at` (0 to 1), as `around`."""
+        """Return a window narrower by `factor`, with a moment at position `at`, as `around`."""
         narrowest = min(NARROWEST_S, self.timeline.duration_s)
         return self.around(moment_s, max(self.width_s / factor, narrowest), at)
 
     def around(self, moment_s: float, width_s: float, at: float = ZOOM_LEAD) -> Zoom:
-        """A window of `width_s` with a moment at `at` (0 to 1) of it, or as near as it can."""
+        """Return a window of `width_s` with a moment at position `at` (0 to 1), if possible."""
         whole = self.timeline.duration_s
         width = min(width_s, whole)
         start = min(max(moment_s - width * at, 0.0), whole - width)
         return replace(self, start_s=start, end_s=min(start + width, whole))
 
     def next_event_s(self, moment_s: float) -> float | None:
-        """When the first event after a moment is, s; None after the last."""
+        """Return the time of the first event after a moment, s; None after the last."""
         times = [event.time_s for event in self.timeline.events]
         index = bisect_right(times, moment_s)
         return times[index] if index < len(times) else None
 
     def previous_event_s(self, moment_s: float) -> float | None:
-        """When the last event before a moment is, s; None before the first."""
+        """Return the time of the last event before a moment, s; None before the first."""
         times = [event.time_s for event in self.timeline.events]
         index = bisect_left(times, moment_s)
         return times[index - 1] if index else None
 
     def showing(self, moment_s: float) -> Zoom:
-        """This window if a moment lies in it, else one as wide about the moment."""
+        """Return this window if it contains a moment, else one of equal width around it."""
         if self.start_s <= moment_s <= self.end_s:
             return self
         return self.around(moment_s, self.width_s)

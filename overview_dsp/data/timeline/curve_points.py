@@ -1,4 +1,4 @@
-"""The points of a curve, however many: checked, found by time, interpolated, taken in runs."""
+"""Points of a curve: validation, search by time, interpolation, and statistics of runs."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from overview_dsp.data.timeline.minmax_pyramid import Level, Values, build_pyram
 from overview_dsp.errors import InputError, shown
 
 MAX_VALUE = 1e300
-"""Largest magnitude of an intensity value: the difference of any two stays finite."""
+"""Maximum magnitude of a value, so that differences stay finite."""
 
 
 def require_increasing(
     time_s: NDArray[np.float64], first: int = 0, before: float | None = None
 ) -> None:
-    """Refuse times (s, points `first` ...) that are negative or don't increase strictly."""
+    """Raise InputError for times (from point `first` on) that are negative or not increasing."""
     if before is None and len(time_s) and time_s[0] < 0.0:
         raise InputError(
             f"intensity.time_s[{first}] is {float(time_s[0])!r}, before the start; "
@@ -40,9 +40,9 @@ def require_increasing(
 
 
 def require_values(value: Values, first: int = 0) -> None:
-    """Refuse values (points `first` ...) that are not finite or too large."""
+    """Raise InputError for values (from point `first` on) that are too large or not finite."""
     if not len(value) or max(-float(value.min()), float(value.max())) <= MAX_VALUE:
-        return  # NaN isn't less or equal either
+        return  # NaN fails this comparison, too
     for i in np.flatnonzero(~(np.abs(value.astype(np.float64)) <= MAX_VALUE)):
         raise InputError(
             f"intensity.value[{first + i}] is {float(value[i])!r}; values reach from "
@@ -55,36 +55,36 @@ def require_values(value: Values, first: int = 0) -> None:
 _NOT_FINITE = "not a finite number; leave the point out and give missing data as a gap"
 
 
-def checked_percentiles(given: object) -> tuple[float, float]:
-    """Return two percentiles, or refuse what is none."""
+def checked_percentiles(value: object) -> tuple[float, float]:
+    """Return a pair of percentiles; InputError for other values."""
     hint = "give two percentiles, 0 <= low < high <= 100"
-    if not isinstance(given, tuple | list) or len(given) != 2:
-        raise InputError(f"intensity.percentiles is {shown(given)}; {hint}")
-    low, high = (validation.number(edge, "intensity.percentiles", hint) for edge in given)
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise InputError(f"intensity.percentiles is {shown(value)}; {hint}")
+    low, high = (validation.number(edge, "intensity.percentiles", hint) for edge in value)
     if not 0.0 <= low < high <= 100.0:
         raise InputError(f"intensity.percentiles is ({low!r}, {high!r}); {hint}")
     return low, high
 
 
 def _row(values: object, what: str) -> NDArray[np.generic]:
-    """Return one row of numbers of any kind as an array."""
+    """Return one row of numbers as an array of any type."""
     try:
-        given = np.asanyarray(values)  # a memory map stays one
+        row = np.asanyarray(values)  # a memory map stays one
     except ValueError as error:  # rows of unequal length
         raise InputError(f"{what} isn't one row of numbers; give a flat list") from error
-    if given.ndim != 1 or (given.dtype.kind not in "iuf" and given.size):
+    if row.ndim != 1 or (row.dtype.kind not in "iuf" and row.size):
         raise InputError(
-            f"{what} isn't one row of numbers (shape {given.shape}, {given.dtype}); "
+            f"{what} isn't one row of numbers (shape {row.shape}, {row.dtype}); "
             "give a flat list of numbers"
         )
-    return given
+    return row
 
 
-def as_given(values: object, what: str) -> Values:
-    """Return a read-only view of one row of float32 or float64; others as float64."""
-    given = _row(values, what)
-    keeps = given.dtype in (np.float32, np.float64)
-    kept: Values = np.asanyarray(given, None if keeps else np.float64).view()
+def read_only_view(values: object, what: str) -> Values:
+    """Return a read-only view of one row of floats; other types become float64."""
+    row = _row(values, what)
+    keeps = row.dtype in (np.float32, np.float64)
+    kept: Values = np.asanyarray(row, None if keeps else np.float64).view()
     kept.setflags(write=False)
     return kept
 
@@ -101,27 +101,27 @@ def float_points(values: object, what: str) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True)
-class EvenTimes:
-    """The times first_s + i * step_s, i = 0 ... count - 1, read like a float64 array.
+class RegularTimes:
+    """Evenly spaced times first_s + i * step_s, i = 0 ... count - 1, used like a float64 array.
 
     Parameters
     ----------
     count : int
-        How many, at least 1.
+        Number of times, at least 1.
     step_s : float
-        Seconds from one to the next, > 0.
+        Time between two of them, s, > 0.
     first_s : float
-        The first one, s, >= 0.
+        First time, s, >= 0.
 
     Raises
     ------
     InputError
-        A count below 1, a step that isn't above 0, a start below 0, or times too far from 0 to
-        be distinguished.
+        A count below 1, a step that is not above 0, a start below 0, or times too far from 0 to
+        be distinct.
 
     Examples
     --------
-    >>> times = ov.EvenTimes(count=7200, step_s=0.5)
+    >>> times = ov.RegularTimes(count=7200, step_s=0.5)
     >>> curve = ov.Intensity(times, np.zeros(7200, dtype=np.float32))
     >>> curve.last_s
     3599.5
@@ -155,8 +155,7 @@ class EvenTimes:
     def __getitem__(self, index: int | slice) -> float | NDArray[np.float64]:
         if isinstance(index, slice):
             return self.at(np.arange(*index.indices(self.count)))
-        place = range(self.count)[index]
-        return self.first_s + place * self.step_s
+        return self.first_s + range(self.count)[index] * self.step_s
 
     def __array__(
         self, dtype: DTypeLike | None = None, copy: bool | None = None
@@ -165,7 +164,7 @@ class EvenTimes:
         return every if dtype is None else every.astype(dtype)
 
     def tolist(self) -> list[float]:
-        """List all of them.
+        """Return all times as a list.
 
         Returns
         -------
@@ -174,7 +173,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.tolist()
         [0.0, 0.5, 1.0]
         """
@@ -182,7 +181,7 @@ class EvenTimes:
         return every
 
     def at(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Look up the times of some indices.
+        """Return the times of indices.
 
         Parameters
         ----------
@@ -196,7 +195,7 @@ class EvenTimes:
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.at(np.array([2]))
         array([1.])
         """
@@ -206,7 +205,7 @@ class EvenTimes:
         return times
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Find the first index whose time is at or after each of some times.
+        """Return the first index at or after each of the given times.
 
         Parameters
         ----------
@@ -216,11 +215,11 @@ class EvenTimes:
         Returns
         -------
         int64 (n,)
-            Up to `count`.
+            Indices, up to `count`.
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.first_from(np.array([0.5, 0.6]))
         array([1, 2])
         """
@@ -233,7 +232,7 @@ class EvenTimes:
         return index
 
     def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Find the first index whose time is after each of some times.
+        """Return the first index after each of the given times.
 
         Parameters
         ----------
@@ -243,11 +242,11 @@ class EvenTimes:
         Returns
         -------
         int64 (n,)
-            Up to `count`.
+            Indices, up to `count`.
 
         Examples
         --------
-        >>> times = ov.EvenTimes(count=3, step_s=0.5)
+        >>> times = ov.RegularTimes(count=3, step_s=0.5)
         >>> times.first_after(np.array([0.5, 0.6]))
         array([2, 2])
         """
@@ -256,63 +255,63 @@ class EvenTimes:
         return index
 
 
-Times = NDArray[np.float64] | EvenTimes
+Times = NDArray[np.float64] | RegularTimes
 
 PARTS = 64
-"""So many parts of a long curve are looked at one after another."""
+"""Number of parts of a long curve that are read one after another."""
 
 _SHORT_RUN = 24
-"""Runs of up to so many values are looked at by vectors that reach over many of them."""
+"""Maximum length of runs that are processed as two overlapping spans."""
 
 _AT_A_TIME = 4096
-"""Runs looked at together, whose values stay in a processor's cache."""
+"""Number of runs processed together, so that their values fit a processor cache."""
 
 _LONG_RUN = 12
-"""From so many values a run on, looking at them twice is quicker than turning their bits about."""
+"""Mean length of runs from which two reductions are faster than reordering bits."""
 
 _DIRECT = 1 << 17
-"""Up to so many values are looked at one by one."""
+"""Maximum number of values that are read directly, without the pyramid."""
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Two or more points, checked: times increase strictly, values are finite."""
+    """Two or more validated points: times increase strictly, values are finite."""
 
     time_s: Times
     value: Values
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
-        """The pyramid of the values, built when first asked for."""
+        """Pyramid of the values, built on first use."""
         return build_pyramid(self.value)
 
     def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the first index whose time is at or after each of `times` (up to the count)."""
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_from(times)
         return np.searchsorted(self.time_s, times, side="left")
 
     def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the first index whose time is after each of `times` (up to the count)."""
-        if isinstance(self.time_s, EvenTimes):
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_after(times)
         return np.searchsorted(self.time_s, times, side="right")
 
     def times_of(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the times of some indices."""
-        if isinstance(self.time_s, EvenTimes):
+        """Return the times of indices."""
+        if isinstance(self.time_s, RegularTimes):
             return self.time_s.at(index)
         return self.time_s[index]
 
     def interpolate(
         self, times: NDArray[np.float64], after: NDArray[np.int64] | None = None
     ) -> NDArray[np.float64]:
-        """Return the values at times from the first point to the last: straight between points.
+        """Return the values at times within the curve, linear between its points.
 
-        `after` is `first_after(times)`, if that is known already.
+        `after` is `first_after(times)`, if known.
 
-        A weighted mean of the two neighbours instead of `numpy.interp`'s slope: the slope of two
-        points a hair apart overflows to infinity, a weight in [0, 1] can't.
+        This uses a weighted mean of two neighbours instead of a slope as in `numpy.interp`, since
+        the slope between very close points can overflow.
         """
         after = self.first_after(times) if after is None else after
         right = np.clip(after, 1, len(self.time_s) - 1)
@@ -326,7 +325,7 @@ class Points:
         return np.clip(before * (1.0 - weight) + behind * weight, low, high)
 
     def picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the values of ascending indices; of values on disk little is kept in memory."""
+        """Return the values of ascending indices; pages of values on disk are released."""
         found = np.empty(len(index))
         for some in np.array_split(np.arange(len(index)), PARTS):
             found[some] = self.value[index[some]]
@@ -335,12 +334,12 @@ class Points:
         return found
 
     def extremes(self, first: NDArray[np.int64], stop: NDArray[np.int64]) -> tuple[float, float]:
-        """Return the smallest and the largest value of stretches first[i] to stop[i] - 1.
+        """Return minimum and maximum of the values from first[i] to stop[i] - 1, for all i.
 
-        Stretches, one or more, ascend, are disjoint and not empty.
+        The spans ascend, and are disjoint and not empty.
         """
         count = int((stop - first).sum())
-        # look at few values one by one (two parts of a bin a stretch), and at few bins
+        # choose the level with the fewest reads: bins, and single values at both ends of each span
         level = min(
             self.levels if count > _DIRECT else (),
             key=lambda one: count / one.width + 2 * len(first) * one.width,
@@ -363,10 +362,10 @@ class Points:
         return low, high
 
     def runs(self, edges: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the mean and the largest of the values of each run edges[i] to edges[i + 1] - 1.
+        """Return mean and maximum of the values of each run from edges[i] to edges[i + 1] - 1.
 
-        Edges, shape (n + 1,), ascend. The ends of long runs are rounded to bins of at most half a
-        run's average length; an empty run has its next neighbour's value.
+        Edges, shape (n + 1,), ascend. The ends of long runs are rounded to bins of at most half the
+        mean length of a run. An empty run has the value of the next one.
         """
         (mean, high), starts = self._bins(edges, ("mean", "high"))
         ends = np.append(starts[1:], len(mean))
@@ -380,14 +379,14 @@ class Points:
         return total / np.maximum(ends - starts, 1), largest
 
     def lows(self, edges: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the smallest of the values of each run; edges as `runs`."""
+        """Return the minimum of each run; edges as in `runs`."""
         (low,), starts = self._bins(edges, ("low",))
         return np.minimum.reduceat(low, starts).astype(np.float64)
 
     def _bins(
         self, edges: NDArray[np.int64], names: tuple[str, ...]
     ) -> tuple[list[Values], NDArray[np.int64]]:
-        """Rows of a level, or the values themselves, and where in them each run begins."""
+        """Return rows of a level, or the values themselves, and the begin of each run in them."""
         first, stop = int(edges[0]), int(edges[-1])
         wanted = (stop - first) / (len(edges) - 1) / 2.0
         level = next((one for one in reversed(self.levels) if one.width <= wanted), None)
@@ -403,12 +402,12 @@ class Points:
 
 
 def _largest(row: Values, starts: NDArray[np.int64]) -> Values:
-    """Return what `np.maximum.reduceat` does, which sets up its vectors anew for each short run.
+    """Return the same as `np.maximum.reduceat`, faster for many short runs.
 
-    A surface asks for 65 537 runs. Short ones of about one length are the larger of two spans that
-    overlap; of longer ones the floats' bits are compared as whole numbers. The bits are in the
-    floats' order from 0 up, and in the reverse one below: few are turned about, of many those runs
-    are taken that have no other.
+    A surface requests 65 537 runs. The maximum of short runs of similar length is that of two
+    overlapping spans. For longer runs, the bits of floats are compared as integers. Integer order
+    is that of floats from 0 up, and reversed below. Few values are reordered first; of many, only
+    runs without positive values are reduced again.
     """
     ends = np.append(starts[1:], len(row))
     lengths = ends - starts
@@ -429,7 +428,7 @@ def _largest(row: Values, starts: NDArray[np.int64]) -> Values:
 def _of_two_spans(
     row: Values, starts: NDArray[np.int64], ends: NDArray[np.int64], span: int
 ) -> Values:
-    """The largest of runs of `span` to 2 * `span` values; `span` is a power of two."""
+    """Return the maximum of runs of `span` to 2 * `span` values; `span` is a power of two."""
     width = 1
     while width < span:  # the largest of `width` values from each on
         row = np.maximum(row[:-width], row[width:])
@@ -438,7 +437,7 @@ def _of_two_spans(
 
 
 def _ordered(bits: NDArray[Any]) -> NDArray[Any]:
-    """Turn the bits of floats into whole numbers of the same order, and back."""
+    """Convert the bits of floats to integers of the same order, and back."""
     kind = np.iinfo(bits.dtype)
     flipped = bits >> (kind.bits - 1)
     flipped &= kind.max
@@ -447,7 +446,7 @@ def _ordered(bits: NDArray[Any]) -> NDArray[Any]:
 
 
 def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The indices of stretches first[i] to stop[i] - 1, one after the other."""
+    """Return the indices from first[i] to stop[i] - 1, for all i in order."""
     lengths = stop - first
     begins = np.cumsum(lengths) - lengths
     index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
@@ -455,7 +454,7 @@ def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int6
 
 
 def _forget(values: NDArray[np.floating[Any]]) -> None:
-    """Let go of the pages of a file that were mapped: the system reads some around each one."""
+    """Release the pages of a mapped file, since the system reads more than requested."""
     base: Any = values
     while isinstance(base, np.ndarray):
         base = base.base

@@ -1,13 +1,17 @@
-"""What a file that no reader claims comes nearest to, and what it lacks for that."""
+"""Hints for files of an unknown format: the most similar format, and what is missing for it."""
 
 from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
 
-from overview_dsp.data.readers.source import Source
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
-from overview_dsp.data.readers.tables.column_roles import is_wordy, time_named, words_named
+from overview_dsp.data.readers.tables.column_roles import (
+    is_wordy,
+    kind_and_label_columns,
+    named_time_column,
+)
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import detect
 from overview_dsp.data.readers.tables.json import is_single, tables_in
@@ -32,8 +36,8 @@ _MARKUP = {
 _EVENT_LIST = "nearest: a table of events"
 
 
-def fix_of(source: Source) -> str:
-    """Return the nearest format and the column that is missing, in words for a person."""
+def format_hint(source: DataFile) -> str:
+    """Return a hint with the most similar format and the missing column."""
     head = source.head
     for mark, words in _PACKED.items():
         if head.startswith(mark):
@@ -60,18 +64,18 @@ def fix_of(source: Source) -> str:
     return _lacking(*found)
 
 
-def _text_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
+def _text_table(source: DataFile) -> tuple[Columns, list[list[object]]] | None:
     layout = detect(source, lambda header, below: bool(below))
-    if layout is None or layout.separator is None:  # prose has blanks between its words
+    if layout is None or layout.separator is None:  # text without columns
         return None
     table = DelimitedTable(source, layout)
-    with contextlib.suppress(InputError):  # broken quotes, say: it is no table then
+    with contextlib.suppress(InputError):  # for example broken quotes
         for chunk in table.chunks(range(len(table.columns))):
             return table.columns, [list(cells[:50]) for cells in chunk.cells]
     return None
 
 
-def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
+def _json_table(source: DataFile) -> tuple[Columns, list[list[object]]] | None:
     tables = list(tables_in(source.json))
     if not tables:
         return None
@@ -82,32 +86,32 @@ def _json_table(source: Source) -> tuple[Columns, list[list[object]]] | None:
 
 
 def _lacking(columns: Columns, head: Head) -> str:
-    """Say which column is missing for a series, or for a table of events."""
+    """Return which column is missing for a series, or for a table of events."""
     there = f"its columns are {listed(columns)}"
-    named = time_named(columns)
+    named = named_time_column(columns)
     timed = named
     for i, column in enumerate(columns):
         if timed is None and head[i] and not looks_numeric(head[i]):
             timed = i if detected_format(column, head[i]) is not None else None
     numbers = [i for i in range(len(columns)) if i != timed and _is_numeric(head[i])]
     words = [i for i in range(len(columns)) if i != timed and is_wordy(head[i])]
-    kind, label = words_named(columns)
+    kind, label = kind_and_label_columns(columns)
     if timed is None:
         if words:
             return f"{_EVENT_LIST}; no column is called time, date, start or minute: {there}"
         return f"nearest: a series; no column is called time or date: {there}"
     if numbers and not words:
-        return f"nearest: a series; no column besides {_called(columns, timed)} has values: {there}"
+        return f"nearest: a series; no column except {_called(columns, timed)} has values: {there}"
     if kind is None and label is None and words:
         return (
-            f"{_EVENT_LIST}; no column is called event, what, type, kind, name or label: call "
-            f"{_called(columns, words[0])} so"
+            f"{_EVENT_LIST}; no column is called event, what, type, kind, name or label: rename "
+            f"{_called(columns, words[0])}"
         )
     if not words:
-        return f"{_EVENT_LIST}; no column says what happened (event, what, type, name): {there}"
+        return f"{_EVENT_LIST}; no column of kinds or labels (event, what, type, name): {there}"
     if named is None:
         return f"{_EVENT_LIST}; call {_called(columns, timed)} time"
-    return f"{_EVENT_LIST}; {_called(columns, timed)} holds no times that could be read: {there}"
+    return f"{_EVENT_LIST}; {_called(columns, timed)} has no known format of times: {there}"
 
 
 def _called(columns: Columns, i: int) -> str:

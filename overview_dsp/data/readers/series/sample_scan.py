@@ -1,14 +1,14 @@
-"""The samples of a series: gaps, steps, share splits and the mapped curve, and their Timeline.
+"""Scan of the samples of a series: gaps, steps, share splits and mapped curve; its Timeline.
 
-The times of samples stay exact: time 0 is the first row's, the duration reaches to the last row's,
-and no step is added for what the last sample covers. The curve is the mapped column (`curve_maps`)
-in its own unit; its percentiles say what becomes 0 and 1. Events are found by rule in the value
-column (`series_events`), gaps are missing values and holes (`series_gaps`).
+Times of samples stay exact: time 0 is that of the first row, and the timeline ends at the last row.
+The curve is the mapped column (`curve_maps`) in its own unit; two of its percentiles become 0 and
+1. Rules find events in the value column (`series_events`). Gaps are missing values and holes
+between rows (`series_gaps`).
 
-A series of up to `LONG_ROWS` rows is one block in memory, sorted by time, and all of its samples
-are kept. A longer one is looked at block by block, and its curve goes to disk: rows must be in
-order, share splits are not looked for, and events are found among the lowest and highest samples of
-equal runs and the largest steps (`Thinner`): each at a true sample.
+A series of up to `LONG_ROWS` rows is one block in memory, sorted by time. A longer one is scanned
+block by block, and its curve is stored on disk. Its rows must be in order, and share splits are not
+detected. Its events are at the lowest and highest samples of equal runs and at the largest steps
+(`Thinner`).
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
 from overview_dsp.data.analysis.series_events import (
     Calendar,
-    PartRules,
     Series,
+    WindowRules,
     find_events,
     only_dates,
     value_text,
 )
-from overview_dsp.data.analysis.series_gaps import find_holes, gaps_of
+from overview_dsp.data.analysis.series_gaps import find_gaps, find_holes
 from overview_dsp.data.analysis.share_splits import Split, find_splits
-from overview_dsp.data.readers.series.plan import Plan
+from overview_dsp.data.readers.series.read_plan import ReadPlan
 from overview_dsp.data.readers.series.rows import (
     RowReader,
     Rows,
@@ -44,40 +44,39 @@ from overview_dsp.data.readers.series.rows import (
 )
 from overview_dsp.data.readers.tables.cells import sentinel
 from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
-from overview_dsp.data.readers.tables.table import Location
+from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.curve_points import Points
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG
 from overview_dsp.data.timeline.model import Intensity, Timeline
-from overview_dsp.data.timeline.samples import Points
 from overview_dsp.errors import InputError, shown
 
 LONG_ROWS = 2_000_000
-"""A table of more rows is streamed."""
+"""Tables with more rows are streamed."""
 
 BLOCK_ROWS = 1_000_000
-"""Rows looked at at a time."""
+"""Rows per block."""
 
 CONTEXT_ROWS = 65_536
-"""Rows before a block that help to estimate the usual step between rows."""
+"""Rows before a block from which the usual step is estimated."""
 
 MAX_GAPS = 200_000
 
 _EVEN = 1e-6
-"""Part of a step by which times may be off and still count as evenly spaced."""
+"""Maximum deviation of evenly spaced times, as a fraction of a step."""
 
 
 Floats = NDArray[np.float64]
 
 
-def look_at(plan: Plan, reader: RowReader) -> SampleScan:
-    """Find gaps, steps, share splits and the mapped curve of a table's rows.
+def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
+    """Scan the rows of a table.
 
     Raises
     ------
     InputError
-        No rows, one time, no value at all, too many gaps; rows of a long series that aren't in
-        order (named).
+        No rows, only one time, no value, too many gaps; rows of a long series out of order.
     OutputError
         The temporary folder is full.
     """
@@ -86,7 +85,7 @@ def look_at(plan: Plan, reader: RowReader) -> SampleScan:
     while reader.rows < LONG_ROWS and (part := next(rows, None)) is not None:
         head.append(part)
     if not reader.rows:
-        raise InputError("no rows with a time; a series has one row a time")
+        raise InputError("no rows with a time; a series has one row per time")
     following = next(rows, None)
     scan = SampleScan(plan, reader, every=following is None)
     if following is None:
@@ -100,9 +99,9 @@ def look_at(plan: Plan, reader: RowReader) -> SampleScan:
 
 @dataclass
 class SampleScan:
-    """Looks at blocks of samples in order; `every` if a single one holds all of them."""
+    """Scanner of consecutive blocks of samples; `every` if one block has all samples."""
 
-    plan: Plan
+    plan: ReadPlan
     reader: RowReader
     every: bool
     notes: list[str] = field(default_factory=list)
@@ -127,7 +126,7 @@ class SampleScan:
     _points: tuple[Floats, Floats] | None = None
 
     def _begin(self, block: Rows) -> None:
-        """Decide by the first block what holds for all."""
+        """Set what applies to all blocks, from the first one."""
         self._absent = [sentinel(value) for value in block[2:]]
         for index, values, absent in zip(self.plan.columns, block[2:], self._absent, strict=True):
             if absent is not None:
@@ -149,7 +148,7 @@ class SampleScan:
         self.start = self.reader.time.start(self._first_s)
         if self.start is None and self._first_s != 0.0:
             self.notes.append(f"times begin at {self._first_s:g} s; the timeline counts from there")
-        price = self.plan.worth.relative
+        price = self.plan.value_type.relative
         self.relative = price and not bool((value <= 0.0).any())
         if price and not self.relative:
             self.notes.append(curve_maps.NOT_ABOVE_0)
@@ -163,12 +162,12 @@ class SampleScan:
         return InputError(f"column {header} has no value in any row; name another")
 
     def _known(self, block: Rows, i: int) -> Floats:
-        """A column of a block, NaN where it holds the number for nothing."""
+        """Return a column of a block, with NaN for the number that means "no value"."""
         value, absent = block[2 + i], self._absent[i]
         return value if absent is None else np.where(value == absent, np.nan, value)
 
     def add(self, block: Rows) -> None:
-        """Look at the next block, one row a time."""
+        """Scan the next block, which has one row per time."""
         if not self.count:
             self._begin(block)
         self._require_span(block[1])
@@ -200,8 +199,8 @@ class SampleScan:
         self._before = whole[:, -CONTEXT_ROWS:].copy()
 
     def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
-        """Find share splits, say so, and return the factors of the samples after them."""
-        if not self.relative or self.plan.worth.kind != "share":
+        """Find share splits, add notes, and return the factor by the index of each split."""
+        if not self.relative or self.plan.value_type.kind != "share":
             return {}
         splits = _splits(self.plan, columns)
         value = columns[self.plan.value]
@@ -217,7 +216,7 @@ class SampleScan:
             self._even = bool(np.abs(time_s - ideal).max() <= _EVEN * self._step_s)
 
     def _holes(self, time_s: NDArray[np.float64], since: int) -> NDArray[np.int64]:
-        """Indices of samples before holes, from `since` on."""
+        """Return the indices of samples before holes, from `since` on."""
         start = self.start
         if start is not None:
             start += timedelta(seconds=float(time_s[0]))
@@ -228,9 +227,9 @@ class SampleScan:
     def _add_gaps(self, whole: Floats, since: int, holes: NDArray[np.int64]) -> None:
         time_s, value, level = whole[:, since:]
         value = np.where(np.isnan(level), np.nan, value)
-        found = list(gaps_of(time_s, value, holes - since))
+        found = list(find_gaps(time_s, value, holes - since))
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
-            found[0] = self.gaps.pop()[0], found[0][1]  # it goes on from block to block
+            found[0] = self.gaps.pop()[0], found[0][1]  # it continues from the previous block
         self.gaps += found
         if len(self.gaps) > MAX_GAPS:
             raise InputError(
@@ -247,12 +246,12 @@ class SampleScan:
         step: Floats,
         factors: dict[int, float],
     ) -> None:
-        wish, (time_s, _, level) = self.plan.map, whole
-        if wish.in_per_cent(self.relative) != self.relative:
+        mapping, (time_s, _, level) = self.plan.map, whole
+        if mapping.in_per_cent(self.relative) != self.relative:
             step = curve_maps.steps(level[since:], holes - since, not self.relative, factors)
         change = np.concatenate((self._change, step[tail - since :]))
         kept = len(change)
-        curve = curve_maps.curve(wish, level[-kept:], change, time_s[-kept:])
+        curve = curve_maps.curve(mapping, level[-kept:], change, time_s[-kept:])
         if self.every:
             known = ~np.isnan(curve)
             if not known.any():
@@ -260,11 +259,11 @@ class SampleScan:
             self._points = time_s[known], curve[known]
             return
         self.builder.append(curve[len(self._change) :])
-        if wish.name == "volatility":
+        if mapping.name == "volatility":
             self._change = change[-self._needed(time_s) :]
 
     def _needed(self, time_s: NDArray[np.float64]) -> int:
-        """How many changes before a block its first volatility needs."""
+        """Return the number of changes before a block that its first volatility requires."""
         size, seconds = self.plan.map.window()
         if seconds:
             size = float(len(time_s) - np.searchsorted(time_s, time_s[-1] - size)) + 1.0
@@ -276,7 +275,7 @@ class SampleScan:
         return int(size)
 
     def timeline(self, title: str) -> Timeline:
-        """Return the Timeline of all blocks; `title` is put before the value column's name."""
+        """Return the Timeline of all blocks, with `title` and the name of the value column."""
         plan, column = self.plan, self.plan.value_column
         units = [number.unit or "" for number in self.reader.numbers]
         mapped_unit = plan.mapped_column.unit or units[plan.columns.index(plan.mapped)]
@@ -290,7 +289,7 @@ class SampleScan:
         events, event_notes = find_events(series, duration_s)
         is_level = plan.map.name == "level" and not self.every
         names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
-        times = f"over {names} ({plan.time.format.words})" if names else "evenly spaced"
+        times = f"over {names} ({plan.time.format.description})" if names else "evenly spaced"
         return Timeline(
             title=": ".join(filter(None, (title, column.name))),
             duration_s=duration_s,
@@ -302,8 +301,8 @@ class SampleScan:
             ),
             notes=(*plan.notes, *self.notes, *self._late_notes(curve), *event_notes),
             start=self.start,
-            # events of windows are found in all samples, also where the series has some of them
-            rules=PartRules(series, 0.0, duration_s, curve if is_level else None, gaps),
+            # events of windows are found in all samples, even if the series has only some
+            rules=WindowRules(series, 0.0, duration_s, curve if is_level else None, gaps),
         )
 
     def _late_notes(self, curve: Intensity) -> Iterator[str]:
@@ -312,7 +311,7 @@ class SampleScan:
                 yield skipped_note(self.reader)
             yield (
                 f"of {self.count} samples, events are found among the lowest and highest of every "
-                f"{self.thinner.run} and the largest steps; share splits aren't looked for"
+                f"{self.thinner.run} and the largest steps; share splits are not detected"
             )
         if self.missing:
             yield f"{self.missing} of {self.count} values are missing: gaps"
@@ -321,7 +320,7 @@ class SampleScan:
             low, high = curve.scale_outside(tuple(self.gaps))
         else:
             low, high = curve.scale(np.ones(curve.count, np.bool_))
-        words = self.plan.map.words(shown(self.plan.mapped_column.header))
+        words = self.plan.map.description(shown(self.plan.mapped_column.header))
         yield (
             f"friction follows {words}: 0 at {value_text(low, curve.unit)} and 1 at "
             f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and "
@@ -345,13 +344,13 @@ class SampleScan:
         return Intensity.checked(points, unit, PERCENTILES)
 
 
-def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
-    """Put rows together to blocks, one row a time.
+def _blocks(plan: ReadPlan, rows: Iterator[Rows]) -> Iterator[Rows]:
+    """Combine rows to blocks with one row per time.
 
     Raises
     ------
     InputError
-        A row is earlier than the one before it.
+        A row has an earlier time than the row before it.
     """
     waiting: list[Rows] = []
     count = 0
@@ -360,7 +359,7 @@ def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
         count += part.shape[1]
         if count >= BLOCK_ROWS:
             block = _in_order(plan, waiting)
-            # rows of the last time may go on in the next part
+            # rows of the last time may continue in the next part
             end = int(np.searchsorted(block[1], block[1, -1]))
             if not end:
                 raise InputError(f"{count} rows of one time; check the time column")
@@ -370,18 +369,18 @@ def _blocks(plan: Plan, rows: Iterator[Rows]) -> Iterator[Rows]:
         yield last_of_each_time(_in_order(plan, waiting))
 
 
-def _in_order(plan: Plan, parts: list[Rows]) -> Rows:
+def _in_order(plan: ReadPlan, parts: list[Rows]) -> Rows:
     block = np.concatenate(parts, axis=1)
     back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
-        raise Location(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
+        raise CellLocation(int(block[0, back[0] + 1]), word=plan.table.row_word).fault(
             f"earlier than the row before it; a series of more than {LONG_ROWS} rows has to be in "
             "order: sort it by time"
         )
     return block
 
 
-def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
+def _splits(plan: ReadPlan, by_column: Mapping[int, Floats]) -> list[Split]:
     if is_adjusted(plan.value_column):
         return []
     beside = {
@@ -394,7 +393,7 @@ def _splits(plan: Plan, by_column: Mapping[int, Floats]) -> list[Split]:
 
 
 def _split_notes(
-    plan: Plan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
+    plan: ReadPlan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
 ) -> list[str]:
     if not splits:
         return []
@@ -415,7 +414,7 @@ def _split_notes(
     more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
     return [
         f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
-        f"{', '.join(examples)}{more}; these steps are no moves, but the level jumps: {advice}"
+        f"{', '.join(examples)}{more}; steps leave them out, but the level jumps: {advice}"
     ]
 
 

@@ -1,17 +1,16 @@
-"""Written times: dates, clocks, lengths and minutes of a match, by one grammar.
+"""Parsing of written times: dates, clocks, lengths and minutes of a match.
 
-A date is read in one or more of `FORMS`, times in UTC where a zone is written, else by the clock of
-the file:
+Dates have one of `FORMS`. With a time zone, they are converted to UTC:
 
 | form | written |
 |---|---|
 | `iso` | `2012-09-19`, `2012/9/19 09:30`, `2012-09-19T09:30:00.5+02:00`, `20120919T0930`, `2012` |
 | `dmy`, `mdy` | `19.09.2012`, `9/19/2012 4:00 PM` |
 | `month names` | `Sep 19, 2012`, `19-Sep-12`, `Sep 2012`, `Wed, 19 Sep 2012 09:30:00 GMT` |
-| `quarters, months or weeks` | `2012Q3`, `Q3 2012`, `2012-M09`, `2012-W38`: the beginning |
+| `quarters, months or weeks` | `2012Q3`, `Q3 2012`, `2012-M09`, `2012-W38`: its beginning |
 | `yyyymm` | `201209` |
 
-`in_line` finds a time in a line of a log (`LINE_FORMS`) and writes it as one of these forms.
+`in_line` finds a time in a line of a log (`LINE_FORMS`) and returns it in one of these forms.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ _NAMED_ZONES_MIN = {
     "EST": -300, "EDT": -240, "CST": -360, "CDT": -300, "MST": -420, "MDT": -360,
     "PST": -480, "PDT": -420,
 }  # fmt: skip
-"""Offsets of zones whose letters tell summer from winter."""
+"""Offsets of zones with different names in summer and winter."""
 
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
@@ -93,7 +92,7 @@ FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
     ),
     "yyyymm": _compiled(rf"{_YEAR}(?P<m>\d{{2}})"),
 }
-"""Forms of a date, by the name shown to a person; the first pattern that matches reads it."""
+"""Patterns of dates by name of the form; the first that matches is used."""
 
 _LINE_CLOCK = r"(?P<h>\d\d):(?P<min>\d\d):(?P<s>\d\d)"
 _LINE_MONTH = rf"(?P<name>{'|'.join(name.title() for name in _MONTHS)})"
@@ -111,7 +110,7 @@ LINE_FORMS = {
         rf" {_YEAR}(?: (?P<zone>[+-]\d\d:?\d\d))?",
         re.ASCII,
     ),
-    # day and month in the order of the file, which the whole column settles
+    # day and month in the order of the file, which the whole column determines
     "chat": re.compile(
         r"^[^\w\[]?\[?(?P<a>\d{1,2}(?P<sep>[./-])\d{1,2}(?P=sep)(?:\d{4}|\d\d)),? "
         r"(?P<h>\d{1,2}):(?P<min>\d\d)(?::(?P<s>\d\d))?(?:\s?(?P<half>[AaPp])\.?[Mm]\b\.?)?"
@@ -119,7 +118,7 @@ LINE_FORMS = {
     ),
     "short": re.compile(rf"^{_LINE_MONTH} +(?P<d>\d{{1,2}}) {_LINE_CLOCK}\b", re.ASCII),
 }
-"""Forms of a time in a line of a log; `short` has no year, for which 0000 is written."""
+"""Patterns of times in lines of a log; `short` has no year and gets year 0000."""
 
 _RUNNING = re.compile(
     rf"(?:(?P<h>\d{{1,4}}):(?=\d{{1,2}}:))?(?P<min>\d{{1,6}}):(?P<s>\d{{1,2}}){_FRACTION}", re.ASCII
@@ -147,7 +146,7 @@ class Moment:
     offset_min: int | None = None
 
     def to_datetime(self) -> datetime:
-        """Return the moment to a microsecond, in its zone if it has one; OverflowError."""
+        """Return the moment to a microsecond, in its zone if known; may raise OverflowError."""
         plain = datetime(1970, 1, 1) + timedelta(microseconds=self.ns // 1000)
         if self.offset_min is None:
             return plain
@@ -156,7 +155,7 @@ class Moment:
 
 
 def moment(text: str, *forms: str) -> Moment | None:
-    """Return the moment that a text names in the first of these forms that reads it, or None."""
+    """Return the moment of a text in the first matching form, or None."""
     for form in forms:
         for pattern in FORMS[form]:
             found = pattern.fullmatch(text)
@@ -169,7 +168,7 @@ def moment(text: str, *forms: str) -> Moment | None:
 
 
 def in_line(line: str, form: str) -> str | None:
-    """Return the time of a log's line as a text that `moment` reads, None if it has none."""
+    """Return the time in a line of a log as text for `moment`, or None."""
     match = LINE_FORMS[form].search(line)
     if match is None:
         return None
@@ -185,7 +184,7 @@ def in_line(line: str, form: str) -> str | None:
 
 
 def clock_s(text: str) -> float | None:
-    """Return the seconds of `1:02:03.5`, `62:03`, `120:30`; None for what is no clock."""
+    """Return the seconds of `1:02:03.5`, `62:03`, `120:30`; None for other texts."""
     found = _RUNNING.fullmatch(text)
     if found is None or int(found["s"]) >= 60 or (found["h"] and int(found["min"]) >= 60):
         return None
@@ -201,7 +200,7 @@ def day_clock_s(text: str) -> float | None:
 
 
 def length_s(text: str) -> float | None:
-    """Return the seconds of a length (`90`, `1:30`, `15min`, `2w`); None if it is none."""
+    """Return the seconds of a length (`90`, `1:30`, `15min`, `2w`); None for other texts."""
     clock = clock_s(text.strip())
     if clock is not None:
         return clock
@@ -229,7 +228,7 @@ def match_minute(text: str) -> tuple[int, int | None, float | None] | None:
 
 
 def _built(found: dict[str, str | None]) -> Moment | None:
-    """The one builder: a moment of the groups that a pattern found, None for a wrong value."""
+    """Return the moment of the groups of a pattern, None for a wrong value."""
     written = found.get("y") or ""
     year = int(written)
     if len(written) == 2:
@@ -266,7 +265,7 @@ def _built(found: dict[str, str | None]) -> Moment | None:
 
 
 def _clock_ns(found: dict[str, str | None]) -> int | None:
-    """Nanoseconds since midnight; None for an hour, minute or second that isn't there."""
+    """Return the nanoseconds since midnight, None for an impossible time."""
     hour, minute, second = (int(found[part] or 0) for part in ("h", "min", "s"))
     half = found.get("half")
     if half:

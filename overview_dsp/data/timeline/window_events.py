@@ -1,13 +1,13 @@
-"""Which of the small things a window shows: the weightiest, up to what a hand can tell apart.
+"""Selection of the events of a window, up to the number that touch can distinguish.
 
-A window is filled up, at every width: with what rules find in it (`Rules`), then with details, each
-the weightiest first. Of one weight those that lie apart from everything shown already come first,
-then the others while there is room; so the number of events never falls from a window to one
-within it unless all that is there is shown.
+Every window is filled up with events found by rules (`Rules`), then with details, by falling
+weight. Among equal weights, those that are distant from all shown events come first, then the
+others. So the number of events never falls from a window to one within it, unless all events are
+shown.
 
-Details of one weight take turns by how evenly they divide the timeline (the middle, the quarters,
-the eighths ...), so that a window shows some from all of it, and one that is shown in a window is
-shown in those within it.
+Details of equal weight are ordered by how evenly they divide the timeline (the middle, the
+quarters, the eighths and so on). So a window shows some from all of its parts, and a detail that is
+shown in a window is shown in windows within it.
 """
 
 from __future__ import annotations
@@ -26,44 +26,44 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.ticks import KINDS
 
 APART = 0.0018
-"""Part of the surface between two events that can be felt apart, a third of a degree: it takes a
-slow look, of ten degrees a second, 30 ms."""
+"""Minimum distance of distinct events, as a fraction of the surface: a third of a degree, or 30 ms
+at a slow ten degrees per second."""
 
 MOST_DETAILS = 200
-"""A window is filled up with details to so many events, about one a degree: in a sweep of twelve
-degrees a second nine of ten are felt one by one (`measure.events_felt_apart`)."""
+"""Number of events up to which details are added, about one per degree. In a sweep of twelve
+degrees per second, nine of ten are perceived separately (`measure.events_felt_apart`)."""
 
 MOST_BY_RULE = 90
-"""A window is filled up to so many events with those found by rule, one in two degrees: peaks and
-crossings are wider than a touch, and a whole series has 20 to 90."""
+"""Number of events up to which events found by rules are added, one per two degrees. A whole series
+has 20 to 90."""
 
 MOST_OF_A_KIND = 100
-"""More of a kind in a window (a heart's beats) are no single events but a ground, which presets
-leave out (`spacing_percent`): they keep none of those found by rule away."""
+"""Maximum number of single events of a kind in a window. More of them (heartbeats) form a
+background, which presets leave out (`spacing_percent`), and do not replace other events."""
 
 
 HEAVY = 10
-"""Of events found by rule so many together weigh as much as any more do: between crowded ones the
-curve's trend would not be felt."""
+"""Total weight of events found by rules; with more of them, each gets lighter, so that the trend of
+the curve stays perceptible."""
 
 
 class Rules(Protocol):
-    """What finds the events of a series, in any part of it."""
+    """Finder of the events of a series in any window."""
 
     def cut(self, start_s: float, end_s: float) -> Rules:
-        """Return the same for a part, on an axis that begins with it."""
+        """Return the rules for a window, on a time axis that begins with it."""
 
     def found(self, duration_s: float) -> Iterable[Event]:
-        """Give what is found, what matters most first; each of another sample."""
+        """Yield the events, most important first, at different samples."""
 
 
 def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
-    """Return in which order details (sorted by time) are taken into a window, from 0."""
+    """Return the rank of each detail (sorted by time) for selection into windows, from 0."""
     count = len(details)
     bits = max(1, (count - 1).bit_length())
     index = np.arange(count)
     turn = np.zeros(count, dtype=np.int64)
-    for bit in range(bits):  # the index, read backwards
+    for bit in range(bits):  # the bits of the index in reverse order
         turn |= ((index >> bit) & 1) << (bits - 1 - bit)
     order = np.lexsort((turn, np.array([-detail.weight for detail in details])))
     rank = np.empty(count, dtype=np.int64)
@@ -72,7 +72,7 @@ def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
 
 
 def window_events(
-    given: Sequence[Event],
+    events_in_window: Sequence[Event],
     marks: Iterable[Event],
     ruled: Iterable[Event],
     details: Sequence[Event],
@@ -82,18 +82,18 @@ def window_events(
 
     Parameters
     ----------
-    given
-        The whole's events in it: all are kept.
+    events_in_window
+        Events of the timeline in the window; all are kept.
     marks
-        Its ticks: all that aren't among them.
+        Ticks of the window.
     ruled, details
-        What it may be filled up with, what matters most first; no more of it is asked for.
+        Events that may be added, most important first.
     duration_s
-        Its length.
+        Length of the window, s.
     """
-    counts = Counter(event.kind for event in given)
-    ground = [event for event in given if counts[event.kind] > MOST_OF_A_KIND]
-    single = [event for event in given if counts[event.kind] <= MOST_OF_A_KIND]
+    counts = Counter(event.kind for event in events_in_window)
+    ground = [event for event in events_in_window if counts[event.kind] > MOST_OF_A_KIND]
+    single = [event for event in events_in_window if counts[event.kind] <= MOST_OF_A_KIND]
     taken = [*single, *_clear(_other(marks, single), single, duration_s)]
     sampled = {event.time_s for event in single if event.kind not in KINDS}
     found = (event for event in ruled if event.time_s not in sampled)
@@ -107,25 +107,25 @@ def window_events(
 
 
 def _lighter(found: list[Event]) -> list[Event]:
-    """Return events found by rule, the lighter the more there are."""
+    """Return events found by rules, with a total weight of at most `HEAVY` times their own."""
     share = min(1.0, HEAVY / max(1, len(found)))
-    if share == 1.0:
-        return found
     return [replace(event, weight=event.weight * share) for event in found]
 
 
-def _clear(marks: Sequence[Event], given: Sequence[Event], duration_s: float) -> list[Event]:
-    """The ticks that don't blunt an event: none close to one, unless all are."""
-    times = np.array([event.time_s for event in given])
+def _clear(
+    marks: Sequence[Event], events_in_window: Sequence[Event], duration_s: float
+) -> list[Event]:
+    """Return the ticks that are not close to an event, or all ticks if all are."""
+    times = np.array([event.time_s for event in events_in_window])
     if not len(times):
         return list(marks)
     far = [mark for mark in marks if np.abs(times - mark.time_s).min() >= APART * duration_s]
     return far or list(marks)
 
 
-def _other(events: Iterable[Event], there: Iterable[Event]) -> list[Event]:
-    """Those of a moment and a kind that aren't there; two of a kind at one moment feel as one."""
-    known = {(event.time_s, event.kind) for event in there}
+def _other(events: Iterable[Event], known_events: Iterable[Event]) -> list[Event]:
+    """Return the events whose time and kind are not among known events, without repetitions."""
+    known = {(event.time_s, event.kind) for event in known_events}
     other = []
     for event in events:
         key = event.time_s, event.kind
@@ -136,7 +136,7 @@ def _other(events: Iterable[Event], there: Iterable[Event]) -> list[Event]:
 
 
 def _fill(taken: list[Event], ranked: Iterable[Event], most: int, duration_s: float) -> None:
-    """Add the first of those that are apart, then the first of the others, up to `most` in all."""
+    """Add distant events, then others, up to `most` events in all."""
     if len(taken) >= most:
         return
     apart = APART * duration_s

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from overview_dsp.batch import load_study
+from overview_dsp.batch import load_jobs
 
 JOBS = """
 out = "study"
@@ -30,8 +30,8 @@ def jobs_file(folder: Path, text: str = JOBS) -> Path:
     return path
 
 
-def study_in(folder: Path, text: str = JOBS, out: str | None = None):
-    return load_study(jobs_file(folder, text), out)
+def grid_in(folder: Path, text: str = JOBS, out: str | None = None):
+    return load_jobs(jobs_file(folder, text), out)
 
 
 def hashes(folder: Path) -> dict[str, str]:

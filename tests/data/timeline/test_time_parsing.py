@@ -8,9 +8,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.data.readers.tables.table import Location
+from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.readers.tables.time_column import Format, TimeColumn
-from overview_dsp.data.timeline.times import (
+from overview_dsp.data.timeline.time_parsing import (
     clock_s,
     day_clock_s,
     in_line,
@@ -106,7 +106,7 @@ TEXTS = st.lists(moments, min_size=1, max_size=5).flatmap(
 def test_a_column_of_iso_texts_is_read_as_each_of_its_cells(texts):
     def read(column, cells):
         try:
-            return column.seconds(cells, Location).tolist()
+            return column.seconds(cells, CellLocation).tolist()
         except InputError:
             return None
 

@@ -1,10 +1,10 @@
-"""A file being looked at (read, decoded and parsed once), what may be asked of it, and a format.
+"""Data files, load options and file formats. A file is read, decoded and parsed only once.
 
-How deep and how large JSON is, is counted before it is parsed. The parser goes down a level for
-every bracket and makes an object for every value: a file of a few megabytes can end the stack or
-take gigabytes. Both are known from its brackets, commas and quotes.
+Nesting level and memory of JSON are computed before it is parsed, from its brackets, commas and
+quotes. The parser recurses at every bracket and creates an object for every value, so a file of a
+few megabytes can overflow the stack or take gigabytes.
 
-XML is read as text that no parser can be harmed by: UTF-8, without a document type.
+XML is passed on only as safe text: UTF-8, without a document type.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
-"""Largest text file that is read as a stream without `max_mb`."""
+"""Maximum size of a streamed text file, unless `max_mb` is set."""
 
 MAX_WHOLE_BYTES = 64 * 1024 * 1024
-"""Largest text file (JSON, CSV) that is read as a whole without `max_mb`: as text it takes up to
-four times that in memory, parsed several times."""
+"""Maximum size of a text file (JSON, CSV) that is read as a whole, unless `max_mb` is set. As text
+it takes up to four times as much memory, and more when parsed."""
 
 HEAD_BYTES = 65_536
-"""How much of a file the readers see before one of them claims it."""
+"""Size of the first part of a file, from which its format is detected."""
 
 WINDOWS = "cp1252"
-"""The encoding of text that isn't UTF-8: old spreadsheets'."""
+"""Encoding of text that is not UTF-8, from old spreadsheets."""
 
 READ_AS_WINDOWS = "the file isn't UTF-8; read as Windows-1252"
-"""What a timeline notes then."""
+"""Note of a timeline from such a text."""
 
 MAX_DEPTH = 64
-"""Deepest nesting that is read without `max_depth`: ten times what the known formats need."""
+"""Maximum nesting level, unless `max_depth` is set: ten times that of the known formats."""
 
 MOST_DEPTH = 500
-"""Deepest nesting `max_depth` may allow: the parser's own stack ends at about twice that."""
+"""Maximum of `max_depth`: the stack of the parser overflows at about twice that level."""
 
 PARSED_MB = 576.0
-"""What a file holds may take in memory, MB; a limit of size above the usual 64 MB raises it too."""
+"""Maximum memory of a parsed file, MB; raised together with a maximum file size above 64 MB."""
 
 PARSED_TIMES = 9
-"""So many times the limit of its size is what it may take then."""
+"""Maximum memory of a parsed file, as a multiple of the maximum file size."""
 
 # bytes, measured with Python 3.11 on 64 bits, a copy of each number included
 _OBJECT_BYTES, _LIST_BYTES, _VALUE_BYTES, _TEXT_BYTES = 240, 72, 72, 60
@@ -62,10 +62,10 @@ CONTROL = {chr(code) for code in (*range(9), *range(14, 28), 127)}
 _STAMPED = re.compile(
     r"\[(\d+:\d|\d{1,4}([./-])\d{1,2}\2\d|\d\d/[A-Z]|(?!NaN|Inf)[A-Z][A-Za-z]+[ \]])", re.ASCII
 )
-"""What a chapter (`[0:12]`) or a line of a log (`[03.05.24, 18:20]`, `[Wed Oct`) begins with."""
+"""Beginning of a chapter (`[0:12]`) or a log line (`[03.05.24, 18:20]`, `[Wed Oct`)."""
 
 UNNAMED = "unnamed"
-"""The name of a file that stands for data without one."""
+"""Name of the file for data without a name."""
 
 _XML_DECLARATION = re.compile(r"\s*<\?xml\b[^>]{0,200}\?>")
 _XML_ROOT = re.compile(r"<([A-Za-z_][\w.:-]{0,99})[\s/>]")
@@ -83,29 +83,29 @@ _BOMS = (
 
 @dataclass(frozen=True)
 class LoadOptions:
-    """What a caller may add to a file; each format says which options it takes.
+    """Options for loading a file; each format lists those that it takes.
 
     Parameters
     ----------
     duration_s
-        Length of the timeline, for a file that doesn't hold it.
+        Length of the timeline, s, for a file without it.
     value, time
         Names of the columns with the values and the times.
     map
-        What becomes the intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
+        Mapping to intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
         column.
     kind, label
         Names of the columns with the kinds and the labels of events.
     rate
-        Samples a second, for a file without times.
+        Sample rate, Hz, for a file without times.
     match
-        Which of the matches in a file: its number (from 1), or words of its line.
+        Match in a file of several: its number (from 1), or words of its description.
     max_mb
-        Megabytes (2**20 bytes) a file may have, in place of the format's own limit.
+        Maximum file size, MB (2**20 bytes), instead of that of the format.
     progress
-        Called with the part of the file that is read, 0 to 1, by formats that may take long.
+        Called with the fraction of the file that is read, 0 to 1, by slow formats.
     max_depth
-        Levels of nesting that JSON may have, in place of the usual limit.
+        Maximum nesting level of JSON, instead of `MAX_DEPTH`.
     """
 
     duration_s: float | None = None
@@ -120,34 +120,34 @@ class LoadOptions:
     kind: str | None = None
     label: str | None = None
 
-    def given(self) -> frozenset[str]:
-        """Return the names of the options that were set and say something about the data."""
+    def names_set(self) -> frozenset[str]:
+        """Return the names of the options that are set, except `progress`."""
         names = {name for name, value in vars(self).items() if value is not None}
         return frozenset(names - {"progress"})
 
     @property
     def counts(self) -> bool:
-        """Whether a table's rows may be what is asked for (`map` is `count`, with or without :)."""
+        """True if rows may have to be counted (`map` is `count` or `count:WINDOW`)."""
         return self.map is not None and self.map.partition(":")[0].strip().lower() == "count"
 
     def report_progress(self, part: float) -> None:
-        """Report how much is read, 0 to 1."""
+        """Report the fraction of the file that is read, 0 to 1."""
         if self.progress is not None:
             self.progress(part)
 
 
-def shown_path(path: str | os.PathLike[str]) -> str:
-    """Return printable text of a path, bytes that aren't UTF-8 escaped."""
+def printable_path(path: str | os.PathLike[str]) -> str:
+    """Return a path as printable text, with escapes for bytes that are not UTF-8."""
     return os.fsencode(path).decode("utf-8", "backslashreplace")
 
 
 def text_encoding(data: bytes) -> str:
-    """Return the encoding that a byte order mark gives, UTF-8 without one."""
+    """Return the encoding of the byte order mark, UTF-8 without one."""
     return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
 
 
 def decode_text(data: bytes, where: str, encoding: str = "") -> str:
-    """Decode UTF-8 (with or without a byte order mark) or UTF-16/32 with one; InputError if not."""
+    """Decode UTF-8, or UTF-16/32 with a byte order mark; InputError for other bytes."""
     try:
         return data.decode(encoding or text_encoding(data))
     except UnicodeDecodeError as error:
@@ -159,16 +159,16 @@ def decode_text(data: bytes, where: str, encoding: str = "") -> str:
 
 @dataclass(frozen=True)
 class Extent:
-    """Levels of nesting, and bytes that the parsed document takes, roughly and at most."""
+    """Nesting level, and upper estimate of the memory of the parsed document."""
 
     depth: int
     parsed_bytes: int
 
 
 def extent(text: str, deepest: int = MOST_DEPTH) -> Extent:
-    """Count a text's nesting and values; stops counting where it is nested deeper than `deepest`.
+    """Measure the nesting level and the memory of JSON; stop at a level above `deepest`.
 
-    What isn't JSON gets some count too: the parser says where it is broken.
+    For broken JSON the result is arbitrary; the parser reports the error.
     """
     depth = highest = objects = lists = values = quotes = 0
     in_text, escaping = 0, False
@@ -200,23 +200,23 @@ def extent(text: str, deepest: int = MOST_DEPTH) -> Extent:
 
 
 def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None = None) -> None:
-    """Refuse JSON that is nested too deep or would take too much memory.
+    """Raise InputError for JSON that is nested too deep or would take too much memory.
 
     Parameters
     ----------
     text
         The file's text.
     where
-        How the error line begins.
+        Beginning of the error message.
     limit_mb
-        What the file may have, MB; parsed it may have `PARSED_TIMES` as many, or `PARSED_MB`.
+        Maximum file size, MB. Parsed, `PARSED_TIMES` as much is allowed, at least `PARSED_MB`.
     max_depth
-        Levels it may have, in place of `MAX_DEPTH`.
+        Maximum nesting level, instead of `MAX_DEPTH`.
 
     Raises
     ------
     InputError
-        Too deep or too large; the line has the limit and the option that raises it.
+        Too deep or too large; the message has the limit and the option that raises it.
     """
     allowed = max_depth if max_depth is not None else MAX_DEPTH
     found = extent(text, allowed)
@@ -229,27 +229,26 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
     budget = max(PARSED_MB, limit_mb * PARSED_TIMES)
     if found.parsed_bytes > budget * 2**20:
         raise InputError(
-            f"{where}: what it holds would take about {found.parsed_bytes / 2**20:.0f} MB of "
+            f"{where}: its content would take about {found.parsed_bytes / 2**20:.0f} MB of "
             f"memory, more than {budget:.0f} MB; cut it into parts, or raise the limit with max_mb "
             f"(--read max-mb=MB), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
         )
 
 
 def parse_json(text: str, where: str) -> object:
-    """Parse JSON text into Python objects, failing with a place and never with a traceback.
+    """Parse JSON; every error is an InputError with the location.
 
-    NaN and Infinity literals and numbers beyond a float become floats that aren't finite: the
-    reader that knows the place of each value refuses them there. A key given twice in an object
-    is an error, since which of the two is meant can't be known.
+    NaN, Infinity and numbers too large for a float become non-finite floats, which readers reject
+    with their location. A repeated key in an object is an error, since it is ambiguous.
 
     Raises
     ------
     InputError
-        Broken or cut-off JSON (line and column), a key given twice, nesting too deep to follow.
+        Broken or truncated JSON (line and column), a repeated key, or nesting too deep to parse.
     """
 
     def whole(digits: str) -> int | float:
-        # Python refuses to make ints of more than 4300 digits; a float of them is infinite
+        # Python rejects ints of more than 4300 digits; as a float they are infinite
         return int(digits) if len(digits) < 400 else float(digits)
 
     def unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
@@ -281,23 +280,23 @@ def parse_json(text: str, where: str) -> object:
 
 
 @dataclass(frozen=True)
-class Source:
+class DataFile:
     """A regular, non-empty file.
 
     Parameters
     ----------
     path
-        Where it is.
+        Path of the file.
     size
-        Bytes.
+        Size in bytes.
     head
-        Its first bytes, up to `HEAD_BYTES`, for detecting the format.
+        First bytes, up to `HEAD_BYTES`, for detecting the format.
     options
-        What the caller added, for formats that the data alone doesn't distinguish.
+        Load options, which some formats depend on.
     origin
-        The compressed file that was unpacked to `path`, None for any other.
+        Compressed file that was unpacked to `path`, or None.
     label
-        What error lines call the data, where they aren't a file of the caller's.
+        Name of the data in error messages, if they are not a file of the user.
     """
 
     path: Path
@@ -310,15 +309,15 @@ class Source:
     @classmethod
     def open(
         cls, path: str | os.PathLike[str], options: LoadOptions | None = None, label: str = ""
-    ) -> Source:
-        """Look at a file, which error lines call `label` if that is given.
+    ) -> DataFile:
+        """Read the first bytes of a file, which error messages call `label`, if set.
 
         Raises
         ------
         InputError
-            Missing, a folder or device, empty, unreadable.
+            The file is missing, a folder or device, empty, or unreadable.
         """
-        where = label or shown_path(path)
+        where = label or printable_path(path)
         try:
             status = os.stat(path)
             if stat.S_ISDIR(status.st_mode):
@@ -342,26 +341,26 @@ class Source:
 
     @property
     def where(self) -> str:
-        """The path, printable: what an error line begins with."""
-        return self.label or shown_path(self.origin or self.path)
+        """Printable path: the beginning of error messages."""
+        return self.label or printable_path(self.origin or self.path)
 
     @property
     def folder(self) -> Path:
-        """Where companions of the file lie."""
+        """Folder of the file, where related files are searched."""
         return (self.origin or self.path).parent
 
     @property
     def stem(self) -> str:
-        """The file's name without its suffix: the title where the file holds none."""
-        name = Path(shown_path(self.path.name)).stem
+        """Name of the file without suffix: the default title."""
+        name = Path(printable_path(self.path.name)).stem
         return "" if self.label and name == UNNAMED else name
 
     @cached_property
     def encoding(self) -> str | None:
-        """The head's encoding, None for what is no text.
+        """Encoding of the file, None if it is not text.
 
-        A byte order mark gives it; else UTF-8, else Windows-1252 (old spreadsheets, `°C`), in which
-        no JSON is written.
+        It is that of the byte order mark, else UTF-8, else Windows-1252 (old spreadsheets, `°C`;
+        never JSON).
         """
         marked = text_encoding(self.head)
         if self._decoded(marked) is not None:
@@ -381,13 +380,13 @@ class Source:
 
     @cached_property
     def head_text(self) -> str | None:
-        """The head as text, None for binary data."""
+        """First part of the file as text, None for binary data."""
         text = None if self.encoding is None else self._decoded(self.encoding)
         return None if text is None or "\0" in text else text
 
     @property
     def looks_like_json(self) -> bool:
-        """True if the file is text whose first character is a bracket JSON begins with."""
+        """True if the file is text that begins with a bracket of JSON."""
         if self.head_text is None:
             return False
         begins = self.head_text.lstrip()[:16]
@@ -395,7 +394,7 @@ class Source:
 
     @cached_property
     def text(self) -> str:
-        """The whole file as text; InputError if too large (`text_limit_mb`) or not text."""
+        """Whole file as text; InputError if it is too large (`text_limit_mb`) or not text."""
         limit_mb = self.text_limit_mb
         if self.size > limit_mb * 2**20:
             raise InputError(
@@ -405,7 +404,7 @@ class Source:
             )
         try:
             with open(self.path, "rb") as stream:
-                # no more than was seen, should the file be growing
+                # not more than the initial size, if the file grows
                 return decode_text(stream.read(self.size), self.where, self.encoding or "")
         except OSError as error:
             raise InputError(f"{self.where}: can't be read ({error.strerror})") from error
@@ -416,19 +415,19 @@ class Source:
 
     @property
     def text_limit_mb(self) -> float:
-        """How large a text may be, MB: `max_mb`, else `MAX_WHOLE_BYTES`."""
-        given = self.options.max_mb
-        return given if given is not None else MAX_WHOLE_BYTES / 2**20
+        """Maximum size of a text, MB: `max_mb`, else `MAX_WHOLE_BYTES`."""
+        max_mb = self.options.max_mb
+        return max_mb if max_mb is not None else MAX_WHOLE_BYTES / 2**20
 
     @cached_property
     def json(self) -> object:
-        """The file parsed as JSON; errors as `check_extent` (before it is parsed), `parse_json`."""
+        """Parsed JSON document; raises the errors of `check_extent` and `parse_json`."""
         check_extent(self.text, self.where, self.text_limit_mb, self.options.max_depth)
         return parse_json(self.text, self.where)
 
     @property
     def xml_root(self) -> str:
-        """The name of an XML file's outermost element without its prefix, "" for no XML."""
+        """Name of the root element of an XML file, without prefix; "" for other files."""
         if self.head_text is None or not self.head_text.lstrip().startswith("<"):
             return ""
         found = _XML_ROOT.search(_XML_ASIDE.sub("", self.head_text))
@@ -436,10 +435,10 @@ class Source:
 
     @property
     def xml_text(self) -> str:
-        """An XML file's text without its declaration, as what it was decoded by may differ.
+        """Text of an XML file without its declaration, whose encoding may be wrong after decoding.
 
-        InputError for a document type: its entities can make gigabytes of a few lines or read
-        other files, and no format that is read here has one.
+        InputError for a document type: its entities can expand to gigabytes or read other files,
+        and no supported format has one.
         """
         text = self.text
         if "<!DOCTYPE" in text or "<!ENTITY" in text:
@@ -457,19 +456,19 @@ class Format:
     Parameters
     ----------
     name
-        What an error line calls it.
+        Name of the format in error messages.
     sniff
-        Whether the source is in this format; cheap, never by the file's name.
+        Function that detects the format from the content, never from the name of the file.
     read
-        Makes the Timeline; errors begin with the file's path.
+        Function that returns the Timeline; errors begin with the path of the file.
     options
-        The names of the `LoadOptions` it takes.
+        Names of the `LoadOptions` that the format takes.
     matches
-        For files of several matches: gives a line on each, in the order of their numbers.
+        Function that returns one line per match, in order, for files of several matches.
     """
 
     name: str
-    sniff: Callable[[Source], bool]
-    read: Callable[[Source, LoadOptions], Timeline]
+    sniff: Callable[[DataFile], bool]
+    read: Callable[[DataFile, LoadOptions], Timeline]
     options: frozenset[str] = frozenset()
-    matches: Callable[[Source], list[str]] | None = None
+    matches: Callable[[DataFile], list[str]] | None = None

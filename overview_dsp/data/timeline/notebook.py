@@ -1,4 +1,4 @@
-"""A timeline in a notebook: a few words and its curve with events and gaps, as HTML with SVG."""
+"""Display of a timeline in a notebook: summary and curve with events and gaps, as HTML."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _KINDS = 8
 
 
 def timeline_page(timeline: Timeline, begin: str) -> str:
-    """Write the title, contents and a picture as HTML; every text of the data is escaped.
+    """Return title, summary and curve as HTML, with all texts escaped.
 
-    `begin` is the date and time of its start, `""` where there is no calendar.
+    `begin` is the date and time of the start, "" without a calendar.
     """
     title = html.escape(timeline.title or "Timeline", quote=True)
     kinds = [f"{html.escape(kind)} {count}" for kind, count in timeline.kinds().items()]
@@ -43,7 +43,7 @@ def _x(timeline: Timeline, time_s: float) -> float:
 
 
 def _gaps(timeline: Timeline) -> str:
-    """Gaps as grey areas, one a pixel at most."""
+    """Return gaps as grey areas, at most one per pixel."""
     spans = {
         (round(_x(timeline, start)), round(_x(timeline, end)) or 1) for start, end in timeline.gaps
     }
@@ -55,14 +55,14 @@ def _gaps(timeline: Timeline) -> str:
 
 
 def _events(timeline: Timeline) -> str:
-    """Events as ticks along the bottom, one a pixel at most."""
+    """Return events as ticks along the bottom, at most one per pixel."""
     at = sorted({round(_x(timeline, event.time_s)) for event in timeline.events})
     marks = "".join(f"M{x},{HEIGHT - 12}v8" for x in at)
     return f'<path d="{marks}" stroke="#0072B2"/>' if marks else ""
 
 
 def _curve(timeline: Timeline) -> str:
-    """The curve, broken where there is no data, with its lowest and highest in its unit."""
+    """Return the curve, interrupted at gaps, with its minimum and maximum."""
     curve = timeline.intensity
     if curve is None:
         return ""

@@ -10,8 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.moments import moment_s, window_of, zoom_window
-from overview_dsp.data.timeline.times import length_s
+from overview_dsp.data.timeline.time_expressions import (
+    parse_time_expression,
+    window_of,
+    zoom_window,
+)
+from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewWarning
 
 DAY = 86_400.0
@@ -54,7 +58,7 @@ YEAR = Timeline("year", 366 * DAY, (Event(DAY, "peak"),), start=datetime(2012, 1
     ],
 )
 def test_a_written_moment_is_so_long_after_the_start(text: str, time_s: float) -> None:
-    assert moment_s(text, MATCH) == time_s
+    assert parse_time_expression(text, MATCH) == time_s
 
 
 @pytest.mark.parametrize(
@@ -77,19 +81,19 @@ def test_a_written_moment_is_so_long_after_the_start(text: str, time_s: float) -
     ],
 )
 def test_a_date_is_found_by_the_timelines_calendar(text: str, day: float) -> None:
-    assert moment_s(text, YEAR) == pytest.approx(day * DAY, abs=1e-6)
+    assert parse_time_expression(text, YEAR) == pytest.approx(day * DAY, abs=1e-6)
 
 
 def test_time_zones_are_distinguished_and_the_timelines_own_is_taken_where_none_is_named() -> None:
     zone = timezone(timedelta(hours=-4))
     events = (Event(1.0, "a"),)
     timeline = Timeline("day", DAY, events, start=datetime(2012, 9, 19, 9, 30, tzinfo=zone))
-    assert moment_s("2012-09-19T10:30", timeline) == 3600.0
-    assert moment_s("2012-09-19T14:30Z", timeline) == 3600.0
-    assert moment_s("2012-09-19T16:30+02:00", timeline) == 3600.0
+    assert parse_time_expression("2012-09-19T10:30", timeline) == 3600.0
+    assert parse_time_expression("2012-09-19T14:30Z", timeline) == 3600.0
+    assert parse_time_expression("2012-09-19T16:30+02:00", timeline) == 3600.0
     naive = Timeline("day", DAY, events, start=datetime(2012, 9, 19))
     with pytest.raises(InputError, match="names a time zone"):
-        moment_s("2012-09-19T14:30Z", naive)
+        parse_time_expression("2012-09-19T14:30Z", naive)
 
 
 def test_a_clock_change_within_a_zone_is_counted() -> None:
@@ -100,29 +104,29 @@ def test_a_clock_change_within_a_zone_is_counted() -> None:
         pytest.skip("needs the zone database")
     events = (Event(1.0, "a"),)
     timeline = Timeline("spring", 5 * DAY, events, start=datetime(2012, 3, 24, tzinfo=zone))
-    assert moment_s("2012-03-26", timeline) == 2 * DAY - 3600.0
-    assert moment_s("2012-03-25T22:00Z", timeline) == 2 * DAY - 3600.0
+    assert parse_time_expression("2012-03-26", timeline) == 2 * DAY - 3600.0
+    assert parse_time_expression("2012-03-25T22:00Z", timeline) == 2 * DAY - 3600.0
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "no moment; give seconds"),
-        ("a", "'a' is no moment"),
-        ("1:60", "no moment"),
-        ("1:60:00", "no moment"),
-        ("1.2.3", "no moment"),
-        ("goal", "no moment"),
-        ("goal:", "no moment"),
-        ("goal:x", "no moment"),
-        ("Goal:1", "no moment"),
+        ("", "not a moment; give seconds"),
+        ("a", "'a' is not a moment"),
+        ("1:60", "not a moment"),
+        ("1:60:00", "not a moment"),
+        ("1.2.3", "not a moment"),
+        ("goal", "not a moment"),
+        ("goal:", "not a moment"),
+        ("goal:x", "not a moment"),
+        ("Goal:1", "not a moment"),
         ("goal:3", "there is no goal number 3; the timeline has 2"),
         ("goal:0", "give 1 to 2"),
         ("dog:1", "no event of kind 'dog'; it has period"),
         ("event:6", "there is no event number 6; the timeline has 5: give 1 to 5"),
-        ("goal:1-x", "'x' is no length"),
+        ("goal:1-x", "'x' is not a length"),
         ("2012-09-19", "the timeline has no calendar"),
-        ("19/9/2012", "no moment"),
+        ("19/9/2012", "not a moment"),
         ("5401", "outside the timeline; it reaches from 0:00.0 to 1:30:00.0"),
         ("-1", "outside the timeline"),
         ("nan", "outside the timeline"),
@@ -132,13 +136,13 @@ def test_a_clock_change_within_a_zone_is_counted() -> None:
 )
 def test_what_is_no_moment_of_the_timeline_is_one_line(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words) as caught:
-        moment_s(text, MATCH)
+        parse_time_expression(text, MATCH)
     assert "\n" not in str(caught.value)
 
 
 def test_an_offset_or_a_date_stops_at_the_ends_with_a_warning() -> None:
     with pytest.warns(OverviewWarning, match=r"goal:2\+20min lies beyond.*end.*1:30:00"):
-        assert moment_s("goal:2+20min", MATCH) == 5400.0
+        assert parse_time_expression("goal:2+20min", MATCH) == 5400.0
     with pytest.warns(OverviewWarning, match="2011-12-01 lies beyond.*start.*2012-01-01"):
         assert window_of(YEAR, "2011-12-01", "2012-02-01") == (0.0, 31 * DAY)
 
@@ -188,7 +192,7 @@ def test_a_zoom_stays_within_the_timeline() -> None:
 
 @pytest.mark.parametrize("text", ["", "goal", "goal:x", "goal:1:0", "goal:1:x", "goal:1:-5", "1:2"])
 def test_a_zoom_to_nothing_is_one_line(text: str) -> None:
-    with pytest.raises(InputError, match=r"nothing to zoom to; give kind:number \(goal:1"):
+    with pytest.raises(InputError, match=r"is not an event; give kind:number \(goal:1"):
         zoom_window(MATCH, text)
 
 
@@ -203,7 +207,7 @@ def one_line_or_seconds(text: str, timeline: Timeline) -> float | None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            return moment_s(text, timeline)
+            return parse_time_expression(text, timeline)
         except InputError as error:
             line = str(error)
     assert "\n" not in line

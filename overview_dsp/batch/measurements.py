@@ -1,4 +1,4 @@
-"""What a manifest says of a render: its length, levels, felt events and bytes."""
+"""Measurements of a render: length, levels, felt events and hashes."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.units import gain_to_db
 
 MEASURED_COLUMNS = ("engaged", "cursor")
-"""Of the trace: what the measures need."""
+"""Columns of the trace that the measurements need."""
 
 
-def measures(result: RenderedJob[Trace | None], data: bytes) -> dict[str, Any]:
-    """The measures of a rendered voice (with its trace) that is stored as `data`."""
+def measure_render(result: RenderedJob[Trace | None], data: bytes) -> dict[str, Any]:
+    """Measure a render (with its trace) that is stored as `data`."""
     return {
         "frames": len(result.samples),
         "duration_s": len(result.samples) / result.sample_rate,
@@ -42,7 +42,7 @@ def _peak_db(signal: NDArray[np.float32]) -> float | None:
 
 
 def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
-    """Integrated loudness of what is heard (BS.1770), LUFS; None below its lowest rate."""
+    """Return the integrated loudness of the clicks (BS.1770), LUFS; None below 4000 Hz."""
     if sample_rate < MIN_RATE or not len(click):
         return None
     meter = StepMeter(int(sample_rate), (1.0,))
@@ -52,7 +52,7 @@ def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
 
 
 def _felt(result: RenderedJob[Trace | None]) -> list[dict[str, Any]]:
-    """The events that the disk passed, in the order of their positions."""
+    """Return the events that the disk passed, in the order of their positions."""
     assert result.trace is not None
     surface, events = result.surface, result.job.timeline.events
     levels = event_levels(surface, result.trace, result.samples[:, 1], result.sample_rate)

@@ -1,0 +1,79 @@
+"""Reader of series: a table with a column of times and one of values becomes a Timeline."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
+from overview_dsp.data.readers.series import counting
+from overview_dsp.data.readers.series.read_plan import make_read_plan
+from overview_dsp.data.readers.series.rows import RowReader
+from overview_dsp.data.readers.series.sample_scan import scan_samples
+from overview_dsp.data.readers.tables.groups import require_single_series, select_group
+from overview_dsp.data.readers.tables.table import Table
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError
+
+OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
+"""Load options of series."""
+
+MAX_MB = 8192.0
+"""Maximum size of a table, MB (2**20 bytes), unless `max_mb` is set."""
+
+_TRACKS = ("GPX", "TCX")
+
+MANY_REPEATS = 0.02
+"""Minimum share of repeated times at which a table may contain several series."""
+
+
+def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
+    """Return a reader for files of series; its InputError names file, row and column."""
+
+    def read(source: DataFile, options: LoadOptions) -> Timeline:
+        limit = options.max_mb if options.max_mb is not None else MAX_MB
+        if source.size > limit * 2**20:
+            raise InputError(
+                f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that "
+                "are read; keep fewer columns or rows, or raise the limit with max_mb "
+                "(--read max-mb=MB)"
+            )
+        with validation.located(f"{source.where}: "):
+            return series_timeline(open_table(source), options, source.stem)
+
+    return read
+
+
+def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Timeline:
+    """Return the Timeline of a table.
+
+    Parameters
+    ----------
+    table
+        Any `Table`.
+    options
+        `value`, `time`, `map`, `rate`, `match`.
+    title
+        Title, to which the name of the value column is added.
+
+    Raises
+    ------
+    InputError
+        An ambiguous choice of columns, a wrong cell (with its row and column), too few rows.
+    """
+    if options.match is not None:
+        table = select_group(table, options.match)
+    if counting.counts_rows(table, options):
+        return counting.count_rows(table, options, title)
+    if options.value is None and table.kind in _TRACKS:
+        options = replace(options, value=table.columns[1].header)  # speed, if known
+    plan = make_read_plan(table, options, title)
+    reader = RowReader(
+        table, plan.time, plan.columns, plan.decimal_mark, options.rate, options.report_progress
+    )
+    scan = scan_samples(plan, reader)
+    repeats = reader.rows - scan.count
+    if options.match is None and repeats > MANY_REPEATS * reader.rows:
+        require_single_series(table, plan.time.columns, plan.value)
+    return scan.timeline(title)
