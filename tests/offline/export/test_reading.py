@@ -137,8 +137,8 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
         ("[]", "must be AHAP"),
-        ({"Pattern": 3}, "Pattern = 3 is no list"),
-        ({"Pattern": [3]}, r"Pattern\[0\] = 3 is no object"),
+        ({"Pattern": 3}, "Pattern = 3 is not a list"),
+        ({"Pattern": [3]}, r"Pattern\[0\] = 3 is not an object"),
         ({"Pattern": []}, "has no vibration"),
         (
             continuous((-1.0, 1.0, 1.0)),
@@ -146,11 +146,11 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
         ),
         (
             continuous((0.0, 1e9, 1.0)),
-            "EventDuration = 1000000000.0 .*; it is 0 to 600 s",
+            "EventDuration = 1000000000.0 .*; must be 0 to 600 s",
         ),
         (
             continuous((0.0, 1.0, 7.0)),
-            r"Parameters\[0\].ParameterValue = 7.0 .*; it is 0 to 1",
+            r"Parameters\[0\].ParameterValue = 7.0 .*; must be 0 to 1",
         ),
         ({"signals": {}}, "signals.continuous is missing"),
         (

@@ -132,7 +132,7 @@ def test_cue_points_lie_at_their_samples_and_the_sound_is_untouched(tmp_path, fr
 def test_cue_points_are_for_wav_files(tmp_path):
     path = tmp_path / "a.flac"
     soundfile.write(path, np.zeros(100), 8000)
-    with pytest.raises(InputError, match=r"cue points are for \.wav files"):
+    with pytest.raises(InputError, match=r"cue points need a \.wav file"):
         add_cues(path, [(1, "a")])
 
 
@@ -207,7 +207,7 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
             "loudness needs a whole number from 4000 Hz",
         ),
         (("--transcript", "a.srt"), "a.srt: a transcript must be"),
-        (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points is for .wav files"),
+        (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points needs a .wav file"),
         (("--stems", "--transcript", "nowhere/a.txt"), "nowhere"),
     ],
 )
