@@ -69,7 +69,7 @@ def objects(match, football, tmp_path_factory):
         *(ov.load_preset(name) for name in ov.bundled_presets()),
         *ov.presets.differences(football, other),
         ov.actuators.ActuatorStage(c2, 8000),
-        ov.actuators.Protected(1.23456789, 12),
+        ov.actuators.ProtectionReport(1.23456789, 12),
         ov.export.Transient(1.0 / 3.0, 2.0 / 3.0, 1.0 / 7.0, "near_miss"),
         ov.live.OutputDevice(3, "A name as long as drivers give", "ALSA", 2, 48e3, 1 / 97, True),
         ov.measure.onsets(result.samples[:, 0], 8000),

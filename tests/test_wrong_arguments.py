@@ -100,7 +100,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         "set_surface": (engine.set_surface, {"surface": surface, "sample_time": None}),
         "process": (engine.process, {"out": np.zeros((9, 2), np.float32)}),
         "load_state": (engine.load_state, {"state": engine.save_state()}),
-        "take_applied": (engine.take_applied, {"since": 0}),
+        "pop_applied": (engine.pop_applied, {"since": 0}),
         "render": (
             ov.render,
             {

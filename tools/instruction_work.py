@@ -1,4 +1,4 @@
-"""The fixed work of tools/count_instructions.py, which runs it under callgrind.
+"""Fixed work for tools/count_instructions.py, which runs it under callgrind.
 
 python tools/instruction_work.py [MARKS.so]
 
@@ -38,7 +38,7 @@ def fed(
     gesture: ov.Gesture = GESTURE,
     memory: NDArray[np.float64] | None = None,
 ) -> ov.Engine:
-    """An engine that waits to be played for a second."""
+    """Return an engine with pending events for a second."""
     made = ov.load_preset("football").with_changes(CHANGES[preset])
     engine = ov.Engine(made, ov.load_timeline("world-cup-final-2018"), seed=1)
     engine.prepare(RATE, FRAMES, memory=memory)
@@ -80,7 +80,7 @@ def native_calls(count: Marks) -> None:
 
 
 def side_by_side(count: Marks) -> None:
-    """A lane's part of the second each."""
+    """Run one second in lanes, with one voice per lane."""
     frames = FRAMES // SIMD_WIDTH
     lanes = EngineBatch(frames)
     engines = [

@@ -92,7 +92,7 @@ class Listener:
             engine.control(event.theta2, event.touching, None, "serial")
         while engine.sample_time < now * self.RATE:
             engine.process(self._out)
-        strikes = engine.take_strikes()
+        strikes = engine.pop_strikes()
         for event, at in zip(strikes.event, strikes.time_s, strict=True):
             self.strike_times.setdefault(int(event), float(at))
 

@@ -107,7 +107,7 @@ def play_headless(
 
         times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
         timeline = player.engine.timeline
-        return {"happened": as_records(of_events(times, levels, events, timeline))}
+        return {"events": as_records(of_events(times, levels, events, timeline))}
 
     for report in run(
         player, source, lambda: bool(received), note, seconds, None if logged else describe

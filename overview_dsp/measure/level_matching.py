@@ -38,7 +38,7 @@ from overview_dsp.measure.perceived_level import (
     window_db,
 )
 from overview_dsp.measure.report import jnds_over_strokes
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
 """Values that are added before ratios are taken: the lowest density that is a rhythm, one pulse per
@@ -174,7 +174,7 @@ def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> NDArray[
     return np.array(found)
 
 
-def _features(result: Result, start: int, stop: int) -> PerceptualFeatures:
+def _features(result: RenderResult, start: int, stop: int) -> PerceptualFeatures:
     rate = result.sample_rate
     level = window_db(result.samples[start:stop, TACTOR], rate, PULSE_HOP_S)[1]
     peaks = pulse_indices(level)
@@ -196,7 +196,7 @@ def _features(result: Result, start: int, stop: int) -> PerceptualFeatures:
     )
 
 
-def _timbre(result: Result, start: int, stop: int) -> tuple[float, float]:
+def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
     """Return brightness (Hz) and decay (ms) of the click."""
     rate = result.sample_rate
     samples = result.samples[start:stop, CLICK].astype(np.float64)

@@ -18,7 +18,7 @@ from overview_dsp.offline.plots.style import (
     tidy,
 )
 from overview_dsp.offline.rendering.audition import audition
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +37,7 @@ def plot_preset(preset: Preset) -> Figure:
     return plot_gallery(audition(preset), preset)
 
 
-def plot_gallery(result: Result, preset: Preset) -> Figure:
+def plot_gallery(result: RenderResult, preset: Preset) -> Figure:
     """Plot click and vibration of each kind of event, in the order of the render."""
     figure = new_figure(11.0, 4.6)
     heard, felt = figure.subplots(2, 1, sharex=True)

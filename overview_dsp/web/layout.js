@@ -43,7 +43,7 @@ export const L = Object.freeze({
   C_TEXTURE_CUTOFF: 17,
   C_CEILING: 18,
   C_DC_POLE: 19,
-  C_GRAIN: 20,
+  C_TEXTURE_LEVEL: 20,
   C_FORGET: 21,
   C_SPEED_RATIO: 22,
   C_REACH: 23,
@@ -125,7 +125,7 @@ export const L = Object.freeze({
   PHASE: 275,
   TACTOR_DC_IN: 276,
   TACTOR_DC_OUT: 277,
-  GRAIN: 278,
+  TEXTURE_LEVEL: 278,
   TEXTURE: 279,
   CLICK_DC_IN: 280,
   CLICK_DC_OUT: 281,
@@ -146,7 +146,7 @@ export const L = Object.freeze({
   GAIN_FROM: 296,
   GAIN_STEP: 297,
   GAIN_TO: 298,
-  GRAIN_GAIN: 299,
+  TEXTURE_GAIN: 299,
   SOURCE_TOUCHING: 305,
   SOURCE_TOUCHED_AT: 311,
   SOURCE_THETA2: 317,
@@ -211,8 +211,8 @@ export const L = Object.freeze({
   D_ENGAGED: 213562,
   D_AMPLITUDE: 213626,
   D_SINE: 213690,
-  D_GRAIN: 213754,
-  D_COLOUR: 213818,
+  D_TEXTURE_LEVEL: 213754,
+  D_BRIGHTNESS: 213818,
   D_RING: 213882,
   D_CLICK: 213946,
   D_TACTOR: 214010,
@@ -246,7 +246,7 @@ export const L = Object.freeze({
   L_PEAK: 214128,
   L_LINES: 214130,
   L_BUSY: 476274,
-  BINS_AN_OCTAVE: 4,
+  BINS_PER_OCTAVE: 4,
   ACT_ON: 0,
   ACT_NOMINAL: 1,
   ACT_BEND: 2,
@@ -288,8 +288,8 @@ export const L = Object.freeze({
   GIVEN_DUTY: 37,
   GIVEN_RESONANCE_HZ: 38,
   GIVEN_Q: 39,
-  GIVEN_SHARPENED_Q: 40,
-  GIVEN_EQUAL_SENSATION: 41,
+  GIVEN_OVERDRIVE_Q: 40,
+  GIVEN_PERCEPTUAL_WEIGHTING: 41,
   ACT_SIZE: 48,
   L_ACTUATOR: 476370,
   SURFACES: 476418,
@@ -397,4 +397,4 @@ export const PARAMETERS = Object.freeze({
 });
 
 // of a memory that this layout fits, its low and its high half
-export const DIGEST = Object.freeze([1414140413, 1280150719]);
+export const DIGEST = Object.freeze([-1832102128, -1238432973]);

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp import Gesture, Preset, Result, Timeline, Trace, render
+from overview_dsp import Gesture, Preset, RenderResult, Timeline, Trace, render
 from overview_dsp.cli.extensions import AngleMap, Keys, Value
 from overview_studies.design import FREE, NOTHING, Design
 from overview_studies.file_model import Level
@@ -73,7 +73,7 @@ class Item:
         """The map between its times and places."""
         return AngleMap.of(self.timeline, self.preset)
 
-    def rendered(self, gesture: Gesture | None = None, rate: int = RATE) -> Result[Trace]:
+    def rendered(self, gesture: Gesture | None = None, rate: int = RATE) -> RenderResult[Trace]:
         """What is felt: of its own gesture, or of a take."""
         hand = gesture or self.gesture
         return render(self.timeline, self.preset, hand, rate, self.seed, tail=TAIL_S)

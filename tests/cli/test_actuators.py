@@ -122,7 +122,7 @@ def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
     assert np.abs(samples[:, 1]).max() == pytest.approx(nominal, rel=1e-3)
     loud = overview("actuators", "sweep", "c2", *quick, "--level", 0, "--json")
     assert "the rating reduces the sweep by up to" in loud.err
-    assert json.loads(loud.out)["actuator"]["taken_back_db"] > 0.5
+    assert json.loads(loud.out)["actuator"]["reduction_db"] > 0.5
 
 
 def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):

@@ -49,7 +49,7 @@ def test_a_session_is_driven_for_an_actuator_and_says_so(springy_file):
     assert "note: lra is felt" in done.err
     summary = json.loads(done.out.splitlines()[-1])["summary"]
     assert summary["actuator"]["name"] == "lra"
-    assert {"calibration_db", "taken_back_db", "samples_at_peak"} <= summary["actuator"].keys()
+    assert {"calibration_db", "reduction_db", "samples_at_peak"} <= summary["actuator"].keys()
 
 
 def test_standard_input_is_a_hand():

@@ -172,8 +172,8 @@ def running(match, football):
 def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(running):
     phone = Phone()
     hand = NamedInput(running, "phyphox", phone.address, load_sensor("imu"), PhyphoxPort)
-    until(lambda: running.holder is not None)
-    assert running.holder[0] == "serial"
+    until(lambda: running.active_input is not None)
+    assert running.active_input[0] == "serial"
     assert phone.queued_commands[:2] == ["/config", "/control?cmd=start"]
     assert phone.queued_commands[2] == "/get?accX&accY&accZ&acc_time"
     report = hand.report()

@@ -125,34 +125,34 @@ def bend(value):
 def test_an_osc_touch_holds_moves_and_lets_go(opened, running):
     _, port = opened.open("osc", OscReader)
     port.put(message("/overview/theta2", 1.0, 1))
-    until(lambda: running.holder is not None)
-    assert running.holder == ("osc", pytest.approx(1.0))
+    until(lambda: running.active_input is not None)
+    assert running.active_input == ("osc", pytest.approx(1.0))
     port.put(message("/overview/theta2", 2.0))
-    until(lambda: running.holder[1] == pytest.approx(2.0))
+    until(lambda: running.active_input[1] == pytest.approx(2.0))
     port.put(message("/overview/touch", 0))
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
 
 
 def test_who_says_nothing_for_long_has_let_go(opened, running):
     hand, port = opened.open("osc", OscReader, silent_s=0.3)
     port.put(message("/overview/theta2", 1.0, 1))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
     said(hand, "no messages for 0.3 s")
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
     # and takes hold again
     port.put(message("/overview/theta2", 2.0, 0), message("/overview/theta2", 2.0, 1))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
 
 
 def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
     hand, port = opened.open("midi", lambda counters: MidiReader(counters=counters))
     port.put(bytes((0x90, 60, 100)))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
     opened.there = False
     port.lost = True
     port.put()
     lines = said(hand, "disconnected")
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
     assert not hand.report()["connected"]
     assert "disconnected" in hand.status_text
     time.sleep(1.2)
@@ -161,7 +161,7 @@ def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
     assert len(lines) == 2
     assert hand.report()["connections_lost"] == 1
     opened.ports[-1].put(bytes((0x90, 60, 100)))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
     assert hand.report()["messages"] == 2
 
 
@@ -244,15 +244,19 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     for theta2 in np.linspace(0.0, 2.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.005)
-    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(2.0))
-    _, before = running.take_applied(0)
+    until(
+        lambda: running.active_input is not None and running.active_input[1] == pytest.approx(2.0)
+    )
+    _, before = running.pop_applied(0)
     for value in range(8192, 13000, 100):
         read = midi.report()["messages"]
         midi_port.put(bend(value))
         until(lambda read=read: midi.report()["messages"] > read)
-    until(lambda: running.holder[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01))
-    assert running.holder[0] == "midi"
-    applied, _ = running.take_applied(before)
+    until(
+        lambda: running.active_input[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01)
+    )
+    assert running.active_input[0] == "midi"
+    applied, _ = running.pop_applied(before)
     held = applied[applied["touching"]]
     assert len(held) > 20
     # it begins where the fader is, and goes over within twist.blend_ms: half as fast again in the
@@ -266,11 +270,13 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     for theta2 in np.linspace(2.0, 3.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.01)
-    until(lambda: running.holder[0] == "osc" and running.holder[1] == pytest.approx(3.0))
+    until(
+        lambda: running.active_input[0] == "osc" and running.active_input[1] == pytest.approx(3.0)
+    )
     # and back at the middle the wheel lets go: nothing more of it
     midi_port.put(bend(8192))
     until(lambda: not midi.report()["holding"])
-    assert running.holder[0] == "osc"
+    assert running.active_input[0] == "osc"
     assert set(both.report()) == {"osc", "midi"}
     assert len(both.status_text.splitlines()) == 2
 
@@ -282,10 +288,12 @@ def test_a_flood_is_read_and_leaves_nothing_behind(opened, running):
         time.sleep(0.001)
     until(lambda: hand.report()["messages"] == 20_000, 30.0)
     port.put(message("/overview/theta2", 1.5, 1))
-    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(1.5))
+    until(
+        lambda: running.active_input is not None and running.active_input[1] == pytest.approx(1.5)
+    )
     assert running.meters.dropped_events == 0
     port.put(message("/overview/touch", 0))
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
 
 
 def test_what_controllers_did_and_set_is_recorded_and_renders_to_the_same_bits(
@@ -348,7 +356,7 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
         until(lambda: running.meters.cursor > 0.6)
         client.sendto(b"rubbish", ("127.0.0.1", number))
         client.sendto(message("/overview/touch", 0), ("127.0.0.1", number))
-        until(lambda: running.holder is None)
+        until(lambda: running.active_input is None)
         assert hand.report()["rejected"] == 1
         with pytest.raises(ov.InputError, match="another program uses this port"):
             OscPort(str(number))
@@ -394,14 +402,14 @@ def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
     listener.settimeout(10.0)
     said = []
     failing = threading.Event()
-    take = running.take_struck_events
+    take = running.pop_strike_events
 
     def fail():
         if failing.is_set():
             raise RuntimeError("made up")
         return take()
 
-    monkeypatch.setattr(running, "take_struck_events", fail)
+    monkeypatch.setattr(running, "pop_strike_events", fail)
     monkeypatch.setattr(osc_out, "RETRY_AFTER_S", 0.01)
     failing.set()
     with listener:

@@ -71,13 +71,13 @@ with OutputStream(engine, device="system", block_size=block) as stream:
         clock.update(now)
         hand.poll(engine)
         said += [(now, line) for line in hand.take_messages()]
-        held.append((now, engine.holder is not None))
+        held.append((now, engine.active_input is not None))
         time.sleep(0.01)
     time.sleep(0.5)
     report = hand.report()
     hand.close()
     time.sleep(0.2)
-    left = engine.holder
+    left = engine.active_input
     meters, voice = stream.meters, engine.meters
 running.communicate("")
 print(json.dumps({

@@ -96,7 +96,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
         one.player.touch(0.04 + 0.008 * n)
         one.run(0.02)
     one.run(1.0)
-    struck = [found.kind for found, _ in one.player.engine.take_struck_events()]
+    struck = [found.kind for found, _ in one.player.engine.pop_strike_events()]
     assert "goal" in struck
     assert one.player.live_updates.announced == []
     joined = one.player.engine.surface.friction
@@ -262,7 +262,7 @@ def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
     struck = []
 
     def look():
-        struck.extend(found.kind for found, _ in one.player.engine.take_struck_events())
+        struck.extend(found.kind for found, _ in one.player.engine.pop_strike_events())
 
     live.append(events=[event(900, "foul", "x")], clock_s=900.0)
     one.run(1.5, look)
@@ -317,7 +317,7 @@ def test_a_hand_takes_the_disk_from_what_is_told(session, live):
     one.run(0.04)
     assert one.window_timeline is live.padded_snapshot()
     one.run(1.0)
-    assert one.player.engine.holder == ("touch", pytest.approx(0.3 * math.pi))
+    assert one.player.engine.active_input == ("touch", pytest.approx(0.3 * math.pi))
 
 
 def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):

@@ -62,12 +62,12 @@ def state():
     }
 
 def strikes_of_the_gesture():
-    engine.take_strikes()
+    engine.pop_strikes()
     began = engine.sample_time + rate // 2
     for stamp, theta2, touching in zip(gesture.stamps(rate), gesture.theta2, gesture.touching):
         engine.control(float(theta2), bool(touching), began + int(stamp))
     time.sleep(0.5 + gesture.duration_s + 3.0)
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     return {
         "sample": (strikes.time_s * rate - began).tolist(),
         "event": strikes.event.tolist(),

@@ -63,10 +63,10 @@ seen["ports"] = midi_ports()
 with OutputStream(engine, device="system", block_size=256) as stream:
     hand = ControllerInput(engine, "midi", lambda: MidiPort("KEYS"),
                            lambda counters: MidiReader(counters=counters))
-    holder = lambda: None if engine.holder is None else list(engine.holder)
+    holder = lambda: None if engine.active_input is None else list(engine.active_input)
     keys.send((0x90, 66, 100))
     until = time.monotonic() + 30.0
-    while engine.arrived_at is None and time.monotonic() < until:
+    while engine.settled_at is None and time.monotonic() < until:
         time.sleep(0.01)
     seen["tap"], seen["cursor"] = holder(), engine.meters.cursor
     keys.send((0x80, 66, 0), wait=0.3)

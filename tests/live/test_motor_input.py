@@ -100,7 +100,7 @@ def test_a_turning_knob_is_braked_and_a_resting_one_is_not(bench):
     assert not any(bench.targets())
     assert bench.port.lines()[:6] == ["@0", "MC0", "M0", "MMS1000001", "MMD10", "ME1"]
     bench.turn(3.0, 0.8)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     assert min(bench.targets()) < -0.05
     assert max(bench.targets()) == 0.0
     bench.turn(0.0, 0.3)
@@ -122,7 +122,7 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
         bench.port.step()
         messages = bench.input.take_messages()
     bench.engine.process(np.zeros((800, 2), dtype=np.float32))
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
     assert last <= silent_at + 0.05
     assert bench.targets()[-1] == 0.0
@@ -135,7 +135,7 @@ def test_another_hand_that_holds_the_disk_does_not_turn_the_motor(bench):
     bench.turn(3.0, 0.1)
     bench.port.targets.clear()
     bench.turn(3.0, 0.2)
-    assert bench.engine.holder[0] == "touch"
+    assert bench.engine.active_input[0] == "touch"
     assert not any(bench.targets())
 
 
@@ -243,7 +243,7 @@ def test_a_knob_that_runs_the_surface_itself_is_given_it_and_played(board):
     board.turn(1.0, 1.0)
     assert min(board.torques) < -1e-3
     assert max(board.torques) <= 0.0
-    assert board.engine.holder[0] == "serial"
+    assert board.engine.active_input[0] == "serial"
     assert board.engine.meters.cursor == pytest.approx(board.motor.disk, abs=0.02)
     report = board.input.report()
     assert (report["damaged"], report["lost"]) == (0, 0)
@@ -261,7 +261,7 @@ def test_a_changed_surface_and_another_hand_reach_the_board(board, football):
     board.turn(1.0, 0.1)
     board.torques.clear()
     board.turn(1.0, 0.1)
-    assert board.engine.holder[0] == "touch"
+    assert board.engine.active_input[0] == "touch"
     assert not any(board.torques)
 
 

@@ -116,11 +116,11 @@ def bench(match, football, monkeypatch):
 
 def test_a_turned_knob_holds_the_disk_and_moves_it(bench):
     bench.turn(0.0, 3)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     for place in (0.1, 0.3, 0.5, 0.5, 0.5):
         bench.turn(place, 5)
     bench.run(1.0)
-    source, theta2 = bench.engine.holder
+    source, theta2 = bench.engine.active_input
     assert source == "serial"
     assert theta2 == pytest.approx(0.5 * math.pi, abs=0.01)
     assert bench.engine.meters.cursor == pytest.approx(0.5, abs=0.02)
@@ -129,17 +129,17 @@ def test_a_turned_knob_holds_the_disk_and_moves_it(bench):
 def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     bench.until(lambda: any("no data" in said for said in bench.input.take_messages()))
     bench.run(0.1)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     bench.there = False
     bench.port.lost = True
     bench.until(lambda: any("disconnected" in said for said in bench.input.take_messages()))
     bench.run(0.1)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     assert not bench.input.report()["connected"]
     assert "disconnected" in bench.input.status_text
     bench.there = True
@@ -149,7 +149,7 @@ def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     bench.send(b"\n")
     bench.turn(0.1, 2)
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     assert bench.input.report()["connections_lost"] == 1
 
 
@@ -160,15 +160,15 @@ def test_a_finger_and_the_knob_change_over_without_a_jump(bench):
     bench.turn(0.8, 30)
     bench.engine.control(0.3 * math.pi, True)
     bench.run(0.05)
-    assert bench.engine.holder[0] == "touch"
+    assert bench.engine.active_input[0] == "touch"
     bench.turn(0.8, 5)
     bench.engine.control(0.3 * math.pi, False)
     bench.run(0.02)
     # the knob stands at 0.8 and takes over where the finger was
-    assert bench.engine.holder[0] == "serial"
-    assert bench.engine.holder[1] == pytest.approx(0.3 * math.pi, abs=0.05)
+    assert bench.engine.active_input[0] == "serial"
+    assert bench.engine.active_input[1] == pytest.approx(0.3 * math.pi, abs=0.05)
     bench.turn(0.8, 40)
-    assert bench.engine.holder[1] == pytest.approx(0.8 * math.pi, abs=0.01)
+    assert bench.engine.active_input[1] == pytest.approx(0.8 * math.pi, abs=0.01)
 
 
 def test_a_saved_preset_changes_the_rules(bench, football):
@@ -176,9 +176,9 @@ def test_a_saved_preset_changes_the_rules(bench, football):
     bench.engine.set_preset(football.with_changes({"twist.engage_deg": 60.0}))
     bench.input.poll(bench.engine)
     bench.turn(0.2, 10)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     bench.turn(0.5, 10)
-    assert bench.engine.holder is not None
+    assert bench.engine.active_input is not None
 
 
 def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
@@ -190,21 +190,21 @@ def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
     bench.read(1023)
     assert bench.written == waiting
     bench.run(0.5)
-    assert bench.engine.holder[1] < 0.9 * math.pi
+    assert bench.engine.active_input[1] < 0.9 * math.pi
     bench.turn(1.0, 30)
     bench.run(0.2)
-    assert bench.engine.holder[1] == pytest.approx(math.pi, abs=0.01)
+    assert bench.engine.active_input[1] == pytest.approx(math.pi, abs=0.01)
 
 
 def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     for n in range(120):  # the engine stands still, and the knob is turned back to rest
         bench.read(511 if n < 80 else 0)
     bench.until(lambda: not bench.input.report()["holding"])
     bench.run(0.6)  # with what came before it was known that the engine stands still
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
 
 
 @pytest.mark.parametrize(
@@ -219,18 +219,18 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
 def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     messages = []
     for _ in range(60):
         bench.send(sent(bench))
         bench.run(0.01)
         messages += bench.input.take_messages()
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     assert sum("disk released" in line for line in messages) == 1
     assert sum(said in line for line in messages) == 1
     bench.send(b"\n")
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
 
 
 def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(bench, monkeypatch):

@@ -107,9 +107,9 @@ class MotorInput(SensorInput):
 
     def _next_frame(self, now: float) -> bytes:
         """Return the bytes to send; may be empty."""
-        held = self._engine.holder
+        held = self._engine.active_input
         mine = held is not None and held[0] == self.SOURCE
-        torque = self._torque.update(self._engine.impulse, now)
+        torque = self._torque.update(self._engine.torque_integral, now)
         if isinstance(self._loop, MotorLoop):
             return self._loop.step(torque if mine else 0.0, now)
         if now - self._rendered_at >= RENDER_EVERY_S:

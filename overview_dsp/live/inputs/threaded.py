@@ -114,7 +114,7 @@ class SourceWriter:
 
     def disk_state(self) -> DiskState:
         """Return the state of the disk at the last block."""
-        held = self._engine.holder
+        held = self._engine.active_input
         position = self._engine.meters.cursor * HALF_TURN
         if held is None or held[0] == self._source:
             return DiskState(None, position, False)

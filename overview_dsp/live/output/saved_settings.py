@@ -14,7 +14,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.live.output import settings as pad_output
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
-from overview_dsp.signal.actuators.calibration import calibrated_actuator
+from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.library import reference
 
 
@@ -115,7 +115,7 @@ def resolve_output(
         remembered, own = load_settings(device, channels), remembered_actuator(device, channels)
     chosen = own if actuator is None else actuator
     try:
-        loaded = None if chosen in (None, "none") else calibrated_actuator(chosen)
+        loaded = None if chosen in (None, "none") else apply_calibration(chosen)
     except InputError as error:
         if actuator is not None:
             raise

@@ -95,7 +95,7 @@ def record_callback(
     w[layout.L_LATE] += seconds * memory[layout.S_SAMPLE_RATE] > frames
     memory[layout.L_LONGEST] = max(memory[layout.L_LONGEST], seconds)
     octaves = np.log2(max(seconds / layout.SHORTEST_S, 1.0))
-    w[layout.L_BUSY + min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)] += 1
+    w[layout.L_BUSY + min(int(octaves * layout.BINS_PER_OCTAVE), layout.BUSY_BINS - 1)] += 1
 
 
 def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
@@ -127,7 +127,7 @@ def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
 def _load(w: NDArray[np.int64], sample_rate: float) -> float:
     """Return the callback times, each at the middle of its bin, divided by their frames' time."""
     bins = np.arange(layout.BUSY_BINS) + 0.5
-    seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_AN_OCTAVE)
+    seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_PER_OCTAVE)
     busy = float(w[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS] @ seconds)
     return busy * sample_rate / max(1, int(w[layout.L_FRAMES]))
 
@@ -137,7 +137,7 @@ def _quantile(w: NDArray[np.int64], part: float) -> float:
     if not counts[-1]:
         return 0.0
     where = int(np.searchsorted(counts, part * counts[-1]))
-    return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_AN_OCTAVE))
+    return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_PER_OCTAVE))
 
 
 class Stream(ABC):

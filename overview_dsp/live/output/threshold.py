@@ -22,7 +22,7 @@ from overview_dsp.live.output.settings import SignalSettings
 from overview_dsp.signal.actuators.calibration import HIGHEST_DB, LOWEST_DB
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage
-from overview_dsp.signal.actuators.tones import EDGE_S, edges
+from overview_dsp.signal.actuators.sweep import EDGE_S, edges
 
 SLOWEST, FASTEST = 0.5, 60.0
 """Limits of the ramp, dB per second."""

@@ -128,7 +128,7 @@ class OscOut:
         self._socket = socket.socket(found[0], socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._report = OscReport()
-        engine.take_strikes()  # discard earlier ones
+        engine.pop_strikes()  # discard earlier ones
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
         self._thread.start()
@@ -146,7 +146,7 @@ class OscOut:
                 self._over.wait(RETRY_AFTER_S)
 
     def _send(self) -> None:
-        meters, struck = self._engine.meters, self._engine.take_struck_events()
+        meters, struck = self._engine.meters, self._engine.pop_strike_events()
         for datagram in self._report.messages(
             time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
         ):

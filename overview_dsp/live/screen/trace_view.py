@@ -116,7 +116,9 @@ class MetersView(Static):
             f"{status.block_size} frames, latency {stream.latency_s * 1e3:.1f} ms"
         )
         if status.settings.actuator is not None and status.protected is not None:
-            text.append(f", {status.settings.actuator.name} {-status.protected.taken_db:.1f} dB")
+            text.append(
+                f", {status.settings.actuator.name} {-status.protected.reduction_db:.1f} dB"
+            )
         faults = stream.late + stream.underflows + status.dropped
         text.append(
             f"\nDSP load {100.0 * stream.load:.1f} %, p99 {1e6 * stream.p99_s:.0f} µs, "

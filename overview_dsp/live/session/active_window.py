@@ -19,9 +19,9 @@ from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair
 from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.replay import apply_change
-from overview_dsp.signal.surface.ahead import joined
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.live_update import join_surfaces
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 
@@ -91,7 +91,7 @@ class ActiveWindow:
             with warnings.catch_warnings():  # `update_timeline` reports them later
                 warnings.simplefilter("ignore", OverviewWarning)
                 new = build_surface(timeline, engine.preset, engine.surface.angle_map)
-                surface = joined(engine.surface, new, position)
+                surface = join_surfaces(engine.surface, new, position)
             if surface is None:
                 return False
             change = self._timeline_change(timeline, {"window": None, "ahead": position})
@@ -182,7 +182,7 @@ class ActiveWindow:
         for line in self.presets.check_files():
             self._say(line)
         self._requested_preset = self.presets.pop_changed() or self._requested_preset
-        if self._deferred_preset is not None and self._engine.holder is None:
+        if self._deferred_preset is not None and self._engine.active_input is None:
             self._requested_preset = self._requested_preset or self._deferred_preset
         self._apply_requests()
 
@@ -245,7 +245,7 @@ class ActiveWindow:
             self.apply_window(self._requested_window)
         if self._requested_preset is not None:
             requested, used = self._requested_preset, self._requested_preset
-            if self._engine.holder is not None:  # events keep their positions during a touch
+            if self._engine.active_input is not None:  # events keep their positions during a touch
                 used = requested.with_value(SHARE, self._engine.preset.number(SHARE))
             self._engine.set_preset(used)
             self._deferred_preset = None if used == requested else requested
@@ -265,7 +265,7 @@ class ActiveWindow:
         timeline = whole if is_whole else whole.window(start, end)
         change = self._timeline_change(whole, {"window": None if is_whole else [start, end]})
         kept_map = self._engine.surface.angle_map
-        held = self._engine.holder is not None and kept_map.duration_s == timeline.duration_s
+        held = self._engine.active_input is not None and kept_map.duration_s == timeline.duration_s
         if change is not None and held:
             change["timeline"]["keeps_map"] = True
         surface = build_surface(timeline, self._engine.preset, kept_map) if held else None

@@ -16,7 +16,7 @@ from overview_dsp.live.output.settings import parse_channels
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
-from overview_dsp.signal.actuators.calibration import calibrated_actuator
+from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.stage import warn_of_carrier
 
 
@@ -115,7 +115,7 @@ def _channels(player: Player, click: str, tactor: str) -> None:
 
 
 def _actuator(player: Player, name: str) -> None:
-    actuator = None if name == "none" else calibrated_actuator(name)
+    actuator = None if name == "none" else apply_calibration(name)
     if actuator is not None:
         warn_of_carrier(actuator, player.engine.preset.number("tactor.frequency_hz"))
     player.reopen(settings=replace(player.output.settings, actuator=actuator))

@@ -11,7 +11,7 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
-from overview_dsp.signal.actuators.stage import protected_report
+from overview_dsp.signal.actuators.stage import protection_json
 from overview_dsp.units import gain_to_db
 
 POLL_EVERY_S = 0.02
@@ -46,7 +46,7 @@ def run(
         for message in status.messages:
             note(message)
         if describe is not None:
-            struck = player.engine.take_struck_events()
+            struck = player.engine.pop_strike_events()
             passed += [(status.time_s, event, level) for event, level in struck]
             del passed[:-MAX_PASSED]
         click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
@@ -106,7 +106,7 @@ def _summary(status: Status) -> dict[str, Any]:
         "callback_p50_us": round(status.stream.median_s * 1e6, 2),
         "callback_p99_us": round(status.stream.p99_s * 1e6, 2),
         "callback_max_us": round(status.stream.longest_s * 1e6, 2),
-        "actuator": protected_report(status.settings.actuator, status.protected),
+        "actuator": protection_json(status.settings.actuator, status.protected),
         "recording": status.recording,
     }
 

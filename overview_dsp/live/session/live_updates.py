@@ -150,7 +150,7 @@ class LiveUpdates:
 
     def _update_future(self, snapshot: Timeline, now: float) -> None:
         """Apply only the data that are ahead of the disk and of its input."""
-        window, holder = self._window, self._engine.holder
+        window, holder = self._window, self._engine.active_input
         is_new = self.live.layout == "whole" and snapshot is not window.timeline
         if not is_new or holder is None or window.timeline.known_until_s is None:
             return
@@ -168,7 +168,7 @@ class LiveUpdates:
 
     def _is_touched(self) -> bool:
         """Return whether an input other than the announcement's tap moves the disk."""
-        engine, holder = self._engine, self._engine.holder
+        engine, holder = self._engine, self._engine.active_input
         if self._announcement is not None:
             tap = ("touch", TAP_POSITION * HALF_TURN) if self._announcement[1] else None
             return holder not in (None, tap)

@@ -34,7 +34,7 @@ from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Session
 from overview_dsp.live.session.status import Status
 from overview_dsp.live.takes.takes import Takes, timeline_path
-from overview_dsp.signal.actuators.stage import read_protected
+from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.angle_map import SHARE
 
@@ -271,7 +271,7 @@ class Player:
             sample_rate=engine.sample_rate,
             block_size=output.block_size,
             settings=output.settings,
-            protected=read_protected(engine.memory, layout.L_ACTUATOR) if has_actuator else None,
+            protected=read_protection(engine.memory, layout.L_ACTUATOR) if has_actuator else None,
             recording=None if recording is None else str(recording),
             replay=self.loop.status_text,
             following=None if updates is None else updates.status_text,
@@ -330,7 +330,7 @@ class Player:
             else:
                 self.say(f"take saved as {path}; P replays it")
             return
-        if self.loop.playing or (self.at_rest and self.engine.holder is None):
+        if self.loop.playing or (self.at_rest and self.engine.active_input is None):
             self.loop.cancel()
             self._start_exact_take()
         if self.takes.recording_path is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
-from overview_dsp.signal.actuators.stage import Protected
+from overview_dsp.signal.actuators.stage import ProtectionReport
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Status:
     sample_rate: float
     block_size: int
     settings: OutputSettings
-    protected: Protected | None
+    protected: ProtectionReport | None
     recording: str | None
     replay: str | None
     following: str | None

@@ -12,7 +12,7 @@ from overview_dsp.design.gestures.take_writer import Event, TakeWriter
 from overview_dsp.errors import InputError, OutputError, OverviewError
 from overview_dsp.live.takes.recovery import RecordingMarker, fallback_paths
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import read_hands
+from overview_dsp.signal.engine.memory_reader import read_inputs
 
 WRITE_EVERY_S = 0.1
 """Interval at which the engine's logs are written, even if the screen or the session is busy."""
@@ -57,7 +57,7 @@ class Recorder:
             The take can't be written.
         """
         self._engine = engine
-        self._begin, self._seen, touches = read_hands(engine.memory)
+        self._begin, self._seen, touches = read_inputs(engine.memory)
         self.differs = "" if self._begin == 0 else STARTED_LATER
         self._now = 0
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in touches]
@@ -121,17 +121,17 @@ class Recorder:
         """Read the engine's logs, after the sample that they are complete up to."""
         self._now = self._engine.sample_time - self._begin
         try:
-            events, self._seen = self._engine.take_applied(self._seen)
+            events, self._seen = self._engine.pop_applied(self._seen)
         except OverviewError as error:
             self._report_missing(f"{error}; these are missing in the take")
-            _, self._seen, _ = read_hands(self._engine.memory)
+            _, self._seen, _ = read_inputs(self._engine.memory)
             return
         self._events += [
             (sample - self._begin, source, theta2, touching)
             for sample, source, theta2, touching in events.tolist()
         ]
         try:
-            changes = self._engine.take_changes()
+            changes = self._engine.pop_changes()
         except OverviewError as error:
             self._report_missing(f"{error}; these are missing in the take")
             return

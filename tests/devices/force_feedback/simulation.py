@@ -71,7 +71,7 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
         while engine.sample_time < now * RATE:
             engine.process(out)
         loop.receive(reader.samples, now)
-        sent = loop.step(tap.update(engine.impulse, now), now)
+        sent = loop.step(tap.update(engine.torque_integral, now), now)
         course.time.append(now)
         course.angle.append(motor.angle)
         course.torque.append(motor.torque)

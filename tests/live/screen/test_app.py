@@ -68,7 +68,7 @@ async def until(pilot, condition, seconds=15.0):
 
 def applied(player):
     """What the hand did so far: (touching, place) of each event the kernel applied."""
-    events, _ = player.engine.take_applied(0)
+    events, _ = player.engine.pop_applied(0)
     return [(bool(event["touching"]), event["theta2"] / np.pi) for event in events]
 
 
@@ -96,7 +96,7 @@ def test_a_click_is_a_tap_that_goes_all_the_way(player):
     async def script(app, pilot):
         await pilot.click(TimelineView, offset=(50, 5))
         assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
-        down, up = player.engine.take_applied(0)[0]
+        down, up = player.engine.pop_applied(0)[0]
         assert (bool(down["touching"]), bool(up["touching"])) == (True, False)
         # however short it was, the disk goes all the way
         assert await until(pilot, lambda: abs(cursor(player) - 50 / 99) < 0.01)

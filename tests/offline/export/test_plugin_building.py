@@ -92,18 +92,18 @@ def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
 
 def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
     build = ov.export.build_plugin
-    with pytest.raises(InputError, match="no plugin format 'au'; it is clap or lv2 or vst3"):
+    with pytest.raises(InputError, match="to is 'au'; must be clap or lv2 or vst3"):
         build(match, football, "au", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 presets, not 0"):
+    with pytest.raises(InputError, match="there are 0 presets; must be 1 to 64"):
         build(match, [], "clap", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 timelines, not 0"):
+    with pytest.raises(InputError, match="there are 0 timelines; must be 1 to 64"):
         build({}, football, "clap", tmp_path)
     with pytest.raises(InputError, match="the same name"):
         build(match, [football, football], "clap", tmp_path)
-    with pytest.raises(InputError, match="no target 'amiga'; it is x86_64-linux, "):
+    with pytest.raises(InputError, match="target is 'amiga'; must be one of x86_64-linux, "):
         build(match, football, "clap", tmp_path, target="amiga")
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(OverviewError, match="no compiler 'no-such-compiler', which CC names"):
+    with pytest.raises(OverviewError, match="CC is 'no-such-compiler', which is not installed"):
         build(match, football, "clap", tmp_path)
     monkeypatch.setenv("CC", "false")
     with pytest.raises(OverviewError, match="the C compiler false failed"):

@@ -41,7 +41,7 @@ class Pair:
         ]
         np.testing.assert_array_equal(states[0], states[1])
         for column in ("time_s", "event", "torque", "level"):
-            first, second = one.take_strikes(), two.take_strikes()
+            first, second = one.pop_strikes(), two.pop_strikes()
             np.testing.assert_array_equal(getattr(first, column), getattr(second, column))
 
 

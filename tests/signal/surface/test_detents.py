@@ -40,7 +40,7 @@ def clicking(height=20.0, width=2.0, model="detent", **changes):
 
 
 def dial(**changes):
-    """A bare surface with twenty detents."""
+    """A base surface with twenty detents."""
     values = {
         "disk__inertia": J,
         "disk__k1": 1e-3,

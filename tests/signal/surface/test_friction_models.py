@@ -21,7 +21,7 @@ RATE = 48_000
 
 
 def creaking(**changes):
-    """A bare surface with bristles that creak, and two events."""
+    """A base surface with bristles that creak, and two events."""
     values = {
         "disk__inertia": 2e-5,
         "disk__k1": 5e-3,
@@ -83,10 +83,12 @@ def test_what_resists_is_the_same_height_in_every_model():
 
 
 def test_bristles_that_no_spring_can_pull_over_are_named():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
+    with pytest.warns(
+        ov.OverviewWarning, match=r"kinds\.default: the disk gets stuck at.*disk\.k2"
+    ):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
-    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip holds the disk"):
-        ov.build_surface(timeline_of(), creaking(surface__torque_ratio=10_000.0))
+    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip: the disk gets stuck"):
+        ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
 
 
 @settings(max_examples=share(0.5))
@@ -99,7 +101,7 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
     rate=st.sampled_from([8000, 48_000]),
 )
 def test_let_go_the_energy_never_rises(stiffness, other, damping, static, grip, rate):
-    """Of disk, spring and bristles, over two kinds and the bare surface."""
+    """Of disk, spring and bristles, over two kinds and the base surface."""
     preset = creaking(
         surface__stiffness=stiffness,
         surface__damping=damping,
@@ -216,13 +218,13 @@ def test_a_grip_that_comes_back_remembers_no_slip():
     engine.process(out)
     engine.set("surface.model", "viscous")
     engine.process(out)
-    engine.take_strikes()
+    engine.pop_strikes()
     engine.control(3.0, True)
     engine.process(out[:2000])
     engine.set("surface.model", "bristle")
     engine.process(out[:1000])
     assert engine.meters.cursor > 0.1
-    assert len(engine.take_strikes()) == 0
+    assert len(engine.pop_strikes()) == 0
 
 
 def test_no_static_torque_makes_no_creak():
@@ -295,7 +297,7 @@ def played(sizes, frames=16_000):
         stop = min(frames, start + size)
         engine.process(out[start:stop], trace[start:stop])
         start = stop
-    return out, trace, engine.take_strikes()
+    return out, trace, engine.pop_strikes()
 
 
 def test_no_block_size_changes_a_bit_in_any_model():

@@ -1,4 +1,4 @@
-"""What the bare surface is made of, apart from data."""
+"""What the base surface is made of, apart from data."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The voice and its output as C functions of 32-bit pointers, for a browser.
+"""C functions of the voice and its output for browsers, with 32-bit pointers.
 
 `tools/build_wasm.py` compiles them for WebAssembly; `NAMES` are the functions, each with its
-signature. The page's clock is JavaScript's, so it books no times; and its numbers are floats, so
-that a sample time is one. Memory is `8 * layout.TOTAL` bytes.
+signature. There are no timers, since the page uses JavaScript's clock. JavaScript's numbers are
+floats, and so are sample times. Memory is `8 * layout.TOTAL` bytes.
 
 Thread: audio.
 """
@@ -11,23 +11,19 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numba import types
 
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.derive import derive_at, set_parameter
 from overview_dsp.kernels.device.derive_actuator import derive_actuator
 from overview_dsp.kernels.device.stream_block import deliver
 
-carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
-
 
 def render(output, frame_count, memory):
-    """Overwrite a block, float32 [frame_count * L_CHANNELS]; 1 if the stream is over, else 0."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
-    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    """Overwrite a block, float32 [frame_count * L_CHANNELS]; return 1 at the stream's end."""
+    f64, i64, u64 = views(memory)
     frames = np.int64(frame_count)
     channels = i64[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
@@ -35,10 +31,8 @@ def render(output, frame_count, memory):
 
 
 def prepare(memory, sample_rate):
-    """Begin anew at a sample rate, in Hz; 1 if that can be, else 0."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
-    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    """Reset at a sample rate, in Hz; return 1, or 0 if the rate is invalid."""
+    f64, i64, u64 = views(memory)
     if not derive_at(f64, i64, sample_rate):
         return 0
     if i64[layout.L_ACTUATOR + layout.ACT_ON] == 1:
@@ -48,9 +42,8 @@ def prepare(memory, sample_rate):
 
 
 def change(memory, parameter, value, sample_time):
-    """Set a parameter, which glides; 1, or 0 where it can't be or too many wait."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    """Set a parameter, with smoothing; return 1, or 0 if it is invalid or the queue is full."""
+    f64, i64, _ = views(memory)
     number, stamp = np.int64(parameter), np.int64(sample_time)
     return 1 if set_parameter(f64, i64, number, value, stamp) else 0
 

@@ -1,4 +1,4 @@
-"""Own elementary functions: accurate, and the same compiled as plain."""
+"""Own math_functions functions: accurate, and the same compiled as plain."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.kernels import elementary
-from overview_dsp.kernels.elementary import plain
+from overview_dsp.kernels import math_functions
+from overview_dsp.kernels.math_functions import plain
 
 log2, exp2, exp, power, sin_turns, cos_turns, tanh_positive = (
-    elementary.log2,
-    elementary.exp2,
-    elementary.exp,
-    elementary.power,
-    elementary.sin_turns,
-    elementary.cos_turns,
-    elementary.tanh_positive,
+    math_functions.log2,
+    math_functions.exp2,
+    math_functions.exp,
+    math_functions.power,
+    math_functions.sin_turns,
+    math_functions.cos_turns,
+    math_functions.tanh_positive,
 )
 
 

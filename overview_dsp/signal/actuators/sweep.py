@@ -1,4 +1,4 @@
-"""Test signals for an actuator."""
+"""Test signal for measuring an actuator."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 
 EDGE_S = 0.01
-"""How long a test signal takes to begin and to end."""
+"""Duration of the fade-in and fade-out of a test signal."""
 
 LOWEST_HZ = 1.0
 HIGHEST_PART = 0.45
@@ -23,16 +23,16 @@ MIN_LEVEL_DB = -80.0
 def log_sweep(
     low_hz: float, high_hz: float, seconds: float, level_db: float, sample_rate: float
 ) -> NDArray[np.float64]:
-    """Make a sine that rises evenly in octaves, to measure an actuator with.
+    """Return a logarithmic sine sweep for measuring an actuator.
 
     Parameters
     ----------
     low_hz, high_hz : float
-        Where it begins and ends, 1 Hz to 0.45 of the sample rate.
+        First and last frequency, 1 Hz to 0.45 times the sample rate.
     seconds : float
-        How long, 0.1 to 600 s, with edges of 10 ms.
+        Duration, 0.1 to 600 s, with fades of 10 ms.
     level_db : float
-        Of its amplitude, -80 to 0 dB of 1.
+        Amplitude, -80 to 0 dB relative to 1.
     sample_rate : float
         Hz.
 
@@ -44,7 +44,7 @@ def log_sweep(
     Raises
     ------
     InputError
-        Out of range.
+        A value is out of range.
 
     Examples
     --------
@@ -57,13 +57,13 @@ def log_sweep(
     # each written so that NaN fails
     if not LOWEST_HZ <= low_hz < high_hz <= HIGHEST_PART * sample_rate:
         raise InputError(
-            f"a sweep from {low_hz:g} to {high_hz:g} Hz; it rises, from {LOWEST_HZ:g} Hz at least "
-            f"to {HIGHEST_PART * sample_rate:g} Hz at most"
+            f"sweep is from {low_hz:g} to {high_hz:g} Hz; must rise within {LOWEST_HZ:g} to "
+            f"{HIGHEST_PART * sample_rate:g} Hz"
         )
     if not 0.1 <= seconds <= MAX_SECONDS:
-        raise InputError(f"a sweep of {seconds:g} s; it is 0.1 to {MAX_SECONDS:g} s")
+        raise InputError(f"sweep duration is {seconds:g} s; must be 0.1 to {MAX_SECONDS:g} s")
     if not MIN_LEVEL_DB <= level_db <= 0.0:
-        raise InputError(f"a level of {level_db:g} dB; it is {MIN_LEVEL_DB:g} to 0 dB")
+        raise InputError(f"level is {level_db:g} dB; must be {MIN_LEVEL_DB:g} to 0 dB")
     frames = round(seconds * sample_rate)
     octaves = math.log(high_hz / low_hz)
     time = np.arange(frames) / sample_rate
@@ -73,7 +73,7 @@ def log_sweep(
 
 
 def edges(frames: int, length: int) -> NDArray[np.float64]:
-    """1, but for smooth edges of that length from and to 0."""
+    """Return a gain of 1 with smooth fades of `length` frames from and to 0."""
     at = np.arange(frames)
     near = np.clip(np.minimum(at, frames - 1 - at) / length, 0.0, 1.0)
     return 0.5 - 0.5 * np.cos(math.pi * near)

@@ -28,7 +28,7 @@ def pass_all(engine, seconds=0.5):
 
 
 def struck_times(engine):
-    return [event.time_s for event, _ in engine.take_struck_events()]
+    return [event.time_s for event, _ in engine.pop_strike_events()]
 
 
 @pytest.mark.parametrize("change", ["timeline", "preset", "parameter"])
@@ -47,7 +47,7 @@ def test_strikes_looked_up_after_a_change_are_of_the_surface_they_fell_on(change
     else:
         engine.set("surface.friction", 2e-3)
     engine.process(np.empty((RATE, 2), dtype=np.float32))
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     assert [LONG.events[index].time_s for index in strikes.event] == expected
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import overview_dsp
-from overview_dsp.kernels.ordering import acquired, load_acquire, publish, store_release
-from overview_dsp.kernels.shipped import is_outdated
+from overview_dsp.kernels.atomics import acquired, load_acquire, publish, store_release
+from overview_dsp.kernels.precompiled import is_outdated
 
 PUBLISHED = (
     "RING_WRITTEN RING_READ HOST_WRITTEN HOST_READ APPLIED M_STRIKES ACTIVE_SLOT FADING_SLOT"
@@ -62,7 +62,7 @@ def test_the_callback_has_arms_barriers():
 
 
 def test_a_push_is_published_after_everything_else_is_written():
-    push = arms_instructions("7shipped4push")
+    push = arms_instructions("12entry_points4push")
     (published,) = np.flatnonzero(those(push, STORES_RELEASE))
     room = np.flatnonzero(those(push, LOADS_ACQUIRE))[0]
     # its time, its angle, whether it touches

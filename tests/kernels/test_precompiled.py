@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.kernels import shipped
-from overview_dsp.kernels.compiling import sources_digest
-from overview_dsp.kernels.doors.shipped import NAMES
+from overview_dsp.kernels import precompiled
+from overview_dsp.kernels.c_abi.entry_points import NAMES
+from overview_dsp.kernels.sources import sources_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECTS = resources.files("overview_dsp.kernels") / "objects"
@@ -28,7 +28,7 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.callback import native_callback
-from overview_dsp.kernels.shipped import usable
+from overview_dsp.kernels.precompiled import usable
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
 from overview_dsp.live.output.stream import connect, run_block
 
@@ -85,16 +85,16 @@ def played(**environment):
 
 
 def test_it_is_of_these_sources():
-    assert not shipped.is_outdated(), "run python tools/build_kernels.py"
+    assert not precompiled.is_outdated(), "run python tools/build_kernels.py"
 
 
 @pytest.mark.skipif(
-    shipped.usable() is None, reason="no machine code is shipped for this processor"
+    precompiled.usable() is None, reason="no machine code is precompiled for this processor"
 )
 @pytest.mark.soak  # numba compiles everything: 40 s
 def test_it_gives_the_bits_that_numba_gives_and_compiles_nothing(tmp_path):
     used, quick, said = played(NUMBA_CACHE_DIR=str(tmp_path))
-    assert used == shipped.usable()
+    assert used == precompiled.usable()
     assert "compiling" not in said
     assert not list(tmp_path.rglob("*.nbc"))
     used, compiled, _ = played(OVERVIEW_JIT="1")
@@ -103,47 +103,47 @@ def test_it_gives_the_bits_that_numba_gives_and_compiles_nothing(tmp_path):
 
 
 def test_every_function_of_it_has_a_door():
-    assert NAMES.keys() == shipped.KERNELS
+    assert NAMES.keys() == precompiled.KERNELS
 
 
 def test_what_is_made_of_other_sources_is_not_used(monkeypatch):
-    shipped.usable.cache_clear()
-    monkeypatch.setattr(shipped, "sources_digest", lambda: "0" * 16)
+    precompiled.usable.cache_clear()
+    monkeypatch.setattr(precompiled, "sources_digest", lambda: "0" * 16)
     try:
-        assert shipped.usable() is None
-        assert shipped.shipped_door("process") is None
+        assert precompiled.usable() is None
+        assert precompiled.precompiled_function("process") is None
     finally:
         monkeypatch.undo()
-        shipped.usable.cache_clear()
+        precompiled.usable.cache_clear()
 
 
 @pytest.mark.parametrize(
     ("features", "expected", "lanes"),
     [
-        (shipped.X86_64_V4, "linux-x86-64-v3", "linux-x86-64-v4"),
-        (shipped.X86_64_V4 - {"avx512f"}, "linux-x86-64-v3", "linux-x86-64-v3"),
-        (shipped.X86_64_V3 - {"avx2"}, "linux-x86-64-v2", "linux-x86-64-v2"),
-        (shipped.X86_64_V2 - {"popcnt"}, None, None),
+        (precompiled.X86_64_V4, "linux-x86-64-v3", "linux-x86-64-v4"),
+        (precompiled.X86_64_V4 - {"avx512f"}, "linux-x86-64-v3", "linux-x86-64-v3"),
+        (precompiled.X86_64_V3 - {"avx2"}, "linux-x86-64-v2", "linux-x86-64-v2"),
+        (precompiled.X86_64_V2 - {"popcnt"}, None, None),
     ],
 )
 def test_a_processor_gets_what_it_can_run(monkeypatch, features, expected, lanes):
-    monkeypatch.delenv(shipped.FORCED, raising=False)
-    monkeypatch.setattr(shipped, "runs_as_python", lambda: False)
-    monkeypatch.setattr(shipped, "is_outdated", lambda: False)
+    monkeypatch.delenv(precompiled.FORCED, raising=False)
+    monkeypatch.setattr(precompiled, "runs_as_python", lambda: False)
+    monkeypatch.setattr(precompiled, "is_outdated", lambda: False)
     monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setattr("platform.machine", lambda: "x86_64")
-    every = dict.fromkeys(shipped.X86_64_V4, False) | dict.fromkeys(features, True)
-    monkeypatch.setattr(shipped.llvm, "get_host_cpu_features", lambda: every)
-    assert shipped.usable.__wrapped__() == expected
-    assert shipped.usable.__wrapped__("process_lanes") == lanes
+    every = dict.fromkeys(precompiled.X86_64_V4, False) | dict.fromkeys(features, True)
+    monkeypatch.setattr(precompiled.llvm, "get_host_cpu_features", lambda: every)
+    assert precompiled.usable.__wrapped__() == expected
+    assert precompiled.usable.__wrapped__("process_lanes") == lanes
     monkeypatch.setattr("platform.machine", lambda: "riscv64")
-    assert shipped.usable.__wrapped__() is None
+    assert precompiled.usable.__wrapped__() is None
 
 
 def test_arrays_that_are_not_in_one_piece_are_refused():
-    if shipped.usable() is None:
-        pytest.skip("no machine code is shipped for this processor")
-    door = shipped.shipped_door("derive")
+    if precompiled.usable() is None:
+        pytest.skip("no machine code is precompiled for this processor")
+    door = precompiled.precompiled_function("derive")
     with pytest.raises(ValueError, match="contiguous"):
         door(np.zeros(1000)[::2], None)
 

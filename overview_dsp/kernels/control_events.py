@@ -1,9 +1,9 @@
-"""Control events: who holds the disk, where, and what parameters and surfaces change when.
+"""Control events: queues of inputs, active input, and changes of parameters and surfaces.
 
-Each source (touch, twist, serial, OSC, MIDI, remote) has a ring of its own, written by one thread
-at a time and read by the audio thread. An event applies at its sample, or at once if that has
-passed. The last source to touch holds the disk until it lets go; another that still touches then
-takes it over.
+Each source (touch, twist, serial, OSC, MIDI, remote) has its own ring, written by one thread
+at a time and read by the audio thread. An event applies at its sample, or at once if it is late.
+The last source to touch controls the disk until its release. Then the latest source that still
+touches takes over.
 
 Thread: audio, except `push_control`.
 """
@@ -11,11 +11,11 @@ Thread: audio, except `push_control`.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import load_acquire, store_release
 from overview_dsp.kernels.clutch import with_backlash
 from overview_dsp.kernels.compiling import briefly_called, inlined
 from overview_dsp.kernels.event_crossing import edges_below
-from overview_dsp.kernels.glide import smooth_step
-from overview_dsp.kernels.ordering import load_acquire, store_release
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.release import arrive, stop_waiting, wait_for_disk
 
 PI = 3.141592653589793
@@ -26,7 +26,7 @@ NEVER = 0x7FFFFFFFFFFFFFFF
 
 @inlined
 def engage(f64, i64, source):
-    """Shaft 2 takes hold of `source`'s finger: a step, wherever the hand was before."""
+    """Engage shaft 2 at the angle of `source`: a step, independent of the previous angle."""
     position = f64[layout.SOURCE_THETA2 + source] * CELLS_PER_RAD
     f64[layout.INPUT] = position
     f64[layout.TARGET_POSITION] = position
@@ -42,8 +42,8 @@ def engage(f64, i64, source):
 
 
 @inlined
-def let_go(f64, i64):
-    """The holder has let go: another hand takes over, or the disk goes on to the last target."""
+def release(f64, i64):
+    """Release the active input: another input takes over, or the disk moves to the last target."""
     latest = 0
     heir = -1
     for source in range(layout.SOURCES):
@@ -63,7 +63,7 @@ def let_go(f64, i64):
 
 @inlined
 def log_applied(f64, i64, source, touching):
-    """Keep an event as it is applied, so that a recording of the log replays every bit."""
+    """Log an event as applied, so that a recording of the log replays every bit."""
     at = i64[layout.APPLIED] % layout.APPLIED_LOG
     i64[layout.APPLIED_TIME + at] = i64[layout.CLOCK]
     i64[layout.APPLIED_SOURCE + at] = source
@@ -74,7 +74,7 @@ def log_applied(f64, i64, source, touching):
 
 @inlined
 def apply_control(f64, i64, source, theta2, touching):
-    """One hand's event: theta2 in rad (kept to [0, pi]; not finite: as before), touching 0 or 1."""
+    """Apply an input's event: theta2 in rad (clamped; ignored if not finite), touching 0 or 1."""
     if theta2 - theta2 != 0.0:  # NaN or infinite
         i64[layout.M_REJECTED] += 1
     else:
@@ -102,18 +102,18 @@ def apply_control(f64, i64, source, theta2, touching):
             f64[layout.TARGET_POSITION] = position
         else:
             f64[layout.INPUT] = f64[layout.TARGET_POSITION]
-            let_go(f64, i64)
+            release(f64, i64)
 
 
 @inlined
 def apply_host(f64, i64, what, value):
-    """One parameter or surface event: a glide to a new coefficient, or a crossfade to a slot."""
+    """Apply a parameter or surface event: smoothing to a coefficient, or a crossfade to a slot."""
     if 0 <= what < layout.COEFFS:
         f64[layout.TARGET + what] = value
         f64[layout.GLIDE_FROM + what] = f64[what]
         i64[layout.GLIDE_LEFT + what] = i64[layout.S_GLIDE]
     elif what == layout.COMMAND_SURFACE:
-        # in this order: who looks for a free slot never overlooks one in use
+        # in this order, so that a search for a free slot never misses one in use
         store_release(i64, layout.FADING_SLOT, i64[layout.ACTIVE_SLOT])
         store_release(i64, layout.ACTIVE_SLOT, int(value))
         i64[layout.FADE_LEFT] = i64[layout.S_FADE]
@@ -127,7 +127,7 @@ def apply_host(f64, i64, what, value):
 
 @briefly_called
 def push_control(f64, i64, source, stamp, theta2, touching):
-    """Write an event into a source's ring and publish it; False, and nothing, if it is full.
+    """Write an event to a source's ring and publish it; return False if the ring is full.
 
     f64, i64 : [layout.TOTAL]; source, stamp : int; theta2 : float, rad; touching : bool.
 
@@ -145,18 +145,18 @@ def push_control(f64, i64, source, stamp, theta2, touching):
 
 
 @inlined
-def waits(i64, read, written):
-    """Whether an event waits in the ring of these two counters; if so, it can be read."""
+def is_pending(i64, read, written):
+    """Return whether the ring of these two counters has a readable event."""
     return i64[read] < load_acquire(i64, written)
 
 
 @inlined
-def apply_due(f64, i64):
-    """Apply every event due at the clock's sample: parameters and surfaces, then hands in order."""
+def apply_pending(f64, i64):
+    """Apply all events due at the present sample: parameters and surfaces, then inputs in order."""
     now = i64[layout.CLOCK]
     if i64[layout.WAITING] == 1 and i64[layout.RELEASE_DUE] <= now:
         arrive(f64, i64)
-    while waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
+    while is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         at = i64[layout.HOST_READ] % layout.HOST_RING
         if i64[layout.HOST_TIME + at] > now:
             break
@@ -164,7 +164,7 @@ def apply_due(f64, i64):
         i64[layout.HOST_TIME + at] = now  # for a recording
         store_release(i64, layout.HOST_READ, i64[layout.HOST_READ] + 1)
     for source in range(layout.SOURCES):
-        while waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
+        while is_pending(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             at = source * layout.RING + i64[layout.RING_READ + source] % layout.RING
             time = i64[layout.RING_TIME + at]
             if time > now:
@@ -178,13 +178,13 @@ def apply_due(f64, i64):
 
 
 @inlined
-def next_due(i64):
-    """The sample of the next event that waits in any ring, or of a release; or NEVER."""
+def next_event_time(i64):
+    """Return the sample of the next pending event or release, or NEVER."""
     due = i64[layout.RELEASE_DUE] if i64[layout.WAITING] == 1 else NEVER
-    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN):
+    if is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN):
         due = min(due, i64[layout.HOST_TIME + i64[layout.HOST_READ] % layout.HOST_RING])
     for source in range(layout.SOURCES):
-        if waits(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
+        if is_pending(i64, layout.RING_READ + source, layout.RING_WRITTEN + source):
             time = i64[
                 layout.RING_TIME
                 + source * layout.RING
@@ -196,8 +196,8 @@ def next_due(i64):
 
 
 @inlined
-def drop_waiting(i64):
-    """Forget every event that waits."""
+def discard_pending(i64):
+    """Discard all pending events."""
     store_release(i64, layout.HOST_READ, load_acquire(i64, layout.HOST_WRITTEN))
     for source in range(layout.SOURCES):
         written = load_acquire(i64, layout.RING_WRITTEN + source)
@@ -206,7 +206,7 @@ def drop_waiting(i64):
 
 @inlined
 def is_gliding(i64):
-    """Whether any coefficient is on its way to another value."""
+    """Return whether any coefficient is being smoothed."""
     left = 0
     for i in range(layout.COEFFS):
         left |= i64[layout.GLIDE_LEFT + i]
@@ -215,7 +215,7 @@ def is_gliding(i64):
 
 @inlined
 def glide_all(f64, i64):
-    """One sample of every gliding coefficient, exact at its end; how many still glide."""
+    """Smooth all coefficients by one sample; return how many are not finished."""
     gliding = 0
     per_glide = 1.0 / float(i64[layout.S_GLIDE])
     for i in range(layout.C_SPRING_HELD, layout.COEFFS):

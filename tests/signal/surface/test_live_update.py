@@ -1,4 +1,4 @@
-"""What is new ahead of a hand, joined to what it touches."""
+"""What is new ahead of a hand, join_surfaces to what it touches."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.signal.surface.ahead import BLEND, joined
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.live_update import BLEND, join_surfaces
 
 FOOTBALL = ov.load_preset("football")
 BEFORE = [(0.0, "period"), (300.0, "foul"), (700.0, "near_miss"), (1400.0, "goal")]
@@ -31,7 +31,7 @@ def surface(*arguments, **keywords):
 )
 def test_up_to_the_place_it_is_the_old_one_and_beyond_the_new(place, came):
     old, new = surface(BEFORE), surface([*BEFORE, *came], now=3000.0)
-    one = joined(old, new, place)
+    one = join_surfaces(old, new, place)
     if one is None:  # what came begins before the place, and so may not come there
         assert place > 1500.0 / 5700.0 - 0.05
         return
@@ -58,4 +58,4 @@ def test_up_to_the_place_it_is_the_old_one_and_beyond_the_new(place, came):
     ],
 )
 def test_what_is_behind_keeps_all_of_it_away(other):
-    assert joined(surface(BEFORE), other, 0.2) is None
+    assert join_surfaces(surface(BEFORE), other, 0.2) is None

@@ -1,4 +1,4 @@
-"""A chain of operations that wait for each other, to count a processor's cycles by.
+"""Cycle counter: a chain of dependent operations with a known number of cycles.
 
 Thread: main.
 """
@@ -8,12 +8,12 @@ from __future__ import annotations
 from overview_dsp.kernels.compiling import entry_point
 from overview_dsp.kernels.noise import next_state
 
-CYCLES_A_LINK = 6  # three shifts and three exclusive ors, of one cycle each on x86
+CYCLES_PER_LINK = 6  # three shifts and three exclusive ors, of one cycle each on x86
 
 
 @entry_point
 def chain(word, links):
-    """A uint64 that isn't known before so many links have been gone through."""
+    """Return a uint64 that depends on `links` sequential steps."""
     for _ in range(links):
         word = next_state(word)
     return word

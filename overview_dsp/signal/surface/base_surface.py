@@ -1,29 +1,29 @@
-"""The surface before any event: friction that follows the curve, its pattern, ribs in the gaps.
+"""Base surface without events: friction from the intensity curve, a pattern, ribs in gaps.
 
     B = friction * ((1 + intensity_gain)**intensity + pattern_height * pattern)
 
-The intensity is the timeline's curve scaled to 0..1, mixed with its rank, so that a curve that is
-mostly low is felt to move,
+The intensity is the timeline's curve scaled to 0..1 and mixed with its rank, so that mostly low
+curves have perceptible changes:
 
     value' = (1 - share) * value + share * rank(value)
 
-through the preset's map (`points`) where it has one. The rank of a value is the share of time with
-lower values; of equal values, the middle of their ranks. Only times with data count: neither gaps
-nor what hasn't happened yet. Equal steps of intensity are equal ratios of friction, which a finger
-takes for equal steps (Weber's law).
+A preset may map it further (`points`). The rank of a value is the share of time with
+lower values, and the mean rank for equal values. Only times with data count: neither gaps
+nor the future. Equal steps of intensity are equal ratios of friction, which are perceived
+as equal steps (Weber's law).
 
-Where data is missing there are ribs instead (`gaps.ribs`). The future is smooth and heavy, behind a
-soft end where now is: nothing in it strikes, and it has neither pattern nor ribs. Friction rises
-from what is there at the last moment that has happened to more than a curve can reach, within a few
-hundredths of the surface: the disk sinks into it instead of hitting a stop, and it is no event.
+Gaps in the data have ribs instead (`gaps.ribs`). The future of a live timeline is smooth and heavy.
+It has neither strikes nor pattern nor ribs. From the present on, friction rises smoothly within a
+few hundredths of the surface, to more than a curve can reach. The disk sinks into it instead of
+hitting a stop, so the present is not mistaken for an event.
 
-With the model `detent` the pattern is detents in place of friction, deeper where there is more of
-it (a period's mean); in a gap and in the future there are none.
+With the model `detent` the pattern consists of detents instead of friction. Their depth follows the
+mean friction of a period. Gaps and the future have none.
 
-The disk strikes the bare surface at the crests of its pattern: a crest takes torque from the
-arriving disk and lets it go, as an event does; its release is the friction, or the grip, that the
-pattern adds at its top. Where the pattern is detents, the disk falls into their troughs. A surface
-without material has none.
+The disk strikes the base surface at the crests of its pattern. Like an event, a crest stores torque
+of the arriving disk and releases it; its release is the friction, or the grip, that the
+pattern adds at the crest. For a pattern of detents the disk strikes their troughs. A surface
+without material has no strikes.
 """
 
 from __future__ import annotations
@@ -46,27 +46,27 @@ from overview_dsp.signal.surface.model import NO_TEXTURE_STRIKES, TextureStrikes
 Array = NDArray[np.float64]
 
 SOFT_END = 0.03
-"""Part of the surface in which friction rises: wider than any event of the bundled presets."""
+"""Width of the rise of friction at the present: wider than any event of the bundled presets."""
 
 OVER_THE_CURVE = 2.0
-"""How much heavier it is than the bare surface at the top of the curve: of 1.2, Weber's fraction of
-damping, a finger may doubt; of 2 it doesn't."""
+"""Friction of the future relative to the base surface at the highest intensity. A ratio of 1.2, the
+Weber fraction of damping, may be missed; a ratio of 2 is not."""
 
 
 @dataclass(frozen=True, eq=False)
-class BareSurface:
-    """The bare surface.
+class BaseSurface:
+    """Base surface.
 
     Attributes
     ----------
     friction : float64 (cells + 1,)
         Viscous friction at the table's points, N m s/rad.
     energy : float64 (cells + 1,)
-        Of its detents, N m cells (`well_field`).
+        Energy of its detents, N m cells.
     modes : tuple of ClickMode
-        What it sounds like.
+        Modes of its sound.
     texture_strikes : TextureStrikes
-        Where it is struck.
+        Strikes of its pattern.
     """
 
     friction: NDArray[np.float64]
@@ -75,12 +75,12 @@ class BareSurface:
     texture_strikes: TextureStrikes
 
 
-def bare_surface(
+def build_base_surface(
     timeline: Timeline, preset: Preset, cells: int, angle_map: AngleMap
-) -> BareSurface:
-    """The bare surface of a timeline under a preset, on a table of cells + 1 points.
+) -> BaseSurface:
+    """Build the base surface of a timeline and a preset on a table of cells + 1 points.
 
-    Warns (OverviewWarning) of gaps too narrow to be felt.
+    Warns (OverviewWarning) of gaps too narrow to be perceived.
     """
     number = preset.number
     bare, model = number("surface.friction"), preset.values["surface.model"]
@@ -114,7 +114,7 @@ def bare_surface(
         heavy = number("surface.friction") * heaviness(number("surface.intensity_gain"))
         begun = rise(float(angle_map.position_of(timeline.known_until_s)), cells)
         friction += begun * (heavy - friction)
-        friction[begun == 1.0] = heavy  # to the bit, whatever the past: a page is not sent it anew
+        friction[begun == 1.0] = heavy  # exact, so that an unchanged future is not sent to pages
         known[begun > 0.0] = 0.0
     material = str(preset.values["surface.material"])
     free = modes_of(material, number("surface.pitch_hz"), number("surface.decay_scale"))
@@ -131,13 +131,13 @@ def bare_surface(
     elif modes:
         grip = number("surface.torque_ratio") if model == "bristle" else 1.0
         strikes = crests_of(course * known, grip * top)
-    return BareSurface(friction, energy, modes, strikes)
+    return BaseSurface(friction, energy, modes, strikes)
 
 
 def _intensity(
     timeline: Timeline, preset: Preset, cells: int, angle_map: AngleMap
 ) -> tuple[Array, float]:
-    """The curve at the table's points as it is felt, and by how much its rank raises the mean."""
+    """Return the intensity at the table's points, and by how much the rank raises its mean."""
     even = timeline.normalised_levels(cells)
     plain = felt = angle_map.at_even_positions(even)
     share = preset.number("surface.rank_share")
@@ -155,41 +155,41 @@ def _intensity(
 
 
 def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
-    """Energy (N m cells) of detents whose steepest slope pulls with `pull` N m where loud is 1."""
+    """Return the energy (N m cells) of detents with a highest pull of `pull` N m times `loud`."""
     steepest = float(np.abs(np.gradient(course)).max())
     if steepest == 0.0:
         return np.zeros(len(course))
     positions = np.arange(len(course))
-    # constant over a period, so that a quick curve makes no detents of its own
+    # constant over a period, so that a fast curve does not add detents
     number = (positions / period).astype(np.int64)
     means = np.bincount(number, loud) / np.bincount(number)
     centres = (np.arange(len(means)) + 0.5) * period
     return pull / steepest * course * np.interp(positions, centres, means)
 
 
-def heaviness(intensity_gain: float) -> float:
-    """Friction of the future, in bare surfaces, above a curve of this intensity_gain."""
-    return OVER_THE_CURVE * (1.0 + intensity_gain)
+def heaviness(ambience: float) -> float:
+    """Return the friction of the future, relative to the base surface, for this ambience."""
+    return OVER_THE_CURVE * (1.0 + ambience)
 
 
 def rise(now: float, cells: int) -> NDArray[np.float64]:
-    """How far each point of a table of cells + 1 is in the future: 0, then a smooth rise to 1.
+    """Return the weight of the future at each point of a table: 0, then a smooth rise to 1.
 
     Parameters
     ----------
     now
-        Up to where it has happened, 0 to 1 of the surface.
+        Position of the present, 0 to 1.
     cells
-        Of the table.
+        Number of cells of the table.
     """
     part = np.clip((np.arange(cells + 1) / cells - now) / SOFT_END, 0.0, 1.0)
     return part * part * (3.0 - 2.0 * part)
 
 
 def mixed_with_rank(levels: Array, known: Array, share: float) -> Array:
-    """Return levels (0 to 1) mixed with their rank among the known ones.
+    """Return levels (0 to 1) mixed with their rank among the known levels.
 
-    Levels without a curve, and those of a constant one, stay as they are.
+    Levels without a curve or of a constant curve are returned unchanged.
     """
     ordered = np.sort(known)
     if not len(ordered) or ordered[0] == ordered[-1]:
@@ -200,18 +200,18 @@ def mixed_with_rank(levels: Array, known: Array, share: float) -> Array:
 
 
 def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The points of a table that are higher than the one before and not lower than the next."""
+    """Return the points that are higher than the one before and not lower than the next."""
     inner = course[1:-1]
     return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
 
 
 def crests_of(course: NDArray[np.float64], top: float) -> TextureStrikes:
-    """The crests of a pattern (0 to 1 at the table's points), whose 1 is `top` N m s/rad."""
+    """Return strikes at the crests of a pattern (0 to 1), where 1 is `top` N m s/rad."""
     at = crests(course)
     return TextureStrikes(at / (len(course) - 1), top * course[at])
 
 
 def troughs_of(course: NDArray[np.float64], impedance: float) -> TextureStrikes:
-    """The troughs of a pattern of detents, which take `impedance` N m s/rad from the disk."""
+    """Return strikes at the troughs of a pattern of detents with an `impedance` in N m s/rad."""
     at = crests(-course)
     return TextureStrikes(at / (len(course) - 1), np.full(len(at), impedance))

@@ -1,4 +1,4 @@
-"""What the engine reports: parameters with their values, meters, strikes, levels and its tail.
+"""Readers of the engine's memory: parameters, meters, strikes, inputs and tail.
 
 Functions that take the memory block of `kernels.layout`, float64, are called by the control thread;
 the audio thread may be writing it.
@@ -21,14 +21,14 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.derive import ARRIVAL_S, PACE_MOST
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.kernels.ordering import acquired
 from overview_dsp.kernels.output_gain import LEAST_CURSOR, SLOWEST_PACE, USUAL_PACE
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.public import counted, dataframe
-from overview_dsp.signal.engine.surface_slots import StruckSurfaces
+from overview_dsp.signal.engine.surface_slots import SurfaceHistory
 from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ APPLIED_EVENT = np.dtype(
 )
 
 LOG_FIRST_S = 2e-4
-"""An event is in the log a little before the hand's state shows it."""
+"""Delay between an event in the log and the update of the input's state, s."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class EngineParameter(Parameter):
     Parameters
     ----------
     id, default, low, high, unit, doc, choices, scale, surface : see `Parameter`
-        What the parameter is.
+        Fields of the parameter.
     value : float, bool or str
         The present value, in the parameter's unit.
 
@@ -70,33 +70,33 @@ class EngineParameter(Parameter):
 
 @dataclass(frozen=True)
 class Meters:
-    """What the audio side reports, as of the last block.
+    """Levels and counters of the audio thread as of the last block.
 
     Attributes
     ----------
     blocks : int
-        Processed since `reset`, as all counters here.
+        Processed blocks since `reset`, as for all counters.
     late_events, rejected_events, clamped_events, dropped_events : int
-        Control events that came after their sample; whose theta2 was not finite (the hand stays
-        where it was); whose theta2 was outside [0, pi]; that found the queue full.
+        Control events that came after their sample; with a theta2 that is not finite (it is
+        ignored); with a theta2 outside [0, pi]; that did not fit into the queue.
     resets : int
         Blocks silenced because the state was not finite.
     limited_samples, strikes : int
-        Samples held at the ceiling; events passed.
+        Samples limited to the ceiling; events passed.
     peak_click, peak_tactor : float
         Highest sample of the last block, linear.
     torque, friction : float
-        At the block's end, N m and N m s/rad.
+        Values at the block's end, N m and N m s/rad.
     envelope, cursor : float
-        Amplitude of the carrier, linear; where the disk is, 0 to 1.
+        Amplitude of the carrier, linear; position of the disk, 0 to 1.
     touching : bool
-        Whether a hand holds on.
+        Whether any input touches the disk.
     engaged : bool
-        Whether shaft 2 is engaged: after a release until the disk has arrived.
+        Whether shaft 2 is engaged; after a release until the disk has arrived.
     silent_samples : int
-        Since the last sample that was not zero.
+        Samples since the last one that was not zero.
     still_samples : int
-        Since the disk was last more than a thousandth of the timeline from where its springs rest;
+        Samples since the disk was last more than 0.001 of the timeline from its rest position;
         0 from a release until the disk has arrived.
 
     Examples
@@ -137,18 +137,18 @@ class Meters:
 
 @dataclass(frozen=True)
 class Strikes:
-    """Events passed by the disk, and slips where bristles held it, in order.
+    """Events passed by the disk, and slips of bristles, in order of time.
 
     Arrays of equal length.
 
     Attributes
     ----------
     time_s : float64 (strikes,)
-        When, s since reset, with its fraction of a sample.
+        Time since reset with sub-sample precision, s.
     event : int64 (strikes,)
-        Index into the events of the timeline under the disk then; -1 is the bare surface.
+        Index into the events of the timeline at that time; -1 is the base surface.
     torque : float64 (strikes,)
-        Let go there, N m.
+        Released torque, N m.
     level : float64 (strikes,)
         Amplitude of the click after compression, linear.
 
@@ -165,12 +165,12 @@ class Strikes:
     level: NDArray[np.float64]
 
     def to_dataframe(self) -> DataFrame:
-        """Give them as a pandas DataFrame, a row a strike.
+        """Return a pandas DataFrame with one row per strike.
 
         Returns
         -------
         pandas.DataFrame
-            The columns above.
+            Columns as the attributes above.
 
         Raises
         ------
@@ -186,12 +186,12 @@ class Strikes:
         return dataframe(vars(self))
 
     def of_events(self) -> Strikes:
-        """Leave out those of the bare surface.
+        """Return the strikes of events, without those of the base surface.
 
         Returns
         -------
         Strikes
-            The others, in order.
+            Strikes in order of time.
 
         Examples
         --------
@@ -199,8 +199,8 @@ class Strikes:
         >>> len(result.strikes.of_events()) <= len(result.strikes)
         True
         """
-        kept = self.event >= 0
-        return Strikes(self.time_s[kept], self.event[kept], self.torque[kept], self.level[kept])
+        listed = self.event >= 0
+        return Strikes(*(column[listed] for column in vars(self).values()))
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -211,7 +211,7 @@ class Strikes:
 
 
 def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
-    """Counters and levels as of the last block."""
+    """Read counters and levels as of the last block."""
     f64, i64 = memory, memory.view(np.int64)
     return Meters(
         blocks=int(i64[layout.M_BLOCKS]),
@@ -235,18 +235,18 @@ def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
     )
 
 
-def read_impulse(memory: NDArray[np.float64]) -> tuple[int, float]:
-    """The samples summed since reset, and the sum of the torque over them (N m samples)."""
+def read_torque_integral(memory: NDArray[np.float64]) -> tuple[int, float]:
+    """Read the samples since reset and the sum of the torque over them (N m samples)."""
     i64 = memory.view(np.int64)
     while True:  # the audio thread may write between the two
         summed = int(i64[layout.M_SUMMED])
-        impulse = float(memory[layout.M_IMPULSE])
+        total = float(memory[layout.M_IMPULSE])
         if summed == i64[layout.M_SUMMED]:
-            return summed, impulse
+            return summed, total
 
 
-def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
-    """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
+def read_active_input(memory: NDArray[np.float64]) -> tuple[str, float] | None:
+    """Read the source that controls the disk and its theta2 (rad), or None."""
     source = int(memory.view(np.int64)[layout.HOLDER])
     if source < 0:
         return None
@@ -254,9 +254,9 @@ def read_holder(memory: NDArray[np.float64]) -> tuple[str, float] | None:
 
 
 def read_arrival(memory: NDArray[np.float64]) -> int | None:
-    """The sample since which the disk is where the finger points and no event lies between them.
+    """Read the sample since which the disk is at the input angle, without an event between them.
 
-    Where friction sticks: since which it stands still. None while it isn't so, or nobody holds it.
+    With sticking friction: since which it is at rest. None otherwise, or without an active input.
     """
     i64 = memory.view(np.int64)
     still = int(i64[layout.M_STILL])
@@ -280,22 +280,22 @@ def read_arrival(memory: NDArray[np.float64]) -> int | None:
 
 
 def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.void], int]:
-    """The control events applied after the first `since` ones, and how many there are by now.
+    """Read the control events applied after the first `since`, and the number applied so far.
 
     Raises
     ------
     OverviewError
-        More came since than the log keeps.
+        More events were applied since then than the log keeps.
     """
     since = validation.whole(since, "since", least=0)
     i64 = memory.view(np.int64)
     now = acquired(i64, layout.APPLIED)
     if since > now:
-        raise InputError(f"since is {shown(since)}; {now} control events were applied by now")
+        raise InputError(f"since is {shown(since)}; must be 0 to {now}, the events applied so far")
     if now - since > layout.APPLIED_LOG:
         raise OverviewError(
-            f"{now - since} control events since the last look; the log keeps "
-            f"{layout.APPLIED_LOG}: look more often"
+            f"{now - since} control events were applied since the last call; the log keeps "
+            f"{layout.APPLIED_LOG}; call more often"
         )
     at = np.arange(since, now) % layout.APPLIED_LOG
     events = np.empty(len(at), dtype=APPLIED_EVENT)
@@ -306,15 +306,15 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
     return events, now
 
 
-def take_strikes(
+def pop_strikes(
     memory: NDArray[np.float64],
-    struck: StruckSurfaces,
+    history: SurfaceHistory,
     applied_at: Callable[[int], int | None],
     sample_rate: float,
 ) -> tuple[Strikes, list[Timeline | None]]:
-    """The strikes since the last call (up to the log's latest), by the surfaces they fell on.
+    """Return the strikes since the last call (at most the log's size) and their timelines.
 
-    And each one's timeline, None where that isn't known any more.
+    A timeline is None if it is no longer known.
     """
     i64 = memory.view(np.int64)
     now = int(i64[layout.CLOCK])
@@ -323,7 +323,7 @@ def take_strikes(
     i64[layout.STRIKES_READ] = total
     at = np.arange(first, total) % layout.STRIKE_LOG
     times = memory[layout.LOG_TIME + at]
-    events, timelines = struck.find(i64[layout.LOG_EVENT + at], times, now, applied_at)
+    events, timelines = history.find(i64[layout.LOG_EVENT + at], times, now, applied_at)
     strikes = Strikes(
         time_s=times / sample_rate,
         event=events,
@@ -333,13 +333,13 @@ def take_strikes(
     return strikes, timelines
 
 
-def read_hands(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
-    """A sample, how many events were applied by then, and the hands that hold on after those.
+def read_inputs(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
+    """Return a sample, the number of events applied by then, and the touching inputs.
 
-    Each hand's source (an index) and theta2 (rad), in the order in which they touched.
+    Inputs are pairs of source (an index) and theta2 (rad), in the order of their touches.
     """
     i64 = memory.view(np.int64)
-    while True:  # the audio thread may apply events meanwhile
+    while True:  # repeat if the audio thread applied events in between
         now = int(i64[layout.CLOCK])
         applied = acquired(i64, layout.APPLIED)
         time.sleep(LOG_FIRST_S)
@@ -352,22 +352,22 @@ def read_hands(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, f
 
 
 def tactor_of(memory: NDArray[np.float64], torque: NDArray[np.float64]) -> NDArray[np.float32]:
-    """The tactor channel that a torque signal (N m, one value a frame) gives from rest."""
+    """Return the tactor signal of a torque signal (N m per frame), starting from rest."""
     out = np.zeros(len(torque), dtype=np.float32)
     block.tactor_stage(memory, np.ascontiguousarray(torque, dtype=np.float64), out)
     return out
 
 
-_MARGIN = 1.25  # the estimate takes the disk for quasi-static; events add their inertia
+_MARGIN = 1.25  # the estimate assumes a quasi-static disk; events add their inertia
 _SKIN_FALLS = 20.0  # e-foldings of the tactor's envelope until it is exactly zero
 _DC_BLOCKER_S = 0.2
 
 
 def tail_seconds(preset: Preset, surface: Surface) -> float:
-    """An upper estimate of the time from the last release to exact silence, s.
+    """Return an upper bound of the time from the last release to exact silence, s.
 
-    The disk is followed down from the end of the timeline: in the friction of each cell it falls by
-    its slower time constant, until neither its torque nor its grain counts any more.
+    The disk returns from the end of the timeline. In the friction of each cell it falls with
+    its slower time constant, until its torque and its texture are inaudible.
     """
     number = preset.number
     inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
@@ -384,17 +384,17 @@ def tail_seconds(preset: Preset, surface: Surface) -> float:
         root = np.sqrt(np.maximum(b * b - 4.0 * k * inertia, 0.0))
         falls = 2.0 * inertia / (b - root)
         fall = float(np.sum(falls[1:-1] * np.log(1.0 + 1.0 / np.arange(1, CELLS))))
-        # below the first cell: down to the angle whose torque or grain is the last to matter
+        # below the first cell: down to the angle at which torque and texture become inaudible
         silent_torque = gate / loudest / k
         lowest = float(falls[:2].max())
         silent_grain = QUIET / (grain * loudest**2) * math.sqrt(lowest / k)
         last = min(silent_torque, silent_grain) / theta1_full
         fall += lowest * max(0.0, math.log(1.0 / (last * CELLS)))
         if surface.bristles is not None or surface.detents is not None:
-            # held off the springs' rest, the disk comes to its own from anywhere
+            # a disk held away from the springs' rest position settles from any position
             fall += float(falls.max()) * math.log(CELLS)
         if has_clutch and k > k1:
-            # to a finger that rests, at least in proportion to the way that is left
+            # to a resting input, at least in proportion to the remaining distance
             tap_s = number("clutch.tap_duration_s") or 1.0 / PACE_MOST
             fall += tap_s * math.log(CELLS)
             fall += 1.0 / (number("clutch.max_speed") or PACE_MOST)

@@ -39,9 +39,9 @@ def edges(actuator, amplitude=0.7):
 
 @pytest.mark.parametrize("name", ["c2", "lra"])
 def test_a_c2_rises_and_falls_in_less_than_half_the_time_within_its_rating(name):
-    """`shaping.sharpen` against none; the rise alone is what the profile says."""
-    actuator = changed(load_actuator(name), shaping__equal_sensation=False)
-    plain_rise, plain_fall, plain_level, _ = edges(changed(actuator, shaping__sharpen=1.0))
+    """`shaping.overdrive` against none; the rise alone is what the profile says."""
+    actuator = changed(load_actuator(name), shaping__perceptual_weighting=False)
+    plain_rise, plain_fall, plain_level, _ = edges(changed(actuator, shaping__overdrive=1.0))
     rise, fall, level, drive = edges(actuator)
     assert plain_rise == pytest.approx(actuator.rise_ms, rel=0.05)
     assert rise <= 0.5 * plain_rise
@@ -71,13 +71,13 @@ def test_with_headroom_below_the_peak_the_motion_is_exactly_that_of_the_lower_q(
     st.floats(1.0, 16.0),
     st.sampled_from((8000.0, 44_100.0, 192_000.0)),
 )
-def test_sharpening_keeps_the_level_at_the_resonance(frequency, q, sharpen, rate):
+def test_overdrive_keeps_the_level_at_the_resonance(frequency, q, overdrive, rate):
     values = {
         **load_actuator("voice_coil").values,
         "resonance.frequency_hz": frequency,
         "resonance.q": q,
-        "shaping.sharpen": sharpen,
-        "shaping.equal_sensation": False,
+        "shaping.overdrive": overdrive,
+        "shaping.perceptual_weighting": False,
     }
     sharp = Actuator("a", "a", "a", values)
     seconds = (12.0 * q / np.pi + 9.0) / frequency
@@ -92,14 +92,14 @@ def test_sharpening_keeps_the_level_at_the_resonance(frequency, q, sharpen, rate
 
 
 @pytest.mark.parametrize("frequency", [50.0, 80.0, 120.0, 175.0, 247.0, 320.0, 500.0, 800.0])
-def test_equal_sensation_raises_what_the_skin_feels_less(frequency):
-    coil = changed(load_actuator("voice_coil"), shaping__equal_sensation=True)
+def test_perceptual_weighting_raises_what_the_skin_feels_less(frequency):
+    coil = changed(load_actuator("voice_coil"), shaping__perceptual_weighting=True)
     tone = burst(frequency, 0.5, 0.0, 1e-3)
     drive, _ = driven(coil, tone)
     half = len(tone) // 2
     raised = 20.0 * np.log10(np.std(drive[half:]) / np.std(tone[half:]) / coil.nominal)
     assert raised == pytest.approx(-pacinian_db(frequency), abs=3.5)
-    plain, _ = driven(changed(coil, shaping__equal_sensation=False), tone)
+    plain, _ = driven(changed(coil, shaping__perceptual_weighting=False), tone)
     assert np.allclose(plain, tone.astype(np.float32) * coil.nominal, rtol=1e-6, atol=1e-9)
 
 

@@ -1,8 +1,8 @@
-"""Order between threads: what a writer wrote before it published is there for who reads after.
+"""Atomic loads and stores that order the memory accesses of writer and reader threads.
 
 A ring or log of the memory block has one writer and one reader. The writer fills entries and then
 publishes their count with `store_release`; the reader gets the count with `load_acquire` and then
-reads entries, and gives them back in the same way. Without that a processor other than x86 may show
+reads entries, and returns them in the same way. Without this, processors other than x86 may show
 the count before the entries, and a compiler may move either past the other.
 
 Plain Python, and WebAssembly with its one thread, have plain loads and stores.
@@ -23,12 +23,12 @@ COLUMN_BYTES = 8
 
 
 def load_acquire(i64, at):
-    """Column `at`; nothing that is read after it was read before."""
+    """Read column `at`; later reads are not moved before it."""
     return i64[at]
 
 
 def store_release(i64, at, value):
-    """Write column `at`; nothing that was read or written before it is so afterwards."""
+    """Write column `at`; earlier reads and writes are not moved after it."""
     i64[at] = value
 
 

@@ -13,7 +13,7 @@ from overview_dsp.kernels.simd.vector import any_of, choose, rarely
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 ROUNDS = 2  # of Newton's method
-SHORT = 1.0 / 64.0  # cells: over a shorter way B is that in its middle; a difference would round
+SHORT = 1.0 / 64.0  # cells: shorter steps use the midpoint, since a difference would cancel
 INTEGRAL = layout.SLOT_INTEGRAL - layout.SLOT_TABLE  # from a slot's table on
 STEEP = layout.SLOT_STEEP - layout.SLOT_TABLE
 marked, any_marked = marking(layout.STEEP_BLOCK.bit_length() - 1)
@@ -21,7 +21,7 @@ marked, any_marked = marking(layout.STEEP_BLOCK.bit_length() - 1)
 
 @inlined
 def on_table(position):
-    """`position` (cells) clamped to the table."""
+    """Return `position` (cells) clamped to the table."""
     # a NaN fails both comparisons and must not become an index
     position = rarely(not position > 0.0, 0.0, position)
     return rarely(position > CELLS, float(CELLS), position)
@@ -36,7 +36,7 @@ def on_tables(position):
 
 @inlined
 def friction_on(f64, table, position):
-    """B at a `position` on the table (cells) from pairs of value and slope, N m s/rad."""
+    """Return B at a clamped `position` (cells) from pairs of value and slope, N m s/rad."""
     i = int(position)
     at = (table + 2 * i) & NOT_NEGATIVE
     return f64[at] + (position - float(i)) * f64[at + 1]
@@ -44,7 +44,7 @@ def friction_on(f64, table, position):
 
 @inlined
 def friction_at(f64, table, position):
-    """B at any `position` (cells), N m s/rad."""
+    """Return B at any `position` (cells), N m s/rad."""
     return friction_on(f64, table, on_table(position))
 
 
@@ -58,7 +58,7 @@ def frictions_at(f64, tables, first, position):
 
 @inlined
 def friction_between(f64, table, old_table, left, position):
-    """B at a position (cells) of a surface of which `left` is still that of another table."""
+    """Return B at a position (cells) in a crossfade; `left` is the weight of the old table."""
     friction = friction_at(f64, table, position)
     if left > 0.0:
         before = friction_at(f64, old_table, position)
@@ -68,7 +68,7 @@ def friction_between(f64, table, old_table, left, position):
 
 @inlined
 def integral_at(f64, table, position):
-    """The integral of B from 0 to `position` (cells), N m s/rad cells; beyond an end B stays."""
+    """Return the integral of B from 0 to `position` (cells), N m s/rad cells."""
     inside = on_table(position)
     i = int(inside)
     part = inside - float(i)
@@ -93,7 +93,7 @@ def integrals_at(f64, tables, first, position):
 
 @inlined
 def integral_between(f64, table, old_table, left, position):
-    """`integral_at` of a surface of which `left` is still that of another table."""
+    """Return `integral_at` in a crossfade; `left` is the weight of the old table."""
     integral = integral_at(f64, table, position)
     if left > 0.0:
         before = integral_at(f64, old_table, position)
@@ -103,13 +103,13 @@ def integral_between(f64, table, old_table, left, position):
 
 @inlined
 def is_steep(i64, table, position):
-    """Whether a step about a `position` on the table (cells) may cross a steep edge of it."""
+    """Return whether a step about a `position` on the table (cells) may cross a steep edge."""
     return i64[(table + STEEP + int(position) // layout.STEEP_BLOCK) & NOT_NEGATIVE] == 1
 
 
 @inlined
 def any_steep(i64, tables, first, position):
-    """Whether a step about any lane's `position` may cross a steep edge; as `frictions_at`."""
+    """Return whether a step about any lane's `position` may cross a steep edge."""
     return any_marked(i64, tables, first, STEEP, on_tables(position))
 
 
@@ -121,7 +121,7 @@ def steep_at(i64, tables, first, position):
 
 @outlined
 def mean_friction(f64, table, old_table, left, x, v, stretch, spring, inertia, middle):
-    """B's mean over a step's own way, and its midpoint speed, of which `middle` is a guess.
+    """Return the mean of B over a step, and the midpoint speed, of which `middle` is a guess.
 
     The tables are as in `friction_between`, the other arguments as in `two_disk`.
     """
@@ -143,7 +143,7 @@ def mean_friction(f64, table, old_table, left, x, v, stretch, spring, inertia, m
 
 @inlined
 def mean_frictions(f64, tables, first, x, v, stretch, spring, inertia, denominator, middle):
-    """`mean_friction` for lanes, each on one table alone; tables as in `frictions_at`."""
+    """`mean_friction` for lanes without a crossfade; tables as in `frictions_at`."""
     push = inertia * (2.0 * v + spring * stretch)
     start, _ = integrals_at(f64, tables, first, x)
     for _ in range(ROUNDS):

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.offline.export import ahap, android
+from overview_dsp.offline.export import ahap, android, breakpoints
 from overview_dsp.offline.export import haptic as meta
 from overview_dsp.offline.export import hjif as mpeg
+from overview_dsp.offline.export.clip import Clip, Transient
 from overview_dsp.offline.export.document import read
 
 
@@ -155,3 +156,26 @@ def test_an_envelope_effect_starts_from_nothing_and_ramps_to_each_point():
 def test_a_waveform_holds_each_amplitude():
     wave = android.Waveform(amplitudes=[255, 51], timings=[10, 25], repeat=-1)
     assert android.waveform_played(wave).tolist() == [1.0] * 10 + [0.2] * 25 + [0.0]
+
+
+def test_strikes_of_later_android_effects_are_relative_to_their_effect(monkeypatch):
+    """The effect of a strike after 1.5 s spends its points on that strike."""
+    strike_s, surface = 2.3, None
+    transients = (Transient(0.4, 0.8, 0.5, "goal"), Transient(strike_s, 0.8, 0.5, "goal"))
+    clip = Clip("made", np.append(np.full(3000, 0.4), 0.0), 250.0, transients, surface)
+    strikes_ms = []
+
+    def control_points(level, strikes, *limits):
+        assert all(0 <= at < len(level) for at in strikes)
+        strikes_ms.append(list(strikes))
+        return breakpoints.control_points(level, strikes, *limits)
+
+    monkeypatch.setattr(android, "control_points", control_points)
+    effects = android.envelopes(clip)
+    found = [
+        (effect.startMs + at) / 1000.0
+        for effect, strikes in zip(effects, strikes_ms, strict=True)
+        for at in strikes
+    ]
+    assert len(effects) > 1
+    assert found == pytest.approx([0.4, strike_s])

@@ -1,33 +1,29 @@
-"""The kernels' functions that Python calls and audio streams run, on plain pointers.
+"""C entry points of the kernels for Python and audio streams, on plain pointers.
 
-`tools/build_objects.py` makes machine code of them, `kernels/shipped.py` calls it. `NAMES` are the
-functions, each with its signature. Memory is that of `kernels.layout`, or the beginning of one.
+`tools/build_objects.py` compiles them and `kernels/precompiled.py` calls them. `NAMES` maps the
+names to functions and signatures. Memory is a block of `kernels.layout`, or its beginning.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numba import types
 
-from overview_dsp.kernels import block, derive, layout, ordering
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels import atomics, block, derive, layout
+from overview_dsp.kernels.c_abi.memory import carray, views
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
 from overview_dsp.kernels.device.callback import SIGNATURE, callback
 from overview_dsp.kernels.simd import block as side_by_side
 from overview_dsp.kernels.simd.memory import MEMORY
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
-carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
-
 
 def process(memory, out, frames, channels, trace, traced):
-    """`block.process`."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
-    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    """Call `block.process`."""
+    f64, i64, u64 = views(memory)
     samples = carray(out, (frames * channels,), np.float32)
     table = carray(trace, (frames * layout.TRACE,), np.float64)
     block.process(f64, i64, u64, samples, frames, channels, table, traced != 0)
@@ -35,7 +31,7 @@ def process(memory, out, frames, channels, trace, traced):
 
 
 def process_lanes(memory, count, out, frames, trace, traced):
-    """`simd.block.process_lanes`, of the lanes' memory."""
+    """Call `simd.block.process_lanes`."""
     f64 = carray(memory, (MEMORY,), np.float64)
     i64 = carray(memory, (MEMORY,), np.int64)
     u64 = carray(memory, (MEMORY,), np.uint64)
@@ -46,24 +42,22 @@ def process_lanes(memory, count, out, frames, trace, traced):
 
 
 def reset(memory):
-    """`block.reset`."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
-    u64 = carray(memory, (layout.TOTAL,), np.uint64)
+    """Call `block.reset`."""
+    f64, i64, u64 = views(memory)
     block.reset(f64, i64, u64)
     return 0
 
 
 def tactor_stage(memory, torque, out, frames):
-    """`block.tactor_stage`."""
+    """Call `block.tactor_stage`."""
     f64 = carray(memory, (layout.TOTAL,), np.float64)
-    given = carray(torque, (frames,), np.float64)
-    block.tactor_stage(f64, given, carray(out, (frames,), np.float32))
+    torques = carray(torque, (frames,), np.float64)
+    block.tactor_stage(f64, torques, carray(out, (frames,), np.float32))
     return 0
 
 
 def derive_coefficients(memory):
-    """`derive.derive`."""
+    """Call `derive.derive`."""
     f64 = carray(memory, (layout.SET_UP,), np.float64)
     i64 = carray(memory, (layout.SET_UP,), np.int64)
     derive.derive(f64, i64)
@@ -71,22 +65,21 @@ def derive_coefficients(memory):
 
 
 def derive_clicks(memory, slot):
-    """`derive.derive_clicks`."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    """Call `derive.derive_clicks`."""
+    f64, i64, _ = views(memory)
     derive.derive_clicks(f64, i64, slot)
     return 0
 
 
 def derive_drive(memory, at, sample_rate):
-    """`derive_actuator.derive_actuator`."""
+    """Call `derive_actuator.derive_actuator`."""
     f64 = carray(memory, (at + layout.ACT_SIZE,), np.float64)
     derive_actuator.derive_actuator(f64, at, sample_rate)
     return 0
 
 
 def drive_block(memory, at, out, frames, channels, channel):
-    """`actuator.drive_block`."""
+    """Call `actuator.drive_block`."""
     f64 = carray(memory, (at + layout.ACT_SIZE,), np.float64)
     i64 = carray(memory, (at + layout.ACT_SIZE,), np.int64)
     samples = carray(out, (frames * channels,), np.float32)
@@ -95,28 +88,26 @@ def drive_block(memory, at, out, frames, channels, channel):
 
 
 def finish_block(memory, out, frames, channels):
-    """`output_stage.finish_block`."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    """Call `output_stage.finish_block`."""
+    f64, i64, _ = views(memory)
     samples = carray(out, (frames * channels,), np.float32)
     return 1 if output_stage.finish_block(f64, i64, samples, frames, channels) else 0
 
 
 def push(memory, source, stamp, theta2, touching):
-    """`control.push_control`."""
-    f64 = carray(memory, (layout.TOTAL,), np.float64)
-    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    """Call `control_events.push_control`."""
+    f64, i64, _ = views(memory)
     return 1 if push_control(f64, i64, source, stamp, theta2, touching != 0) else 0
 
 
 def acquired(memory, at):
-    """`ordering.acquired`."""
-    return ordering.acquired(carray(memory, (layout.TOTAL,), np.int64), at)
+    """Call `atomics.acquired`."""
+    return atomics.acquired(carray(memory, (layout.TOTAL,), np.int64), at)
 
 
 def publish(memory, at, value):
-    """`ordering.publish`."""
-    ordering.publish(carray(memory, (layout.TOTAL,), np.int64), at, value)
+    """Call `atomics.publish`."""
+    atomics.publish(carray(memory, (layout.TOTAL,), np.int64), at, value)
     return 0
 
 

@@ -11,13 +11,13 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.kernels import control, event_crossing, layout, release
+from overview_dsp.kernels import control_events, event_crossing, layout, release
 from overview_dsp.signal.engine.queues import ControlQueues
 
 
 @numba.njit
 def apply_one(f64, i64, source, theta2, touching):
-    control.apply_control(f64, i64, source, theta2, touching)
+    control_events.apply_control(f64, i64, source, theta2, touching)
 
 
 @numba.njit
@@ -31,23 +31,23 @@ def stop_waiting(f64, i64):
 
 
 @numba.njit
-def apply_due(f64, i64):
-    control.apply_due(f64, i64)
+def apply_pending(f64, i64):
+    control_events.apply_pending(f64, i64)
 
 
 @numba.njit
-def next_due(i64):
-    return control.next_due(i64)
+def next_event_time(i64):
+    return control_events.next_event_time(i64)
 
 
 @numba.njit
-def drop_waiting(i64):
-    control.drop_waiting(i64)
+def discard_pending(i64):
+    control_events.discard_pending(i64)
 
 
 @numba.njit
 def glide_all(f64, i64):
-    return control.glide_all(f64, i64)
+    return control_events.glide_all(f64, i64)
 
 
 @numba.njit
@@ -73,7 +73,7 @@ class Block:
 
     def apply(self, clock):
         self.i64[layout.CLOCK] = clock
-        apply_due(self.f64, self.i64)
+        apply_pending(self.f64, self.i64)
 
     def applied(self):
         """(sample, source, theta2, touching) of all events in the log."""
@@ -187,20 +187,20 @@ def test_events_apply_at_their_sample_in_the_order_of_sources_and_late_ones_are_
     block.queues.control(2.5, True, -1, FIRST)  # as soon as possible
     block.queues.control(3.0, True, 12, FIRST)
     last = len(SOURCES) - 1
-    assert next_due(block.i64) == 10
+    assert next_event_time(block.i64) == 10
     block.apply(9)
     assert block.applied() == []
     block.apply(10)
     assert block.applied() == [(10, 0, 2.0, 1), (10, 0, 2.5, 1), (10, last, 1.0, 1)]
     assert block.i64[layout.M_LATE] == 0
-    assert next_due(block.i64) == 11
+    assert next_event_time(block.i64) == 11
     block.apply(14)
     assert block.applied()[3:] == [(14, 0, 3.0, 1), (14, last, 1.5, 1)]
     assert block.i64[layout.M_LATE] == 2
-    assert next_due(block.i64) == control.NEVER
+    assert next_event_time(block.i64) == control_events.NEVER
     # sample 0 is one too
     block.queues.control(1.0, True, 0, LAST)
-    assert next_due(block.i64) == 0
+    assert next_event_time(block.i64) == 0
     block.apply(15)
     assert block.i64[layout.M_LATE] == 3
 
@@ -210,12 +210,12 @@ def test_the_rings_begin_again_behind_their_ends():
     source = 2
     for n in range(3 * layout.RING // 2):
         block.queues.control(n * 1e-4, True, n, SOURCES[source])
-        assert next_due(block.i64) == n
+        assert next_event_time(block.i64) == n
         block.apply(n)
         assert block.f64[layout.SOURCE_THETA2 + source] == n * 1e-4
     for n in range(3 * layout.HOST_RING // 2):
         block.queues.push([(layout.C_CEILING, float(n))], n)
-        assert next_due(block.i64) == n
+        assert next_event_time(block.i64) == n
         block.apply(n)
         assert block.f64[layout.TARGET + layout.C_CEILING] == n
 
@@ -225,14 +225,14 @@ def test_a_change_applies_at_its_sample_and_the_sample_is_kept():
     first = block.queues.push([(layout.C_CEILING, 0.5)], -1)
     second = block.queues.push([(layout.C_GATE, 0.25)], 20)
     block.queues.control(1.0, True, 15, FIRST)
-    assert next_due(block.i64) == -1
+    assert next_event_time(block.i64) == -1
     block.apply(7)
     assert block.queues.applied_at(first) == 7
     assert block.queues.applied_at(second) is None
     assert block.f64[layout.TARGET + layout.C_GATE] == 0.0
-    assert next_due(block.i64) == 15
+    assert next_event_time(block.i64) == 15
     block.apply(19)
-    assert next_due(block.i64) == 20
+    assert next_event_time(block.i64) == 20
     block.apply(22)
     assert block.queues.applied_at(second) == 22
     assert block.f64[layout.TARGET + layout.C_GATE] == 0.25
@@ -244,13 +244,13 @@ def test_what_waits_is_forgotten_and_the_rings_go_on():
     for source in SOURCES:
         block.queues.control(1.0, True, 5, source)
     block.queues.push([(layout.C_GATE, 0.25)], 5)
-    drop_waiting(block.i64)
-    assert next_due(block.i64) == control.NEVER
+    discard_pending(block.i64)
+    assert next_event_time(block.i64) == control_events.NEVER
     block.apply(5)
     assert block.applied() == []
     assert block.f64[layout.TARGET + layout.C_GATE] == 0.0
     block.queues.control(1.0, True, 6, LAST)
-    assert next_due(block.i64) == 6
+    assert next_event_time(block.i64) == 6
 
 
 # --- what a change does ---------------------------------------------------------------------------
@@ -389,17 +389,17 @@ def test_an_event_is_written_as_given_until_the_ring_is_full():
     f64, i64 = block.f64, block.i64
     source, ring = 3, layout.RING
     for n in range(ring):
-        assert control.push_control(f64, i64, source, n, 0.5 * n, n % 3 == 0) is True
+        assert control_events.push_control(f64, i64, source, n, 0.5 * n, n % 3 == 0) is True
     at = source * ring + np.arange(ring)
     assert i64[layout.RING_TIME + at].tolist() == list(range(ring))
     assert f64[layout.RING_THETA2 + at].tolist() == [0.5 * n for n in range(ring)]
     assert i64[layout.RING_TOUCHING + at].tolist() == [int(n % 3 == 0) for n in range(ring)]
     before = f64.tobytes()
-    assert control.push_control(f64, i64, source, ring, 1.0, True) is False
+    assert control_events.push_control(f64, i64, source, ring, 1.0, True) is False
     assert f64.tobytes() == before
     i64[layout.RING_READ + source] = 1  # one is read: one more has room
-    assert control.push_control(f64, i64, source, ring, 1.0, True) is True
-    assert control.push_control(f64, i64, source, ring, 1.0, True) is False
+    assert control_events.push_control(f64, i64, source, ring, 1.0, True) is True
+    assert control_events.push_control(f64, i64, source, ring, 1.0, True) is False
 
 
 @pytest.mark.parametrize("tiny", [5e-324, 2.2e-313, 1e-200])

@@ -1,4 +1,4 @@
-"""What happened when: transcripts, labels, subtitles and cue points tell every event passed."""
+"""Transcripts, labels, subtitles and cue points of all passed events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import soundfile
 import overview_dsp as ov
 from overview_dsp.errors import InputError
 from overview_dsp.files.cue_points import add_cues
-from overview_dsp.offline.rendering.event_log import happened, of_events, save_transcript
+from overview_dsp.offline.rendering.event_log import of_events, passed_events, save_transcript
 from tests.cli.running import MATCH, overview
 
 
@@ -25,7 +25,7 @@ def result(match, football):
 
 @pytest.fixture(scope="module")
 def passed(result, match):
-    return happened(result.strikes, match)
+    return passed_events(result.strikes, match)
 
 
 def test_every_event_that_was_passed_is_told_when_and_how_hard(result, match, passed):
@@ -61,7 +61,7 @@ def test_json_labels_and_markers_name_the_same_events(passed, tmp_path):
         assert record["kind"] == one.event.kind
         assert record["time_s"] == pytest.approx(one.time_s, abs=1e-4)
         assert float(start) == float(end) == pytest.approx(one.time_s, abs=1e-6)
-        assert words == marker[1] == one.words
+        assert words == marker[1] == one.text
         minutes, seconds = marker[2].split(":")
         assert 60 * int(minutes) + float(seconds) == pytest.approx(one.time_s, abs=6e-4)
 
@@ -94,7 +94,7 @@ def test_words_of_a_label_cannot_break_a_file(match, tmp_path):
 
 
 def test_another_suffix_is_one_line(passed, tmp_path):
-    with pytest.raises(InputError, match=r"a\.srt: a transcript is \.txt, \.json, \.vtt"):
+    with pytest.raises(InputError, match=r"a\.srt: a transcript must be \.txt, \.json, \.vtt"):
         save_transcript(passed, tmp_path / "a.srt")
 
 
@@ -132,7 +132,7 @@ def test_cue_points_lie_at_their_samples_and_the_sound_is_untouched(tmp_path, fr
 def test_cue_points_are_for_wav_files(tmp_path):
     path = tmp_path / "a.flac"
     soundfile.write(path, np.zeros(100), 8000)
-    with pytest.raises(InputError, match=r"cue points are for \.wav files"):
+    with pytest.raises(InputError, match=r"cue points need a \.wav file"):
         add_cues(path, [(1, "a")])
 
 
@@ -171,7 +171,7 @@ def test_export_says_what_happened_too(tmp_path, monkeypatch):
     )
     assert done.code == 0, done.err
     lines = (tmp_path / "a.txt").read_text().splitlines()
-    assert len(json.loads(done.out)[-1]["happened"]) == len(lines) > 10
+    assert len(json.loads(done.out)[-1]["events"]) == len(lines) > 10
 
 
 @pytest.mark.parametrize("wanted", [-40.0, -30.0])
@@ -200,14 +200,14 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--normalize", "3"), "3 LUFS is out of range; it is -60 to 0"),
-        (("--normalize", "nan"), "nan LUFS is out of range"),
+        (("--normalize", "3"), "normalize is 3 LUFS; must be -60 to 0"),
+        (("--normalize", "nan"), "normalize is nan LUFS; must be -60 to 0"),
         (
             ("--measure-loudness", "--sample-rate", "2000"),
-            "loudness is measured at whole rates of 4000 Hz",
+            "loudness needs a whole number from 4000 Hz",
         ),
-        (("--transcript", "a.srt"), "a.srt: a transcript is"),
-        (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points is for .wav files"),
+        (("--transcript", "a.srt"), "a.srt: a transcript must be"),
+        (("--cue-points", "-o", "a.flac"), "a.flac: --cue-points needs a .wav file"),
         (("--stems", "--transcript", "nowhere/a.txt"), "nowhere"),
     ],
 )

@@ -1,8 +1,8 @@
-"""Own elementary functions: the same bits on every machine and in every runner.
+"""Math functions with the same bits on every machine and in every runner.
 
 libm differs between machines and blocks vectorisation. These are short Taylor series on reduced
-arguments, summed in pairs (Estrin) so that a processor can overlap the terms, and without branches
-or conversions, so that a compiler can do several samples at once. Each states its accuracy.
+arguments, summed in pairs (Estrin) so that a processor can overlap the terms. They have no branches
+or conversions, so that a compiler can vectorise them. Each docstring states the accuracy.
 
 Thread: any.
 """
@@ -103,7 +103,7 @@ def cos_turns(p):
 
 
 def plain(function):
-    """A kernel function as Python, uncompiled, with all that it calls: for a handful of calls."""
+    """Return a kernel function as plain Python, with all functions that it calls."""
     written = getattr(function, "py_func", function)
     called = {
         name: plain(written.__globals__[name])

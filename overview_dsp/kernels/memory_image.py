@@ -1,7 +1,7 @@
-"""A memory block from encoded bytes (`export/browser_memory.py` describes and writes them).
+"""Decoder of memory images (`offline/export/browser_memory.py` describes and writes them).
 
-Bytes that aren't an image of this layout are refused before a column is written. What the kernels
-use as an index is checked afterwards, so that no bytes, however made, lead outside the block.
+Images of other layouts are rejected before any column is written. Indices are checked
+afterwards, so that no image can cause access outside the block.
 
 Thread: main.
 """
@@ -20,7 +20,7 @@ LOW = 0xFFFFFFFF  # of a column's two halves
 
 @inlined
 def values_of(how, count):
-    """How many values a run has for its columns."""
+    """Return the number of values that a run stores for `count` columns."""
     if how == FILL:
         return 1
     if how == INTEGRAL:
@@ -29,20 +29,20 @@ def values_of(how, count):
 
 
 @outlined
-def is_image(words, columns, digest):
-    """Whether `columns` columns are a whole memory block of the layout with that digest."""
-    if columns < HEAD or words[0] != digest or words[1] != WHOLE:
+def is_image(ints, columns, digest):
+    """Return whether `columns` columns are a complete image of the layout with a digest."""
+    if columns < HEAD or ints[0] != digest or ints[1] != WHOLE:
         return False
     covered = 0
     at = HEAD
     while at < columns:
-        how = words[at & NOT_NEGATIVE] & LOW
-        count = words[at & NOT_NEGATIVE] >> 32
+        how = ints[at & NOT_NEGATIVE] & LOW
+        count = ints[at & NOT_NEGATIVE] >> 32
         if how > INTEGRAL or count <= 0 or count > layout.TOTAL - covered:
             return False
         if how == TABLE and count & 1 == 1:
             return False
-        # it reads the table that lies before it
+        # an integral is computed from the preceding table
         if how == INTEGRAL and (covered < INTEGRAL_FROM_TABLE or 2 * count > INTEGRAL_FROM_TABLE):
             return False
         covered += count
@@ -51,20 +51,20 @@ def is_image(words, columns, digest):
 
 
 @outlined
-def decode(words, values, columns, f64, i64):
-    """Write the runs of an image, seen as int64 and float64, into a memory block."""
+def decode(ints, values, columns, f64, i64):
+    """Write the runs of an image, viewed as int64 and float64, to a memory block."""
     at = HEAD
     to = 0
     while at < columns:
-        how = words[at & NOT_NEGATIVE] & LOW
-        count = words[at & NOT_NEGATIVE] >> 32
+        how = ints[at & NOT_NEGATIVE] & LOW
+        count = ints[at & NOT_NEGATIVE] >> 32
         data = (at + 1) & NOT_NEGATIVE
         if how == FILL:
             for n in range(count):
-                i64[to + n] = words[data]
+                i64[to + n] = ints[data]
         elif how == DATA:
             for n in range(count):
-                i64[to + n] = words[data + n]
+                i64[to + n] = ints[data + n]
         elif how == TABLE:
             points = count // 2
             for n in range(points):
@@ -82,8 +82,8 @@ def decode(words, values, columns, f64, i64):
 
 
 @inlined
-def leads_nowhere_else(i64, slot):
-    """Whether every index in a surface stays within it."""
+def has_valid_indices(i64, slot):
+    """Return whether all indices of a surface are within its range."""
     events = i64[slot + layout.SLOT_EVENTS]
     if events < 0 or events > layout.MAX_EVENTS:
         return False
@@ -101,13 +101,13 @@ def leads_nowhere_else(i64, slot):
 
 
 @inlined
-def is_sound(f64, i64):
-    """Whether a decoded block can be played: its indices, and friction that is finite and > 0."""
+def is_valid(f64, i64):
+    """Return whether a decoded block has valid indices and finite friction > 0."""
     active = i64[layout.ACTIVE_SLOT]
     if active < 0 or active >= layout.SLOTS:
         return False
     for number in range(layout.SLOTS):
-        if not leads_nowhere_else(i64, layout.SURFACES + number * layout.SLOT_SIZE):
+        if not has_valid_indices(i64, layout.SURFACES + number * layout.SLOT_SIZE):
             return False
     table = layout.SURFACES + active * layout.SLOT_SIZE + layout.SLOT_TABLE
     total = 0.0

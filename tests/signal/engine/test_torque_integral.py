@@ -17,12 +17,12 @@ def played(match, football, blocks):
     engine.prepare(RATE, max(blocks))
     for n in range(400):
         engine.control(np.pi * n / 400, True, sample_time=60 * n)
-    torque, looks = [], [engine.impulse]
+    torque, looks = [], [engine.torque_integral]
     for frames in blocks:
         trace = np.zeros((frames, len(layout.TRACE_COLUMNS)))
         engine.process(np.zeros((frames, 2), dtype=np.float32), trace)
         torque.append(trace[:, layout.TRACE_COLUMNS.index("torque")])
-        looks.append(engine.impulse)
+        looks.append(engine.torque_integral)
     return np.concatenate(torque), looks
 
 
@@ -46,6 +46,6 @@ def test_it_begins_again_with_reset(match, football):
     engine.prepare(RATE, 512)
     engine.control(2.0, True)
     engine.process(np.zeros((512, 2), dtype=np.float32))
-    assert engine.impulse[1] != 0.0
+    assert engine.torque_integral[1] != 0.0
     engine.reset()
-    assert engine.impulse == (0.0, 0.0)
+    assert engine.torque_integral == (0.0, 0.0)
