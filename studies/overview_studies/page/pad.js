@@ -1,5 +1,5 @@
-// The pad: where a person feels a stimulus by the hand, a slider for assistive technology. It tells
-// nothing of the timeline unless the condition is seen.
+// Pad for exploring a stimulus by touch, twist or keys. For assistive technology it is a slider. Only
+// visual conditions show the timeline.
 
 import { SampleClock } from "./clock.js";
 import { boxOf, View } from "./drawing.js";
@@ -11,13 +11,13 @@ import { listenToTouch } from "./touch.js";
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** Whom a wrist moves between two trials. */
-export const NOBODY = { hold: () => {}, release: () => {} };
+/** Receiver of twist events between trials. */
+export const NO_INPUT = { hold: () => {}, release: () => {} };
 
 export class Pad {
   /**
-   * `input`: the hand that the condition has (keys always may); `kinds`: of study.json; `twist`: a
-   * Twist, which stays on from trial to trial.
+   * `input`: input of the condition, keys are always allowed; `kinds`: from study.json; `twist`: a
+   * Twist, which stays active between trials.
    */
   constructor({ input, label, kinds, twist, onfault }) {
     this.input = input;
@@ -25,11 +25,11 @@ export class Pad {
     this.kinds = kinds;
     this.onfault = onfault;
     this.presentation = null;
-    this.place = 0; // where the hand was last
-    this.sources = new Set(); // hands that were used
-    this.felt = false; // whether it was touched since the presentation began
-    /** Called when a hand first feels a presentation. */
-    this.onfelt = () => {};
+    this.position = 0; // last input position
+    this.sources = new Set(); // inputs that were used
+    this.touched = false; // since the presentation began
+    /** Called at the first touch of a presentation. */
+    this.ontouched = () => {};
     this.view = new View(kinds);
     this.finger = make("i", { class: "finger", hidden: true });
     this.slider = make("div", {
@@ -43,24 +43,24 @@ export class Pad {
   }
 
   hint() {
-    const words = {
+    const hints = {
       touch: "Drag along the field. Keys: arrows, Page keys, Home, End, Space, Escape.",
       any: "Drag along the field, or use the arrow keys.",
-      keys: "Use the arrow keys, Page keys, Home, End; Space taps, Escape lets go.",
+      keys: "Use the arrow keys, Page keys, Home, End; Space taps, Escape releases.",
       twist: "Turn on Twist and roll the phone, face up to face down. Keys work too.",
     };
-    const wrist = this.input === "twist" || (this.input === "any" && navigator.maxTouchPoints > 0);
-    this.toggle = wrist
+    const canTwist = this.input === "twist" || (this.input === "any" && navigator.maxTouchPoints > 0);
+    this.toggle = canTwist
       ? button("Twist", () => this.toggleTwist(), { "aria-pressed": this.twist.on }) : null;
-    return make("div", { class: "hint" }, make("p", { text: words[this.input] }), this.toggle);
+    return make("div", { class: "hint" }, make("p", { text: hints[this.input] }), this.toggle);
   }
 
-  /** Feel a presentation from now on; `view` is drawn, null in the dark. */
+  /** Connect a presentation; `view` is drawn unless it is null. */
   begin(presentation, view) {
     this.release();
     this.presentation = presentation;
     this.view.show(view);
-    this.felt = false;
+    this.touched = false;
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
     this.hand = new Hand(new Strokes(this.clock, send));
@@ -69,23 +69,23 @@ export class Pad {
     this.follow(presentation);
   }
 
-  /** Let go; the disk runs back. */
+  /** Release; the disk springs back. */
   release() {
     this.hand?.releaseAll();
   }
 
   end() {
     this.release();
-    this.twist.hand = NOBODY;
+    this.twist.hand = NO_INPUT;
     this.presentation = null;
     this.view.end();
     document.removeEventListener("visibilitychange", this.left);
   }
 
-  /** Ask the audio thread where the disk is, every frame. */
+  /** Read the disk's state from the audio thread in every frame. */
   async follow(presentation) {
     while (this.presentation === presentation && !presentation.stopped) {
-      const { clock, cursor } = await presentation.look();
+      const { clock, cursor } = await presentation.readState();
       this.clock.heard(clock, performance.now());
       this.show(cursor);
       await new Promise((resolve) => {
@@ -97,17 +97,17 @@ export class Pad {
   moved() {
     const { holder, place } = this.hand;
     if (holder === null) return;
-    this.place = place;
+    this.position = place;
     this.sources.add(holder);
     const percent = Math.round(100 * place);
     this.slider.setAttribute("aria-valuenow", percent);
     this.slider.setAttribute("aria-valuetext", `${percent} percent${this.nearby(place)}`);
-    if (this.felt) return;
-    this.felt = true;
-    this.onfelt();
+    if (this.touched) return;
+    this.touched = true;
+    this.ontouched();
   }
 
-  /** What a seen condition says of a place in words. */
+  /** Return the text of an event near a position, in visual conditions. */
   nearby(place) {
     const near = this.view.view?.events.find((event) => Math.abs(event.place - place) < STEP / 2);
     return near ? `, ${this.kinds[near.kind].words}` : "";
@@ -115,20 +115,20 @@ export class Pad {
 
   show(cursor) {
     const { x } = boxOf(this.slider.clientWidth, this.slider.clientHeight);
-    this.finger.hidden = !this.felt;
+    this.finger.hidden = !this.touched;
     this.finger.classList.toggle("holding", this.hand.holder !== null);
-    this.finger.style.transform = `translateX(${x(this.place).toFixed(1)}px)`;
+    this.finger.style.transform = `translateX(${x(this.position).toFixed(1)}px)`;
     this.view.at(cursor);
   }
 
-  // --- hands ------------------------------------------------------------------------------------
+  // --- inputs -----------------------------------------------------------------------------------
 
   listen() {
-    const may = (input) => this.presentation !== null && [input, "any"].includes(this.input);
-    // a hand of its own in between, as each presentation has another
+    const isAllowed = (input) => this.presentation !== null && [input, "any"].includes(this.input);
+    // forwards to the input of the current presentation
     const touch = {
-      hold: (source, place, time) => may("touch") && this.hand.hold(source, place, time),
-      release: (source, time) => may("touch") && this.hand.release(source, time),
+      hold: (source, place, time) => isAllowed("touch") && this.hand.hold(source, place, time),
+      release: (source, time) => isAllowed("touch") && this.hand.release(source, time),
     };
     listenToTouch(this.slider, touch, {
       placeOf: ({ clientX }) => {
