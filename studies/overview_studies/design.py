@@ -285,6 +285,6 @@ def _check_forms(design: Design) -> None:
             continue
         if not name.endswith(".html") or not (design.path.parent / name).is_file():
             raise InputError(
-                f"questionnaires: {name!r} is unknown; allowed: tlx, comments, consent, or an HTML file "
-                "in the folder of the study file"
+                f"questionnaires: {name!r} is unknown; allowed: tlx, comments, consent, or an HTML "
+                "file in the folder of the study file"
             )

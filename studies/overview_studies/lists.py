@@ -230,7 +230,7 @@ class ListMaker:
         }
 
     def _adjustable(self, standard: Stimulus) -> list[Stimulus]:
-        """Return the stimuli that differ from the standard only in the adjusted dimension, in order."""
+        """Return the stimuli that differ from the standard only in `vary`, in order."""
         vary = str(self._design.file.task.vary)
         return [
             next(one for one in self._items if one.matches({**standard.names, vary: level}))
@@ -265,8 +265,8 @@ class ListMaker:
                   for level in order}  # fmt: skip
             if any(len(found) != 1 for found in by.values()):
                 raise InputError(
-                    f"task.vary: a {task.name} task requires one stimulus per level of {vary}; with "
-                    f"{_levels_text(both)} the levels have {[len(found) for found in by.values()]}"
+                    f"task.vary: a {task.name} task requires one stimulus per level of {vary}; "
+                    f"with {_levels_text(both)} the levels have {[len(found) for found in by.values()]}"
                 )
             yesno = task.method == "yesno"
             if yesno:

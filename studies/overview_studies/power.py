@@ -66,7 +66,8 @@ def power_lines(found: Mapping[str, Any]) -> list[str]:
         for name, count in found["found"].items()
     ]
     lines += [
-        f"{found['measure']}, {name}: the 95 % interval contains the true value in {count} of {runs} runs"
+        f"{found['measure']}, {name}: the 95 % interval contains the true value in "
+        f"{count} of {runs} runs"
         for name, count in found["held"].items()
     ]
     return lines

@@ -132,8 +132,8 @@ def _stimuli(analysis: Analysis) -> str:
     if any(one["static"] for one in stimuli):
         parts.append(
             "In the static condition the position of the input set the amplitude of the same "
-            "carrier directly, without the disk; each event was as strong (RMS over 10 ms) as with the "
-            "friction model under a sweep of 2 s, or the stimulus's own gesture."
+            "carrier directly, without the disk; each event was as strong (RMS over 10 ms) as with "
+            "the friction model under a sweep of 2 s, or the stimulus's own gesture."
         )
     if study["mask"] is not None:
         parts.append(f"Noise of {study['mask']['level_db']:g} dBFS RMS masked other sounds.")
@@ -182,8 +182,8 @@ def _results(analysis: Analysis) -> str:
     ]
     for condition, (above, of) in analysis.above_chance.items():
         parts.append(
-            f"{above} of {of} participants were above chance in {condition_text(condition)} (exact binomial "
-            "test each, p < 0.05)."
+            f"{above} of {of} participants were above chance in {condition_text(condition)} (exact "
+            "binomial test each, p < 0.05)."
         )
     return "\n".join(parts)
 

@@ -41,9 +41,9 @@ def response_error(
 ) -> float | None:
     """Return the signed error of an answer; None if the task has none.
 
-    locate: distance to the nearest event, as a share of the timeline. count: difference of the counts.
-    adjust: difference in the unit of the varied dimension. draw: root mean square of the difference,
-    0 to 1.
+    locate: distance to the nearest event, as a share of the timeline. count: difference of
+    the counts. adjust: difference in the unit of the varied dimension. draw: root mean square of
+    the difference, 0 to 1.
     """
     response = row.get("response")
     if task == "locate" and step["correct"] and _is_number(response):

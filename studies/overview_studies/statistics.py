@@ -67,7 +67,7 @@ def information_bits(counts: ArrayLike, corrected: bool = True) -> float:
 
 @lru_cache(maxsize=64)
 def _resample_counts(participants: int) -> NDArray[np.float64]:
-    """Return how often each resample contains each participant: float64 (RESAMPLES, participants)."""
+    """Return how often resamples contain participants: float64 (RESAMPLES, participants)."""
     rng = np.random.default_rng(_SEED)
     equal = np.full(participants, 1.0 / participants)
     return rng.multinomial(participants, equal, RESAMPLES).astype(np.float64)
@@ -76,8 +76,8 @@ def _resample_counts(participants: int) -> NDArray[np.float64]:
 def _interval_percentiles(participants: int) -> tuple[float, float]:
     """Return the percentiles of a 95 % interval.
 
-    They are wider than 2.5 and 97.5. For few participants this corrects the spread of the bootstrap by
-    sqrt((n - 1)/n), and replaces normal tails by those of t (Hesterberg 2015).
+    They are wider than 2.5 and 97.5. For few participants this corrects the spread of the
+    bootstrap by sqrt((n - 1)/n), and replaces normal tails by those of t (Hesterberg 2015).
     """
     n = participants
     low = float(ndtr(-math.sqrt(n / (n - 1)) * student.ppf(0.975, n - 1)))
@@ -85,7 +85,7 @@ def _interval_percentiles(participants: int) -> tuple[float, float]:
 
 
 def mean_interval(values: Sequence[float]) -> Estimate:
-    """Return the mean of one number per participant, with a bootstrap interval over participants."""
+    """Return the mean of one number per participant, with a bootstrap interval."""
     known = np.array([value for value in values if math.isfinite(value)])
     n = len(known)
     if n < MIN_PARTICIPANTS:

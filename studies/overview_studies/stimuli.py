@@ -1,4 +1,4 @@
-"""Stimuli of a study: their levels in the grid and their renders."""
+"""Stimuli of a study, with their levels in the grid."""
 
 from __future__ import annotations
 

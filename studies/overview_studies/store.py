@@ -65,7 +65,7 @@ class Session:
 
 def utc_now() -> str:
     """Return the current time, ISO 8601 in UTC, to the millisecond."""
-    return datetime.utc_now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 @dataclass

@@ -75,8 +75,8 @@ def _with_events(
     room = high - low - MIN_SPACING * (count - 1)
     if room < 0.0:
         raise InputError(
-            f"stimuli.made.counts: {count} events at least {MIN_SPACING:g} apart do not fit into places "
-            f"{low:g} to {high:g}"
+            f"stimuli.made.counts: {count} events at least {MIN_SPACING:g} apart do not fit into "
+            f"places {low:g} to {high:g}"
         )
     # sorted draws from the free range plus the spacing keep events apart
     drawn = sorted(stream.uniform(0.0, room) for _ in range(count))

@@ -46,8 +46,8 @@ def serve(
 
     Each session gets the next list. The server writes an answer to storage before it confirms it.
     Reloaded pages and restarted servers resume the session. Anyone with the printed address can
-    take part. Its token is stored in FILE.token beside the answers, or in --token-file, so that open
-    pages reconnect after a restart.
+    take part. Its token is stored in FILE.token beside the answers, or in --token-file, so that
+    open pages reconnect after a restart.
     """
     require_server()
     from overview_studies.folder import read_study

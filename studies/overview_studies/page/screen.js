@@ -78,7 +78,7 @@ function filled(kit, display, form) {
     };
     const done = button(form.consent ? "Take part" : "Next", take, { class: "done" });
     display.append(done);
-    if (form.consent) display.append(button("I don't agree", () => kit.leave()));
+    if (form.consent) display.append(button("I do not agree", () => kit.leave()));
   });
 }
 

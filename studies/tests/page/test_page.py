@@ -267,7 +267,8 @@ def test_a_whole_session_without_a_network(chromium, tmp_path):
 
 FELT = """async ([key, output, events, frames]) => {
     const [{ StimulusPlayer }, { Server }] = await Promise.all([
-        import("./stimulus_player.js"), import("./client.js")]);
+        import("./stimulus_player.js"),
+        import("./client.js")]);
     const file = (path) => new Server(null).file(path);
     const study = await (await file("study.json")).json();
     const felt = new StimulusPlayer(study, file);
@@ -317,7 +318,8 @@ def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
 
 
 MASKED = """async () => {
-    const [{ StimulusPlayer }, { Server }] = await Promise.all([import("./stimulus_player.js"), import("./client.js")]);
+    const [{ StimulusPlayer }, { Server }] = await Promise.all([import("./stimulus_player.js"),
+        import("./client.js")]);
     const file = (path) => new Server(null).file(path);
     const felt = new StimulusPlayer(await (await file("study.json")).json(), file);
     felt.context = new OfflineAudioContext(2, 48000, 48000);
@@ -342,7 +344,7 @@ def test_who_does_not_agree_leaves_nothing(chromium, identify, tmp_path):
         page_at(chromium, server.url) as (page, wrong),
     ):
         page.click("text=Begin")
-        page.click("text=I don't agree")
+        page.click("text=I do not agree")
         page.wait_for_selector("text=nothing was stored")
         page.reload()
         page.wait_for_selector("text=Begin")  # ready for somebody else
