@@ -45,7 +45,7 @@ def objects(match, football, tmp_path_factory):
     clip = ov.export.read_clip(exported.files[0])
     builder = ov.CurveBuilder()
     builder.append(np.arange(100.0))
-    stream = ov.live.SilentStream(engine)
+    stream = ov.live.NullStream(engine)
     to_file = ov.render_to_file(match, football, ov.tap(0.5, 0.1), folder / "a.wav", 8000)
     other = football.with_changes({"surface.friction": 6e-4})
     made = [

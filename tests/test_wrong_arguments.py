@@ -177,7 +177,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         ),
         "read_clip": (ov.export.read_clip, {"path": "tap.haptic"}),
         "encode_engine": (ov.export.encode_engine, {"engine": engine}),
-        "SilentStream": (ov.live.SilentStream, {"engine": engine, "block_size": 64}),
+        "NullStream": (ov.live.NullStream, {"engine": engine, "block_size": 64}),
     }
 
 

@@ -1,12 +1,12 @@
-"""Bundle the page's scripts and style: `overview_dsp/web/bundle/`, from `web/*.js` and `web/site`.
+"""Bundle the page's scripts and style: `web/*.js` and `web/site` into `overview_dsp/web/bundle/`.
 
     python tools/bundle_page.py [FOLDER]
 
-Needs npm. Rollup joins the modules into few files, as a phone waits for each request: `main.js`,
-the first picture; `page.js`, all that the page does; `served.js`, what only a server's page uses;
-`live.js`, for a timeline that grows; `kernel.js`, which the page and `processor.js` (the audio
-thread) share. esbuild shortens each. Both are under the MIT licence and installed into a temporary
-folder, in the versions below: others may give other bytes.
+The script needs npm. Rollup joins the modules into few files, since each request delays a phone:
+`main.js` (first picture), `page.js` (the page), `served.js` (features of a server), `live.js` (live
+timelines) and `kernel.js`, which the page and `processor.js` (audio thread) share. esbuild minifies
+each file. Both tools have the MIT licence. They are installed into a temporary folder, in the
+versions below: other versions may produce other bytes.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from pathlib import Path
 WEB = Path(__file__).resolve().parents[1] / "overview_dsp" / "web"
 BUNDLE = WEB / "bundle"
 PACKAGES = {"esbuild": "0.28.2", "rollup": "4.68.8"}
-MADE_OF = "made_of.json"
-"""Beside the bundle: a digest of its sources, and the versions of what made it."""
+BUILD_INFO = "build_info.json"
+"""File in the bundle with a digest of the sources and the versions of the tools."""
 
 ENTRIES = ["main.js", "processor.js"]
-ALONE = ["worker.js", "style.css"]
+STANDALONE = ["worker.js", "style.css"]
 """Files that import no module."""
 
 CONFIG = f"""
@@ -48,13 +48,13 @@ export default {{
 
 
 def sources() -> dict[str, bytes]:
-    """Return what the bundle is made of, by name."""
+    """Return the source files of the bundle by name."""
     files = [*WEB.glob("*.js"), *(WEB / "site").glob("*.js"), WEB / "site" / "style.css"]
     return {file.name: file.read_bytes() for file in sorted(files, key=lambda file: file.name)}
 
 
-def made_of() -> str:
-    """Return what `MADE_OF` holds for the sources as they are."""
+def build_info() -> str:
+    """Return the content of `BUILD_INFO` for the current sources."""
     digest = hashlib.sha256()
     for name, content in sources().items():
         digest.update(f"{name} {len(content)}\n".encode() + content)
@@ -62,7 +62,7 @@ def made_of() -> str:
 
 
 def bundle(folder: Path) -> None:
-    """Write the bundle into a folder, in place of what is there."""
+    """Write the bundle into a folder and replace its content."""
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
         for file, content in sources().items():
@@ -73,14 +73,16 @@ def bundle(folder: Path) -> None:
         run(work, "npm", "install", "--silent", "--no-audit", "--no-fund", *packages)
         tools = work / "node_modules" / ".bin"
         run(work, tools / "rollup", "--silent", "--config", "config.mjs")
-        run(work, tools / "esbuild", "--minify", "--log-level=error", "--outdir=bundle", *ALONE)
+        run(
+            work, tools / "esbuild", "--minify", "--log-level=error", "--outdir=bundle", *STANDALONE
+        )
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(work / "bundle", folder)
-    (folder / MADE_OF).write_text(made_of())
+    (folder / BUILD_INFO).write_text(build_info())
 
 
 def run(folder: Path, *command: str | Path) -> None:
-    """Run a command in a folder; CalledProcessError if it fails."""
+    """Run a command in a folder; raise CalledProcessError if it fails."""
     subprocess.run([str(part) for part in command], check=True, cwd=folder)
 
 

@@ -1,4 +1,4 @@
-"""Draw the page's PNG icons from its SVG one: `python tools/draw_icons.py` (needs a Chromium)."""
+"""Render the page's PNG icons from its SVG icon: `python tools/draw_icons.py` (needs Chromium)."""
 
 from __future__ import annotations
 

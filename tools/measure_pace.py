@@ -1,9 +1,10 @@
-"""Are events told better if their level doesn't depend on the hand's pace? Prints a table.
+"""Effect of the level's dependence on pace on the recognition of events; prints a table.
 
-A fast hand meets an event with more torque than a slow one. Here the level of both channels is
-multiplied by (pace / 0.33 timelines a second)^-alpha, at the events alone or everywhere, before an
-observer of hands of mixed pace learns and is asked (`docs/explanation/observer.md`). The same
-renders, hands and noise for each alpha: a gain is the mean of pairs, with its standard deviation.
+A fast movement passes an event with more torque than a slow one. This program multiplies the level
+of both channels by (pace / 0.33 timelines per second)^-alpha, at the events or everywhere. Then it
+trains and evaluates an observer with movements of mixed pace (`docs/explanation/observer.md`). Each
+alpha has the same renders, movements and noise: a gain is the mean of pairs, with its standard
+deviation.
 
 python tools/measure_pace.py [--repeats N] [--preset NAME]
 """
@@ -24,55 +25,57 @@ from overview_dsp.measure.observer.scoring import groups_of
 from overview_dsp.measure.observer.strokes import Met, met, owners
 
 ALPHAS = (0.0, 0.25, 0.5, 0.71)
-"""0.71 is what football's compression leaves of a pace's level: all of it is taken off."""
+"""0.71 is the exponent of pace that football's compression leaves, so it removes all of it."""
 
-PLACES = ("at events", "everywhere")
+SCOPES = ("at events", "everywhere")
 USUAL_PACE, SLOWEST, FASTEST = 0.33, 0.05, 2.0
-"""Timelines a second; beyond the last two the level follows the pace again."""
+"""Timelines per second; beyond the last two the level follows the pace again."""
 
 BEFORE_MS, AFTER_MS = 5, 40
-LEARNED, ASKED = 120, 80
+TRAINED, EVALUATED = 120, 80
 AT_THE_ENDS = ("period",)
 KNOWN, UNKNOWN = "knows its pace", "does not"
 Key = tuple[str, float]
 
 
 def gains(
-    log_pace: NDArray[np.float64], there: Met, alpha: float, where: str
+    log_pace: NDArray[np.float64], passed: Met, alpha: float, scope: str
 ) -> NDArray[np.float64]:
-    """What a stroke's level is multiplied by, each millisecond."""
+    """Return the gain of a stroke's level in each millisecond."""
     pace = np.clip(np.exp(log_pace), SLOWEST, FASTEST)
     everywhere = (pace / USUAL_PACE) ** -alpha
-    if where == "everywhere":
+    if scope == "everywhere":
         return np.asarray(everywhere)
     found = np.ones(len(pace))
-    for enters, leaves in zip(there.enters_ms, there.leaves_ms, strict=True):
+    for enters, leaves in zip(passed.enters_ms, passed.leaves_ms, strict=True):
         first = min(int(enters), len(pace) - 1)
         found[max(0, first - BEFORE_MS) : int(leaves) + AFTER_MS] = everywhere[first]
     return found
 
 
-def noticed_at(preset: ov.Preset, count: int, seed: int) -> dict[Key, list[strokes.StrokeMet]]:
-    """What is noticed in random timelines by hands of mixed pace, by place and alpha."""
+def strokes_by_alpha(
+    preset: ov.Preset, count: int, seed: int
+) -> dict[Key, list[strokes.StrokeMet]]:
+    """Return features of strokes in random timelines at mixed pace, by scope and alpha."""
     timelines = ov.measure.random_timelines(preset, count, seed)
     jobs = [
         ov.RenderJob(timeline, preset, ov.measure.random_hand(seed + i))
         for i, timeline in enumerate(timelines)
     ]
-    found: dict[Key, list[strokes.StrokeMet]] = {(w, a): [] for w in PLACES for a in ALPHAS}
+    found: dict[Key, list[strokes.StrokeMet]] = {(w, a): [] for w in SCOPES for a in ALPHAS}
     for done in ov.render_many(jobs, strokes.SOUND_RATE, tail=strokes.ARRIVAL_S, trace=True):
         out = ov.measure.strokes(done.trace.engaged, done.trace.cursor)[0]
         frames = slice(out.start, out.stop)
-        there = met(done.surface, done.trace.cursor[frames], done.sample_rate)
+        passed = met(done.surface, done.trace.cursor[frames], done.sample_rate)
         pace = strokes.log_pace(done.job.gesture)
         samples = done.samples[frames]
         at_ms = np.arange(len(samples)) * (1000.0 / done.sample_rate)
-        for where, alpha in found:
-            gain = gains(pace, there, alpha, where)
+        for scope, alpha in found:
+            gain = gains(pace, passed, alpha, scope)
             scaled = samples * np.interp(at_ms, np.arange(len(gain)), gain)[:, None]
-            heard = notice(np.clip(scaled, -1.0, 1.0), done.sample_rate, MODALITIES, pace)
-            whose = {modality: owners(one.at_ms, there) for modality, one in heard.items()}
-            found[where, alpha].append(strokes.StrokeMet(strokes.MIXED, heard, whose, there))
+            features = notice(np.clip(scaled, -1.0, 1.0), done.sample_rate, MODALITIES, pace)
+            whose = {modality: owners(one.at_ms, passed) for modality, one in features.items()}
+            found[scope, alpha].append(strokes.StrokeMet(strokes.MIXED, features, whose, passed))
     return found
 
 
@@ -92,16 +95,16 @@ def without_pace(one: strokes.StrokeMet) -> strokes.StrokeMet:
 
 def balanced(
     preset: ov.Preset,
-    lessons: Sequence[strokes.StrokeMet],
-    asked: Sequence[strokes.StrokeMet],
+    training: Sequence[strokes.StrokeMet],
+    evaluation: Sequence[strokes.StrokeMet],
     modality: Modality,
     seed: int,
 ) -> tuple[float, float]:
-    """Balanced recall of groups and of kinds, without those at the ends, where the hand rests."""
+    """Return the balanced recall of groups and of kinds, without the kinds at the ends."""
     kinds = tuple(preset.kinds)
     rng = np.random.default_rng([seed, MODALITIES.index(modality)])
-    forest, names = observing.taught(lessons, modality, kinds, rng)
-    found = observing.asked_of(asked, modality, kinds, forest, names, rng).kinds
+    forest, names = observing.taught(training, modality, kinds, rng)
+    found = observing.asked_of(evaluation, modality, kinds, forest, names, rng).kinds
     counted = (found.events > 0) & np.array([kind not in AT_THE_ENDS for kind in kinds])
     groups = np.array(groups_of(kinds))
     recalls = []
@@ -120,25 +123,25 @@ def main() -> None:
     preset = ov.load_preset(options.preset)
     rows: dict[tuple[str, str, str, float], list[tuple[float, float]]] = {}
     for repeat in range(options.repeats):
-        lessons = noticed_at(preset, LEARNED, 10_000 * repeat)
-        asked = noticed_at(preset, ASKED, 10_000 * repeat + 5_000_000)
-        for where, alpha in lessons:
-            if not alpha and where != PLACES[0]:
+        training = strokes_by_alpha(preset, TRAINED, 10_000 * repeat)
+        evaluation = strokes_by_alpha(preset, EVALUATED, 10_000 * repeat + 5_000_000)
+        for scope, alpha in training:
+            if not alpha and scope != SCOPES[0]:
                 continue  # alpha 0 is the same everywhere
-            for who in (KNOWN, UNKNOWN):
-                pair = [lessons[where, alpha], asked[where, alpha]]
-                if who == UNKNOWN:
+            for observer in (KNOWN, UNKNOWN):
+                pair = [training[scope, alpha], evaluation[scope, alpha]]
+                if observer == UNKNOWN:
                     pair = [[without_pace(one) for one in strokes_met] for strokes_met in pair]
                 for modality in MODALITIES:
                     found = balanced(preset, pair[0], pair[1], modality, repeat)
-                    rows.setdefault((who, modality, where, alpha), []).append(found)
+                    rows.setdefault((observer, modality, scope, alpha), []).append(found)
         print(f"{repeat + 1} of {options.repeats}", flush=True)
-    print(f"{preset.name}: balanced recall, %, {options.repeats} times {ASKED} timelines")
-    print("| the hand | sense | scaled | alpha | goal, card, minor | gain | kinds | gain |")
+    print(f"{preset.name}: balanced recall, %, {options.repeats} times {EVALUATED} timelines")
+    print("| the observer | sense | scaled | alpha | goal, card, minor | gain | kinds | gain |")
     print("|---" * 8 + "|")
-    for (who, modality, where, alpha), scores in rows.items():
+    for (observer, modality, scope, alpha), scores in rows.items():
         level = 100.0 * np.array(scores)
-        gain = level - 100.0 * np.array(rows[who, modality, PLACES[0], 0.0])
+        gain = level - 100.0 * np.array(rows[observer, modality, SCOPES[0], 0.0])
         cells = [
             cell
             for i in range(2)
@@ -147,7 +150,7 @@ def main() -> None:
                 f"{gain[:, i].mean():+.1f} ± {gain[:, i].std(ddof=1):.1f}" if alpha else "",
             )
         ]
-        print(f"| {who} | {modality} | {where} | {alpha:g} | {' | '.join(cells)} |")
+        print(f"| {observer} | {modality} | {scope} | {alpha:g} | {' | '.join(cells)} |")
 
 
 if __name__ == "__main__":

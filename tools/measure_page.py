@@ -1,10 +1,10 @@
-"""The page in one table: first picture, first sound, frame cost, bytes.
+"""Measure the page: time to the first picture and sound, cost per frame, size.
 
     python tools/measure_page.py          needs playwright and a Chromium
 
-A phone of 390 x 844 at three pixels a pixel, without a graphics card. The network is 1.6 Mb/s with
-150 ms of latency; the processor is slowed six times for the frame. Each figure is the median of
-`ROUNDS`; on a machine that others use too they are larger.
+The script simulates a phone of 390 x 844 points with three pixels per point and no graphics card.
+The network has 1.6 Mb/s and a latency of 150 ms. For the frame cost the processor is slowed six
+times. Each figure is the median of `ROUNDS`; on a busy machine the figures are larger.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ def main() -> None:
         write_site(ov.load_timeline("world-cup-final-2018"), ov.load_preset("football"), site)
         with launched(driver) as browser, opened_host(site) as host:
             rounds = [measured(browser, host.url) for _ in range(ROUNDS)]
-            saves = saved_until_felt(browser, Path(folder))
+            saves = preset_delays(browser, Path(folder))
     print("| figure | value |\n|---|---|")
     for name, unit in (
         ("first picture", "ms"),
         ("bytes until then", "kB"),
         ("sound ready", "ms"),
         ("first sound after a touch", "ms"),
-        ("main thread a frame, slowed 6 times", "ms"),
+        ("main thread per frame, slowed 6 times", "ms"),
         ("of that, own scripts", "ms"),
         ("frames a second, not slowed", ""),
     ):
@@ -104,14 +104,14 @@ def measured(browser: Any, url: str) -> dict[str, float]:
     first, before = page.evaluate("frames"), spent(client)
     drag(page)
     count, after = page.evaluate("frames") - first, spent(client)
-    for i, name in enumerate(("main thread a frame, slowed 6 times", "of that, own scripts")):
+    for i, name in enumerate(("main thread per frame, slowed 6 times", "of that, own scripts")):
         found[name] = (after[i] - before[i]) / count * 1e3
     context.close()
     return found
 
 
-def saved_until_felt(browser: Any, folder: Path) -> list[float]:
-    """How long (ms) from each save of a preset's file until a served page's kernel is given it."""
+def preset_delays(browser: Any, folder: Path) -> list[float]:
+    """Return the times (ms) from saving a preset file until a served page's kernel receives it."""
     preset = folder / "mine.toml"
     text = 'schema = 2\nextends = "football"\n[tactor]\ngain_db = {}\n'
     preset.write_text(text.format(-1))
@@ -120,7 +120,7 @@ def saved_until_felt(browser: Any, folder: Path) -> list[float]:
     with served(timeline, plays=False, preset=str(preset)) as server:
         page = browser.new_context(viewport=PHONE).new_page()
         page.goto(f"{server.origin}/#token={server.access.token}")
-        until(page, "p.served?.presets.sounding && p.sound.node")
+        until(page, "p.served?.presets.preset && p.sound.node")
         page.evaluate("""() => {
             const { node } = overview.sound;
             const change = node.change.bind(node);
@@ -135,21 +135,23 @@ def saved_until_felt(browser: Any, folder: Path) -> list[float]:
             preset.write_text(text.format(-2 - i % 7))
             until(page, "changed")
             took.append(page.evaluate("changed") - 1e3 * began)
-            time.sleep(0.05 * (i % 4))  # not in step with the server's looks
+            time.sleep(0.05 * (i % 4))  # not in step with the server's checks
         page.context.close()
     return took
 
 
 def drag(page: Any) -> None:
-    """A finger there and back."""
-    for place in (0.9, 0.2):
-        page.mouse.move(*at(page, place), steps=60)
+    """Drag a finger forward and back."""
+    for position in (0.9, 0.2):
+        page.mouse.move(*at(page, position), steps=60)
 
 
 def spent(client: Any) -> tuple[float, float]:
-    """Seconds of the main thread: all, and of scripts."""
-    told = {one["name"]: one["value"] for one in client.send("Performance.getMetrics")["metrics"]}
-    return told["TaskDuration"], told["ScriptDuration"]
+    """Return the seconds of the main thread: total, and in scripts."""
+    metrics = {
+        one["name"]: one["value"] for one in client.send("Performance.getMetrics")["metrics"]
+    }
+    return metrics["TaskDuration"], metrics["ScriptDuration"]
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""How soon hundreds of pages have what is new, from one server, and what its host's audio says.
+"""Measure how fast hundreds of pages receive updates from one server, and the load on its audio.
 
     python tools/measure_pages.py [PAGES] [UPDATES] [--sound] [--device NAME]
 
-starts `overview serve --follow` with the host's disk (`--device`: by default none, a clock in
-Python; a name is played by PortAudio, on a headless JACK server, say), opens so many pages'
-connections to it, adds a goal every few seconds, and prints how long it took from the line that was
-written to the feed until each page had its update. With `--sound` the pages sound by themselves,
-and get what has changed of their surface too; the host's disk doesn't play then. The pages are one
-process of low priority on the same machine.
+The script starts `overview serve --follow` with a disk on the host and opens the connections of the
+pages. It adds a goal every few seconds. It prints the time from the line in the feed until each
+page has its update. By default the host has no output but a clock in Python. With `--device`
+PortAudio plays the sound, for example on a headless JACK server. With `--sound` the pages play
+instead and receive the changes of their surface. The pages run in one process of low priority on
+the same machine.
 """
 
 from __future__ import annotations
@@ -24,11 +24,13 @@ import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
-BETWEEN_S = 4.0
+INTERVAL_S = 4.0
 
 
-async def ask(host: str, port: int, path: str, cookie: str, token: str = "") -> tuple[str, bytes]:
-    """One request on a connection of its own; the head and the body."""
+async def request(
+    host: str, port: int, path: str, cookie: str, token: str = ""
+) -> tuple[str, bytes]:
+    """Send one request on a new connection; return header and body."""
     reader, writer = await asyncio.open_connection(host, port)
     more = f"Authorization: Bearer {token}\r\nContent-Length: 0\r\n" if token else ""
     method = "POST" if token else "GET"
@@ -41,8 +43,10 @@ async def ask(host: str, port: int, path: str, cookie: str, token: str = "") -> 
     return head.decode("latin-1"), body
 
 
-async def page(host: str, port: int, cookie: str, rate: int, took: dict[str, list[float]]) -> None:
-    """A page: what is told brings its update with it."""
+async def page(
+    host: str, port: int, cookie: str, rate: int, results: dict[str, list[float]]
+) -> None:
+    """Receive notices with their updates, as a page does."""
     reader, writer = await asyncio.open_connection(host, port, limit=1 << 24)
     writer.write(
         f"GET /live/events?since=0&rate={rate}&have=-1 HTTP/1.1\r\nHost: {host}:{port}\r\n"
@@ -51,19 +55,19 @@ async def page(host: str, port: int, cookie: str, rate: int, took: dict[str, lis
     while line := await reader.readline():
         if not line.startswith(b"data: "):
             continue
-        came = time.time()
-        # the news stand at the beginning, and the update after them
+        received = time.time()
+        # the changes precede the update
         head = line[6:].split(b', "update": ')[0] + b"}"
-        goals = [one["label"] for one in json.loads(head)["news"] if one["kind"] == "goal"]
+        goals = [one["label"] for one in json.loads(head)["changes"] if one["kind"] == "goal"]
         if goals:
-            took["seconds"].append(came - float(goals[-1]))
-            took["bytes"].append(len(line))
+            results["seconds"].append(received - float(goals[-1]))
+            results["bytes"].append(len(line))
 
 
 async def measure(pages: int, updates: int, sound: bool, device: str) -> None:
     folder = Path(tempfile.mkdtemp())
     feed = folder / "match.feed"
-    feed.write_text('{"overview_feed": 1, "title": "A - B", "expect_s": 5700}\n'
+    feed.write_text('{"overview_feed": 1, "title": "A - B", "expected_duration_s": 5700}\n'
                     '{"event": {"time_s": 0, "kind": "period"}}\n')  # fmt: skip
     plays = [] if sound else ["--audio", "host", "--device", device, "--announce", "none"]
     server = subprocess.Popen(
@@ -76,14 +80,14 @@ async def measure(pages: int, updates: int, sound: bool, device: str) -> None:
     where = json.loads(server.stdout.readline())["address"]
     parts = urlsplit(where)
     host, port, token = parts.hostname, parts.port, parts.fragment.removeprefix("token=")
-    head, _ = await ask(host, port, "/session", "", token)
+    head, _ = await request(host, port, "/session", "", token)
     cookie = next(line for line in head.split("\r\n") if line.lower().startswith("set-cookie:"))
     cookie = cookie.partition(":")[2].partition(";")[0].strip()
-    took: dict[str, list[float]] = {"seconds": [], "bytes": []}
+    results: dict[str, list[float]] = {"seconds": [], "bytes": []}
     rate = 48_000 if sound else 0
     open_pages = []
     for _ in range(pages):
-        open_pages.append(asyncio.create_task(page(host, port, cookie, rate, took)))
+        open_pages.append(asyncio.create_task(page(host, port, cookie, rate, results)))
         await asyncio.sleep(0.01)
     await asyncio.sleep(3.0)
     for n in range(updates):
@@ -91,15 +95,15 @@ async def measure(pages: int, updates: int, sound: bool, device: str) -> None:
             label = f"{time.time():.6f}"
             goal = {"event": {"time_s": 60 + 60 * n, "kind": "goal", "label": label}}
             file.write(json.dumps(goal) + "\n")
-        await asyncio.sleep(BETWEEN_S)
+        await asyncio.sleep(INTERVAL_S)
     server.terminate()
     lines = server.stdout.read().splitlines()
     for one in open_pages:
         one.cancel()
-    values = sorted(took["seconds"])
+    values = sorted(results["seconds"])
     print(f"updates: {len(values)} of {pages * updates}, median "
           f"{statistics.median(values):.3f} s, p99 {values[int(len(values) * 0.99)]:.3f} s, "
-          f"longest {values[-1]:.3f} s, {max(took['bytes']) / 1000:.0f} kB each")  # fmt: skip
+          f"longest {values[-1]:.3f} s, {max(results['bytes']) / 1000:.0f} kB each")  # fmt: skip
     if not sound:
         summary = json.loads(lines[-1])["summary"]
         names = ("blocks", "late_callbacks", "underflows", "callback_p99_us")

@@ -22,8 +22,8 @@ grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: th
            a jobs file, and the cache key of each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
 pictures   `save_figure`, `plot_style`
-page       `page_with`, `START`, `TYPES`, `RATES`, `kind_looks`, `window_json`,
-           `whole_bytes`, `patch_of`; `answering`, `json_object`: requests with limits
+page       `other_page_files`, `START`, `TYPES`, `RATES`, `kind_styles`, `window_json`,
+           `whole_bytes`, `make_patch`; `threaded_endpoint`, `json_object`: requests with limits
 =========  ==========================================================================
 """
 
@@ -53,12 +53,12 @@ if TYPE_CHECKING:
     from overview_dsp.offline.plots import style as plot_style
     from overview_dsp.offline.plots.saving import save_figure
     from overview_dsp.signal.surface.angle_map import AngleMap
-    from overview_dsp.web.assets import START, TYPES, page_with
+    from overview_dsp.web.assets import START, TYPES, other_page_files
     from overview_dsp.web.messages import json_object
-    from overview_dsp.web.security.request_body import answering
+    from overview_dsp.web.security.request_body import threaded_endpoint
     from overview_dsp.web.site_content import RATES
-    from overview_dsp.web.site_data import kind_looks, window_json
-    from overview_dsp.web.sound_data import patch_of, whole_bytes
+    from overview_dsp.web.site_data import kind_styles, window_json
+    from overview_dsp.web.sound_data import make_patch, whole_bytes
 
 _MODULES = {
     "batch.cache_keys": "PROGRAM Keys",
@@ -78,12 +78,12 @@ _MODULES = {
     "measure.felt": "stroke_feel",
     "offline.plots.saving": "save_figure",
     "signal.surface.angle_map": "AngleMap",
-    "web.assets": "START TYPES page_with",
+    "web.assets": "START TYPES other_page_files",
     "web.messages": "json_object",
-    "web.security.request_body": "answering",
+    "web.security.request_body": "threaded_endpoint",
     "web.site_content": "RATES",
-    "web.site_data": "kind_looks window_json",
-    "web.sound_data": "patch_of whole_bytes",
+    "web.site_data": "kind_styles window_json",
+    "web.sound_data": "make_patch whole_bytes",
 }
 
 

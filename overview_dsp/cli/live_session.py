@@ -70,14 +70,14 @@ def open_player(
     OverviewError
         A device, file or value can't be used.
     """
-    from overview_dsp.live.session.opened import OpenedPlayer, PlayerSettings
+    from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
 
     settings = PlayerSettings(
         data.preset,
         compare,
         linear,
         data.window,
-        data.growth,
+        data.follow,
         device=output.device,
         block_size=default_block if output.block_size is None else output.block_size,
         sample_rate=output.sample_rate,

@@ -1,1 +1,1 @@
-"""The page: the kernel as WebAssembly, what runs it in a browser, and the server of all that."""
+"""The browser page, its WebAssembly kernel, and the server of both."""

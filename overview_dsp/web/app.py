@@ -1,11 +1,11 @@
-"""The application: which path answers what. Everything not named here is not found.
+"""Routes of the web application; other paths are not found.
 
 | path | answers |
 |---|---|
-| `/`, `/main.js`, ... | the page's files (`assets`), to anyone |
-| `POST /session` | 204 and the session's cookie, to whoever has the token |
-| `/control` | a hand on the host's disk (`control`), where the host plays |
-| `POST /host/preset` | 204: the host plays with `{"preset": P}` (P as in `sound_data`) |
+| `/`, `/main.js`, ... | the page's files (`assets`), without a token |
+| `POST /session` | 204 and the session cookie, for a valid token |
+| `/control` | WebSocket that controls the host's disk (`control`) |
+| `POST /host/preset` | 204: the host uses `{"preset": P}` (P as in `sound_data`) |
 
 Thread: the server's.
 """
@@ -22,39 +22,39 @@ from starlette.websockets import WebSocket
 
 from overview_dsp.errors import InputError
 from overview_dsp.web.assets import asset, served_paths
-from overview_dsp.web.control import Session, serve_hand
+from overview_dsp.web.control import Session, serve_input
 from overview_dsp.web.messages import json_object
-from overview_dsp.web.preset_data import preset_given
+from overview_dsp.web.preset_data import parse_preset
 from overview_dsp.web.security.auth_token import Access
 from overview_dsp.web.security.middleware import Guard, cookie_name
-from overview_dsp.web.security.request_body import answering
+from overview_dsp.web.security.request_body import threaded_endpoint
 
 
 def make_app(
     access: Access,
     names: Collection[str],
-    note: Callable[[str], None],
+    report: Callable[[str], None],
     session: Session | None = None,
-    more: Collection[BaseRoute] = (),
+    data_routes: Collection[BaseRoute] = (),
     public: Collection[str] | None = None,
 ) -> ASGIApp:
-    """The application behind its guard.
+    """Return the application with its access checks.
 
     Parameters
     ----------
     names
-        Host names of this machine, besides its addresses.
-    note
-        Receives a line about what failed.
+        Host names of this machine; its addresses are always accepted.
+    report
+        Receives a message for each failed request.
     session
-        What sounds here; None if only the page sounds.
-    more
+        Session that plays on this machine; None if the page plays.
+    data_routes
         Routes of the data.
     public
-        Where `more` is another page with its files: those of its paths that anyone may get.
+        Paths of another page that need no token; its files are in `data_routes`.
     """
 
-    def enter(request: Request) -> Response:
+    def open_session(request: Request) -> Response:
         response = Response(status_code=204)
         response.set_cookie(
             cookie_name(request.scope),
@@ -68,27 +68,27 @@ def make_app(
 
     async def control(websocket: WebSocket) -> None:
         assert session is not None
-        await serve_hand(websocket, session)
+        await serve_input(websocket, session)
 
     def use(request: Request, body: bytes) -> Response:
         assert session is not None
-        asked = json_object(body)
-        if asked.keys() != {"preset"}:
-            raise InputError("the body has the key preset")
-        session.use(preset_given(asked["preset"]))
+        fields = json_object(body)
+        if fields.keys() != {"preset"}:
+            raise InputError("the body must have the key preset")
+        session.use(parse_preset(fields["preset"]))
         return Response(status_code=204)
 
     routes: list[BaseRoute] = []
     if public is None:
         public = served_paths()
         routes += [Route(path, _send_asset) for path in public]
-    routes += [Route("/session", enter, methods=["POST"]), *more]
+    routes += [Route("/session", open_session, methods=["POST"]), *data_routes]
     if session is not None:
         routes.append(WebSocketRoute("/control", control))
-        routes.append(Route("/host/preset", answering(use), methods=["POST"]))
-    # a router alone: the guard reports what fails
+        routes.append(Route("/host/preset", threaded_endpoint(use), methods=["POST"]))
+    # a router alone: the guard reports failures
     app = Router(routes, redirect_slashes=False)
-    return Guard(app, access, names, public, note)
+    return Guard(app, access, names, public, report)
 
 
 def _send_asset(request: Request) -> Response:

@@ -1,8 +1,8 @@
-"""The page's own files, the same for every timeline: a fixed table, nothing else of this machine's
-disk can be asked for.
+"""The page's files, which are the same for every timeline.
 
-The scripts and the style are those of `bundle/`, which `tools/bundle_page.py` makes of `*.js` and
-`site/`; the other files are as they are in `site/`.
+They form a fixed table, so a request can't reach any other file of the machine. Scripts and style
+are those of `bundle/`, which `tools/bundle_page.py` makes of `*.js` and `site/`. The other files
+come from `site/` unchanged.
 """
 
 from __future__ import annotations
@@ -28,24 +28,24 @@ TYPES = {
 }
 
 KERNEL_DEFLATED = "kernel.deflated"
-"""`kernel.wasm` as the page has it: a quarter of its bytes."""
+"""Compressed `kernel.wasm`, a quarter of its size."""
 
 START = "index.html"
 FOLDER_ONLY = "worker.js"
-"""Keeps a folder for use without a network; what a server sends isn't to outlive it."""
+"""Service worker for offline use of a static folder."""
 
 SERVER_ONLY = "served.js"
-"""What only a server's page can use: fetched there once the picture is drawn, in no folder."""
+"""Features that need a server; loaded after the picture is drawn."""
 
 LIVE_ONLY = "live.js"
-"""Fetched for a timeline that grows."""
+"""Script for a live timeline."""
 
-_IMPORTED = re.compile(rb'from "\./([\w.]+)"')
+_IMPORT = re.compile(rb'from "\./([\w.]+)"')
 
 
 @cache
 def page_files() -> dict[str, bytes]:
-    """Return the files by their path in a folder."""
+    """Return the page's files by their path in a folder."""
     files = {file.name: file.read_bytes() for file in (WEB / "site").iterdir()}
     files = {name: file for name, file in files.items() if not name.endswith((".js", ".css"))}
     for suffix in ("js", "css"):
@@ -55,48 +55,48 @@ def page_files() -> dict[str, bytes]:
 
 
 def folder_files(*, live: bool) -> dict[str, bytes]:
-    """Return the files of a folder by their path; `live`: of a timeline that grows."""
-    left_out = (SERVER_ONLY,) if live else (SERVER_ONLY, LIVE_ONLY)
-    return {name: file for name, file in page_files().items() if name not in left_out}
+    """Return the files of a static folder by their path; `live`: for a live timeline."""
+    excluded = (SERVER_ONLY,) if live else (SERVER_ONLY, LIVE_ONLY)
+    return {name: file for name, file in page_files().items() if name not in excluded}
 
 
-def page_with(own: Mapping[str, bytes], shared: Iterable[str]) -> dict[str, bytes]:
-    """Return the files of another page and those that it shares of this one, by their path.
+def other_page_files(own: Mapping[str, bytes], shared: Iterable[str]) -> dict[str, bytes]:
+    """Return the files of another page and the shared files of this one, by their path.
 
     Parameters
     ----------
     own : mapping of str to bytes
         The other page's files.
     shared : iterable of str
-        Files of this page that the other names, besides the modules that its own import.
+        Files of this page that the other page uses, in addition to imported modules.
     """
     files = dict(own)
-    wanted = [*shared, *(found for name, file in own.items() for found in _imported(name, file))]
-    while wanted:
-        name = wanted.pop()
+    pending = [*shared, *(one for name, file in own.items() for one in _imports(name, file))]
+    while pending:
+        name = pending.pop()
         if name not in files:
             folder = WEB if (WEB / name).is_file() else WEB / "site"
             files[name] = (folder / name).read_bytes()
-            wanted += _imported(name, files[name])
+            pending += _imports(name, files[name])
     return dict(sorted(files.items()))
 
 
-def _imported(name: str, file: bytes) -> list[str]:
-    """Return what a script that lies in no folder of its own imports."""
+def _imports(name: str, file: bytes) -> list[str]:
+    """Return the modules that a top-level script imports."""
     if not name.endswith(".js") or "/" in name:
         return []
-    return [found.decode() for found in _IMPORTED.findall(file)]
+    return [name.decode() for name in _IMPORT.findall(file)]
 
 
 def served_paths() -> tuple[str, ...]:
-    """The paths at which a server has them."""
+    """Return the URL paths of the files on a server."""
     names = (name for name in page_files() if name != FOLDER_ONLY)
     return tuple("/" if name == START else f"/{name}" for name in names)
 
 
 @cache
 def asset(path: str) -> tuple[bytes, str, str]:
-    """Bytes, type and ETag of a path of `served_paths`."""
+    """Return bytes, type and ETag of one of `served_paths`."""
     name = START if path == "/" else path.removeprefix("/")
     content = page_files()[name]
     tag = f'"{hashlib.sha256(content).hexdigest()[:16]}"'

@@ -1,8 +1,8 @@
-"""Three clocks: the page's, the host's, and the engine's samples.
+"""Conversion from page clocks to engine samples.
 
-An event is stamped by the page when the finger moved; the network delays each by another amount.
-So that a movement keeps its course, every event waits until it is as old as the slowest one of the
-last seconds was when it came: then its sample is where the finger was, only later.
+A page stamps each event with the time of the movement. The network delays each event differently.
+Every event therefore waits until it is as old as the slowest event of the last seconds, which keeps
+the timing of a movement.
 
 Thread: the server's.
 """
@@ -13,111 +13,106 @@ from collections import deque
 
 from overview_dsp.signal.engine.engine import Engine
 
-PINGS_KEPT = 40
-"""The quickest of these gives the clocks' offset: ten seconds, in which clocks drift by little."""
+MAX_PINGS = 40
+"""The fastest of these gives the clock offset; they cover ten seconds, with little drift."""
 
-DELAY_KEPT_S = 2.0
+DELAY_WINDOW_S = 2.0
 MAX_DELAY_S = 0.1
-"""No event waits longer: what comes later than that is late."""
+"""Maximum wait of an event; older events are late."""
 
-LOOKS_KEPT_S = 1.0
+CLOCK_WINDOW_S = 1.0
 STALLED_AFTER_S = 0.5
 
 
 class PageClock:
-    """What a page's clock shows, by pings: half a round trip is taken for each way."""
+    """Offset of a page's clock, measured by pings; each way takes half a round trip."""
 
     def __init__(self) -> None:
-        self._pings: deque[tuple[float, float]] = deque(maxlen=PINGS_KEPT)
+        self._pings: deque[tuple[float, float]] = deque(maxlen=MAX_PINGS)
 
-    def note(self, sent_s: float, page_s: float, received_s: float) -> None:
-        """A ping left at `sent_s`, was answered at `page_s` of the page, and came back."""
+    def add(self, sent_s: float, page_s: float, received_s: float) -> None:
+        """Add a ping with the host's times of sending and receiving, and the page's time."""
         if received_s >= sent_s:
             self._pings.append((received_s - sent_s, page_s - 0.5 * (sent_s + received_s)))
 
     @property
-    def known(self) -> bool:
-        """Whether a ping has been answered."""
+    def is_synchronised(self) -> bool:
+        """True after the first answered ping."""
         return bool(self._pings)
 
     @property
     def round_trip_s(self) -> float | None:
-        """Of the last ping."""
+        """Round trip of the last ping; None before the first."""
         return self._pings[-1][0] if self._pings else None
 
     def host_time(self, page_s: float) -> float:
-        """A moment of the page's clock on the host's; off by at most half the shortest trip."""
+        """Convert a page time to the host's clock; the error is at most half a round trip."""
         return page_s - min(self._pings)[1]
 
 
-class _Highest:
-    """The highest value of the last seconds."""
+class _RecentMaximum:
+    """Maximum of the values of the last seconds."""
 
-    def __init__(self, kept_s: float) -> None:
-        self._kept_s = kept_s
+    def __init__(self, window_s: float) -> None:
+        self._window_s = window_s
         self._values: deque[tuple[float, float]] = deque()
 
-    def note(self, now_s: float, value: float) -> None:
-        """One more."""
-        # only those that may yet be the highest are kept: the first one is
+    def add(self, now_s: float, value: float) -> None:
+        """Add a value."""
+        # only values that can still become the maximum stay; the first is the maximum
         while self._values and self._values[-1][1] <= value:
             self._values.pop()
         self._values.append((now_s, value))
-        while self._values[0][0] < now_s - self._kept_s:
+        while self._values[0][0] < now_s - self._window_s:
             self._values.popleft()
 
     @property
     def value(self) -> float:
-        """It; 0 before the first."""
+        """The maximum; 0 before the first value."""
         return self._values[0][1] if self._values else 0.0
 
 
 class Delay:
-    """How long events wait, so that late and early ones keep their distance."""
+    """Common age of events, which keeps the intervals between them."""
 
     def __init__(self) -> None:
-        self._age = _Highest(DELAY_KEPT_S)
+        self._age = _RecentMaximum(DELAY_WINDOW_S)
 
-    def note(self, now_s: float, age_s: float) -> float:
-        """An event came `age_s` after it happened; how old all are made to be."""
-        self._age.note(now_s, min(max(age_s, 0.0), MAX_DELAY_S))
-        return self.seconds
-
-    @property
-    def seconds(self) -> float:
-        """How old events are when they act."""
+    def add(self, now_s: float, age_s: float) -> float:
+        """Add the age of an event on arrival; return the common age."""
+        self._age.add(now_s, min(max(age_s, 0.0), MAX_DELAY_S))
         return self._age.value
 
 
 class SampleClock:
-    """Which sample belongs to a moment: the engine counts by blocks, this is the line above them.
+    """Conversion between times and samples of an engine that counts in blocks.
 
-    A sample of this clock isn't processed yet when its moment comes, and is in the next block.
+    The sample of the current time is not yet processed; it lies in the next block.
     """
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._rate = engine.sample_rate
-        self._ahead = _Highest(LOOKS_KEPT_S)
+        self._offset = _RecentMaximum(CLOCK_WINDOW_S)
         self._last = (-1, 0.0)
 
-    def look(self, now_s: float) -> None:
-        """Read the engine's count; often."""
+    def update(self, now_s: float) -> None:
+        """Read the engine's sample count; call it often."""
         sample = self._engine.sample_time
-        if sample < self._last[0]:  # the engine has begun anew
-            self._ahead = _Highest(LOOKS_KEPT_S)
+        if sample < self._last[0]:  # the engine was reset
+            self._offset = _RecentMaximum(CLOCK_WINDOW_S)
         if sample != self._last[0]:
             self._last = (sample, now_s)
-        self._ahead.note(now_s, sample - self._rate * now_s)
+        self._offset.add(now_s, sample - self._rate * now_s)
 
-    def runs(self, now_s: float) -> bool:
-        """Whether samples are being processed."""
+    def is_running(self, now_s: float) -> bool:
+        """Return whether the engine processes samples."""
         return now_s - self._last[1] < STALLED_AFTER_S
 
     def sample_at(self, time_s: float) -> int:
-        """The sample of a moment of the host's clock."""
-        return round(self._rate * time_s + self._ahead.value)
+        """Return the sample of a time of the host's clock."""
+        return round(self._rate * time_s + self._offset.value)
 
     def time_of(self, sample: int) -> float:
-        """The moment of a sample."""
-        return (sample - self._ahead.value) / self._rate
+        """Return the time of a sample."""
+        return (sample - self._offset.value) / self._rate

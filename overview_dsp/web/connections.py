@@ -1,8 +1,7 @@
-"""Connections that are too many or too slow are closed, before they cost anything.
+"""Limits on the number and the speed of connections.
 
-A browser opens six and a WebSocket. Waiting for requests that never come, or for readers that never
-read, would let anyone in the network keep the owner out. So a new connection takes the place of the
-one that has been waiting longest for a request, where there are too many.
+A browser opens six connections and a WebSocket. Idle or slow connections must not keep other users
+out. At the limit, a new connection therefore replaces the one that has been idle longest.
 
 Thread: the server's.
 """
@@ -17,18 +16,18 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 MAX_CONNECTIONS = 64
-MAX_OF_AN_ADDRESS = 24
-CROWD = 1024
-"""Connections, of one address too, where a match is followed: a stadium is behind one address."""
+MAX_PER_ADDRESS = 24
+MAX_CROWD = 1024
+"""Limit for a live timeline, also per address: a whole stadium may share one address."""
 
-REQUEST_WITHIN_S = 10.0
-"""A request's line and headers arrive in so long."""
+REQUEST_TIMEOUT_S = 10.0
+"""Maximum time for a request's line and headers."""
 
-READ_WITHIN_S = 20.0
-"""Who doesn't read an answer for so long is gone (a paused film is asked for again)."""
+READ_TIMEOUT_S = 20.0
+"""Maximum time without reading a response (a paused film is requested again)."""
 
-LINGER_S = 2.0
-"""The rest of a request that was answered before it was whole is read for so long."""
+BODY_TIMEOUT_S = 2.0
+"""Maximum time to read the rest of a request that was answered early."""
 
 MAX_HEADER = 16 * 1024
 """Bytes of a request's line and headers."""
@@ -42,29 +41,29 @@ class _Deadline:
         self._handle: asyncio.TimerHandle | None = None
 
     def set(self, transport: asyncio.Transport, seconds: float) -> None:
-        """Close `transport` in so many seconds, if that isn't planned yet."""
+        """Close `transport` after `seconds`, unless a deadline is set already."""
         if self._handle is None:
             self._handle = self._loop.call_later(seconds, transport.abort)
 
     def cancel(self) -> None:
-        """It may live."""
+        """Cancel the deadline."""
         if self._handle is not None:
             self._handle.cancel()
             self._handle = None
 
 
 def address_of(connection: Any) -> str:
-    """Who is at the other end."""
+    """Return the address of the client."""
     return connection.client[0] if connection.client else ""
 
 
 def is_open(connection: Any) -> bool:
-    """Whether nobody has closed it yet."""
+    """Return whether the connection is open."""
     return not connection.transport.is_closing()
 
 
-class _ReadInTime(asyncio.Protocol):
-    """A protocol of uvicorn's, closed when the other end doesn't read for `READ_WITHIN_S`."""
+class _SlowReaderLimit(asyncio.Protocol):
+    """Protocol that closes a connection if the client doesn't read for `READ_TIMEOUT_S`."""
 
     loop: asyncio.AbstractEventLoop
     transport: asyncio.Transport
@@ -74,61 +73,61 @@ class _ReadInTime(asyncio.Protocol):
         self._reading = _Deadline(self.loop)
 
     def pause_writing(self) -> None:
-        """Wait for a slow reader only so long."""
+        """Start the deadline for a slow reader."""
         super().pause_writing()
-        self._reading.set(self.transport, READ_WITHIN_S)
+        self._reading.set(self.transport, READ_TIMEOUT_S)
 
     def resume_writing(self) -> None:
-        """It reads again."""
+        """Cancel the deadline: the client reads again."""
         super().resume_writing()
         self._reading.cancel()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it."""
+        """Cancel the deadline."""
         super().connection_lost(exc)
         self._reading.cancel()
 
 
-class HttpConnection(_ReadInTime, H11Protocol):
-    """uvicorn's HTTP/1.1, with limits."""
+class HttpConnection(_SlowReaderLimit, H11Protocol):
+    """HTTP/1.1 connection with limits."""
 
     def __init__(self, *arguments: Any, crowd: bool = False, **named: Any) -> None:
         super().__init__(*arguments, **named)
-        self._most = CROWD if crowd else MAX_CONNECTIONS
-        self._most_of_one = CROWD if crowd else MAX_OF_AN_ADDRESS
+        self._limit = MAX_CROWD if crowd else MAX_CONNECTIONS
+        self._limit_per_address = MAX_CROWD if crowd else MAX_PER_ADDRESS
         self._request = _Deadline(self.loop)
         self._idle_since: float | None = None  # None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Free a connection, or abort this one; then wait a little for a request."""
+        """Enforce the limits, then start the deadline for a request."""
         super().connection_made(transport)
         others = [one for one in self.connections if one is not self and is_open(one)]
         same = [one for one in others if address_of(one) == address_of(self)]
-        crowd = same if len(same) >= self._most_of_one else others
-        if crowd is same or len(others) >= self._most:
+        crowd = same if len(same) >= self._limit_per_address else others
+        if crowd is same or len(others) >= self._limit:
             idle = [one for one in crowd if isinstance(one, HttpConnection) and one.is_idle]
             if not idle:
                 transport.abort()
                 return
             min(idle, key=lambda one: one._idle_since or 0.0).transport.abort()
-        self._expect()
+        self._start_deadline()
 
     @property
     def is_idle(self) -> bool:
-        """Whether it waits for a request."""
+        """True while the connection waits for a request."""
         return self._idle_since is not None
 
     def data_received(self, data: bytes) -> None:
-        """Wait for the rest of a request's headers only so long."""
+        """Start or cancel the deadline for a request."""
         super().data_received(data)
-        self._expect()
+        self._start_deadline()
 
     def on_response_complete(self) -> None:
-        """The next request may have begun already."""
+        """Start the deadline for the next request."""
         super().on_response_complete()
-        self._expect()
+        self._start_deadline()
 
-    def _expect(self) -> None:
+    def _start_deadline(self) -> None:
         answered = self.cycle is not None and self.cycle.response_complete
         idle = self.conn.their_state is h11.IDLE and not self.transport.is_closing()
         if not idle:
@@ -138,22 +137,22 @@ class HttpConnection(_ReadInTime, H11Protocol):
         if self.transport.is_closing():
             self._request.cancel()
         elif idle:
-            self._request.set(self.transport, REQUEST_WITHIN_S)
+            self._request.set(self.transport, REQUEST_TIMEOUT_S)
         elif self.conn.their_state is h11.SEND_BODY and answered:
-            self._request.set(self.transport, LINGER_S)
+            self._request.set(self.transport, BODY_TIMEOUT_S)
         else:
             self._request.cancel()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Leave the connection to the WebSocket."""
+        """Pass the connection to the WebSocket protocol."""
         self._request.cancel()
         super().handle_websocket_upgrade(event)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget it."""
+        """Cancel the deadline."""
         self._request.cancel()
         super().connection_lost(exc)
 
 
-class WebSocketConnection(_ReadInTime, WebSocketsSansIOProtocol):
-    """uvicorn's WebSocket, with limits; who doesn't answer a ping is closed by uvicorn itself."""
+class WebSocketConnection(_SlowReaderLimit, WebSocketsSansIOProtocol):
+    """WebSocket connection with limits; uvicorn closes it after an unanswered ping."""

@@ -1,13 +1,14 @@
-"""`/control`: a page's hand over a WebSocket, and the reports sent to it.
+"""WebSocket `/control`: control events from a page, status messages to it.
 
-Twenty-five times a second it gets ``{"status": {...}}``: `cursor` and `touching` of the disk,
-`torque_nm` and `full_torque_nm`, the tactor's `envelope`, `holding` (whether the disk is this
-page's), `others` that touch (`name`, `place` 0 to 1, `holding`), `window` (s), the name of the
-`preset`, and of latency `round_trip_ms`, `event_to_sample_ms` (from the page's event to the sample
-at which it acts) and `output_ms` (from there to the device, as it says).
+The host sends ``{"status": {...}}`` 25 times per second. Its fields are `cursor` and `touching` of
+the disk, `torque_nm`, `reference_torque_nm`, the tactor's `envelope`, `active` (whether this page
+controls the disk), `others` that touch (`name`, `position` 0 to 1, `active`), `window` (s) and the
+name of the `preset`. The latencies are `round_trip_ms`, `event_to_sample_ms` (from the page's event
+to its sample) and `output_ms` (from the sample to the device).
 
-A message that isn't one, or too many of them, end the connection; the end of a connection lets the
-disk go, and so do 500 ms without an event from a hand that touches: a page repeats its last event.
+An invalid message or too many messages close the connection. The host releases an input when its
+connection ends, or after 500 ms without an event while it touches. A page therefore repeats its
+last event.
 
 Thread: the server's.
 """
@@ -23,127 +24,130 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.hands import SILENCE_S, Hand, RemoteHands
 from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message
+from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput, RemoteInputs
 
-LOOK_EVERY_S = 0.02
-STATUS_EVERY_S = 0.04
-PING_EVERY_S = 0.25
-EVENTS_A_SECOND = 2000.0
-"""Twice what a hand sends at most; as many may come at once."""
+CHECK_INTERVAL_S = 0.02
+STATUS_INTERVAL_S = 0.04
+PING_INTERVAL_S = 0.25
+MAX_EVENTS_PER_SECOND = 2000.0
+"""Twice the maximum rate of an input; as many may arrive at once."""
 
-MESSAGES_A_SECOND = 500.0
+MAX_MESSAGES_PER_SECOND = 500.0
 MALFORMED, TOO_MANY = 1007, 1008
 
 
 class Session(Protocol):
-    """What sounds here."""
+    """Session that plays on this machine."""
 
-    hands: RemoteHands
+    inputs: RemoteInputs
 
     def show(self, start_s: float, end_s: float) -> None:
-        """Put a part of the timeline under the hand; InputError if it isn't one."""
+        """Show a window; raise InputError if it is invalid."""
 
     def use(self, preset: Preset) -> None:
-        """Change to a preset; InputError if it can't sound here."""
+        """Change the preset; raise InputError if the engine can't play it."""
 
     def status(self) -> dict[str, Any]:
-        """How the disk is."""
+        """Return the state of the disk."""
 
 
-class _Allowance:
-    """So many a second, and as many at once."""
+class _RateLimit:
+    """Limit on events per second; bursts up to one second's worth are allowed."""
 
-    def __init__(self, a_second: float) -> None:
-        self._a_second = self._left = a_second
-        self._at = time.monotonic()
+    def __init__(self, per_second: float) -> None:
+        self._per_second = self._available = per_second
+        self._updated = time.monotonic()
 
     def take(self, count: int = 1) -> bool:
         now = time.monotonic()
-        self._left = min(self._a_second, self._left + (now - self._at) * self._a_second)
-        self._at = now
-        self._left -= count
-        return self._left >= 0.0
+        earned = (now - self._updated) * self._per_second
+        self._available = min(self._per_second, self._available + earned)
+        self._updated = now
+        self._available -= count
+        return self._available >= 0.0
 
 
-async def serve_hand(websocket: WebSocket, session: Session) -> None:
-    """One page's hand, until its connection is over."""
+async def serve_input(websocket: WebSocket, session: Session) -> None:
+    """Serve one page until its connection ends."""
     await websocket.accept()
-    hand = session.hands.join()
-    reporting = asyncio.create_task(_report(websocket, session, hand))
+    remote = session.inputs.join()
+    reporting = asyncio.create_task(_report(websocket, session, remote))
     try:
-        await _listen(websocket, session, hand)
+        await _listen(websocket, session, remote)
     except InputError as error:
         await websocket.close(MALFORMED, str(error)[:100])
     except WebSocketDisconnect:
         pass
     finally:
-        session.hands.leave(hand)
+        session.inputs.leave(remote)
         reporting.cancel()
         await asyncio.gather(reporting, return_exceptions=True)
 
 
-async def _listen(websocket: WebSocket, session: Session, hand: Hand) -> None:
-    events, messages = _Allowance(EVENTS_A_SECOND), _Allowance(MESSAGES_A_SECOND)
+async def _listen(websocket: WebSocket, session: Session, remote: RemoteInput) -> None:
+    events, messages = _RateLimit(MAX_EVENTS_PER_SECOND), _RateLimit(MAX_MESSAGES_PER_SECOND)
     while True:
         received = await websocket.receive()
         if received["type"] != "websocket.receive":
             return
         text = received.get("text")
         if text is None:
-            raise InputError("a message is text")
+            raise InputError("a message must be text")
         message = decode_message(text)
         count = len(message.events) if isinstance(message, Events) else 1
         if not (messages.take() and events.take(count)):
-            session.hands.release(hand)
-            await websocket.close(TOO_MANY, f"more than {EVENTS_A_SECOND:.0f} events a second")
+            session.inputs.release(remote)
+            reason = f"more than {MAX_EVENTS_PER_SECOND:.0f} events per second"
+            await websocket.close(TOO_MANY, reason)
             return
         if isinstance(message, Events):
-            session.hands.move(hand, message.events)
+            session.inputs.move(remote, message.events)
         elif isinstance(message, Pong):
-            hand.clock.note(message.host_s, message.page_s, time.monotonic())
+            remote.clock.add(message.host_s, message.page_s, time.monotonic())
         elif isinstance(message, Name):
-            hand.name = message.name
+            remote.name = message.name
         elif isinstance(message, Show):
             session.show(message.start_s, message.end_s)
 
 
-async def _report(websocket: WebSocket, session: Session, hand: Hand) -> None:
-    """Follow the clocks, watch for silence, ping, report."""
-    hands = session.hands
+async def _report(websocket: WebSocket, session: Session, remote: RemoteInput) -> None:
+    """Update clocks, release a silent input, and send pings and status."""
+    inputs = session.inputs
     next_ping = next_status = 0.0
     try:
         while True:
             now = time.monotonic()
-            hands.look()
-            if hands.silent(hand):
-                hands.release(hand)
-                why = f"nothing was heard of the hand for {SILENCE_S * 1e3:.0f} ms"
-                await websocket.send_json({"released": why})
+            inputs.update_clock()
+            if inputs.is_silent(remote):
+                inputs.release(remote)
+                reason = f"no event arrived for {SILENCE_TIMEOUT_S * 1e3:.0f} ms"
+                await websocket.send_json({"released": reason})
             if now >= next_ping:
-                next_ping = now + PING_EVERY_S
+                next_ping = now + PING_INTERVAL_S
                 await websocket.send_json({"ping": time.monotonic()})
             if now >= next_status:
-                next_status = now + STATUS_EVERY_S
-                await websocket.send_json({"status": {**session.status(), **_of(hands, hand)}})
-            await asyncio.sleep(LOOK_EVERY_S)
-    except (WebSocketDisconnect, RuntimeError):  # closed meanwhile
+                next_status = now + STATUS_INTERVAL_S
+                status = {**session.status(), **_input_status(inputs, remote)}
+                await websocket.send_json({"status": status})
+            await asyncio.sleep(CHECK_INTERVAL_S)
+    except (WebSocketDisconnect, RuntimeError):  # the connection was closed
         return
 
 
-def _of(hands: RemoteHands, hand: Hand) -> dict[str, Any]:
+def _input_status(inputs: RemoteInputs, remote: RemoteInput) -> dict[str, Any]:
     return {
-        "holding": hands.holds(hand),
+        "active": inputs.is_active(remote),
         "others": [
             {
                 "name": one.name,
-                "place": round(one.theta2 / HALF_TURN, 4),
-                "holding": hands.holds(one),
+                "position": round(one.theta2 / HALF_TURN, 4),
+                "active": inputs.is_active(one),
             }
-            for one in hands.others(hand)
+            for one in inputs.others_touching(remote)
         ],
-        "round_trip_ms": _ms(hand.clock.round_trip_s),
-        "event_to_sample_ms": _ms(hand.event_to_sample_s),
+        "round_trip_ms": _ms(remote.clock.round_trip_s),
+        "event_to_sample_ms": _ms(remote.event_to_sample_s),
     }
 
 

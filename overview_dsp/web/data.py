@@ -1,29 +1,30 @@
-"""The data of a page: what it shows, what it sounds with, what it may keep.
+"""Routes for a page's data: timeline, windows, sound, presets and media.
 
 | path | answers |
 |---|---|
-| `GET /data/...json`, `/sound/...` | the files that a folder has (`site_content`) |
-| `POST /data/window`, `/sound/change` | any window, any preset (`sound_data`) |
-| `GET /data/presets`, `/data/preset?name=NAME` | names; a preset and the parameter table |
-| `GET /preset/changes` | the served preset, whenever its file was saved on the desk |
-| `POST /preset/toml` | a preset's file, to download |
-| `PUT /preset/NAME?replace=1` | keeps a preset file in the person's own folder |
+| `GET /data/...json`, `/sound/...` | the files of a static folder (`site_content`) |
+| `POST /data/window`, `/sound/change` | any window and preset (`sound_data`) |
+| `GET /data/presets`, `/data/preset?name=NAME` | preset names; a preset and the parameter table |
+| `GET /preset/changes` | the served preset after each change of its file |
+| `POST /preset/toml` | a preset as a TOML file |
+| `PUT /preset/NAME?replace=1` | saves a preset in the user's folder |
 | `GET /media` | the film, in ranges |
 
-`GET /live/...` of a timeline that grows are `live_data`'s.
+`live_data` has the routes `GET /live/...` of a live timeline.
 
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null}``: what sounds, the first window, the film. A page
-that is opened again is felt by the preset's file as it is then.
+"media": {"url", "type", "offset_s"} or null}``. `audio` is the machine that plays the sound,
+`window` the first visible window. A reloaded page uses the current content of the preset file.
 
-``/preset/changes`` are server-sent events: first the preset as it is, then each time its file has
-changed and is whole, as ``/data/preset`` has it. A file that isn't valid is told as ``event:
-refused`` with the line that says why; the last good one goes on.
+``/preset/changes`` sends server-sent events in the format of ``/data/preset``: first the current
+preset, then each valid change of its file. For an invalid file it sends ``event: refused`` with the
+error message; the last valid version stays active.
 
-Bad input is 400 and one line. What takes long is done one after the other, in a thread: a page
-can't take more than one core, and no Python here is in the way of a native audio callback.
+Invalid input is answered by 400 and a one-line message. Slow requests run in a thread,
+one at a time, so a page can use only one core and doesn't block a native audio
+callback.
 
-Thread: the server's; what reads or makes something is its workers'.
+Thread: the server's; requests are answered in its worker threads.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import without_map
@@ -51,23 +53,23 @@ from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.media import Media
 from overview_dsp.web.messages import json_object
 from overview_dsp.web.preset_data import (
-    as_toml,
+    named_preset,
+    parse_preset,
     preset_data,
-    preset_named,
     preset_names,
-    save_own,
+    save_preset,
 )
-from overview_dsp.web.security.request_body import answering
+from overview_dsp.web.security.request_body import threaded_endpoint
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"
 TIMELINE_FILE, POINTS_FILE = "data/timeline.json", "data/points-0.json"
 LEVELS = 4
-"""How many times a served page zooms, each time to a third."""
+"""Number of zoom levels of a served page; each is a third as long."""
 
-LOOK_EVERY_S = 0.1
-ALIVE_EVERY = 50
-"""Looks after which a line is sent in any case: a dead connection is noticed."""
+CHECK_INTERVAL_S = 0.1
+CHECKS_PER_COMMENT = 50
+"""Checks between two comments, which reveal a dead connection."""
 
 
 def data_routes(
@@ -80,82 +82,83 @@ def data_routes(
     live: LiveTimeline | None = None,
     linear: bool = False,
 ) -> list[BaseRoute]:
-    """The routes of a timeline.
+    """Return the routes of a timeline.
 
     Parameters
     ----------
     preset
-        The preset it is felt with, a name or a path.
+        Name or path of the preset.
     audio
-        Where it sounds, "here" or "host".
+        What plays the sound: "here" (the page) or "host".
     first
-        The part (s) that is shown first.
+        The window (s) that is shown first.
     media
-        The film of it.
+        Film or recording of the timeline.
     live
-        What grows; `timeline` is its snapshot then.
+        Live timeline; `timeline` is its snapshot.
     linear
         Whether presets are used without their angle map.
     """
     one_at_a_time = threading.Lock()
-    known = preset_names()
-    named = preset in (*known["bundled"], *known["own"])
-    given = load_preset(preset)
+    is_library_name = any(preset in names for names in preset_names().values())
+    first_name = load_preset(preset).name
 
-    def fitted(preset: Preset) -> Preset:
+    def adapted(preset: Preset) -> Preset:
         return without_map(preset) if linear else preset
 
     def served() -> Preset:
-        return fitted(load_preset(preset))  # as its file is now
+        return adapted(load_preset(preset))  # reads the file again
 
-    def chosen(name: str) -> Preset:
-        return served() if name == given.name and not named else fitted(preset_named(name))
+    def preset_by_name(name: str) -> Preset:
+        if name == first_name and not is_library_name:
+            return served()
+        return adapted(named_preset(name))
 
-    def now() -> Timeline:
-        return timeline if live is None else live.felt()
+    def current_timeline() -> Timeline:
+        return timeline if live is None else live.padded_snapshot()
 
-    def made() -> SiteContent:
+    def new_content() -> SiteContent:
         version = None if live is None else live.revision
-        present = now()
+        current = current_timeline()
         server: dict[str, Any] = {
             "audio": audio,
-            "window": list(first or (0.0, present.duration_s)),
+            "window": list(first or (0.0, current.duration_s)),
             "media": None if media is None else media.describe(),
         }
         return SiteContent(
-            present,
+            current,
             served(),
             levels=LEVELS,
             server=server,
             live=None if live is None else {"levels": LEVELS, "version": version},
         )
 
-    content = made()
+    content = new_content()
 
     def file(request: Request, body: bytes) -> Response:
         nonlocal content
         name = request.url.path.removeprefix("/")
         with one_at_a_time:
             if name in (TIMELINE_FILE, POINTS_FILE) and (
-                served() != content.preset or now() is not content.timeline
+                served() != content.preset or current_timeline() is not content.timeline
             ):
-                content = made()
+                content = new_content()
             if name not in content.names:
                 return PlainTextResponse("not found\n", 404)
             kind = JSON if name.endswith(".json") else BINARY
             return Response(content.make(name), media_type=kind)
 
     def window(request: Request, body: bytes) -> Response:
-        asked = json_object(body)
+        query = json_object(body)
         with one_at_a_time:
-            return JSONResponse(sound_data.window(now(), content.preset, asked))
+            return JSONResponse(sound_data.window(current_timeline(), content.preset, query))
 
     def names(request: Request, body: bytes) -> Response:
         return JSONResponse(preset_names())
 
-    def one(request: Request, body: bytes) -> Response:
+    def one_preset(request: Request, body: bytes) -> Response:
         name = request.query_params.get("name")
-        return JSONResponse(preset_data(content.preset if name is None else chosen(name)))
+        return JSONResponse(preset_data(content.preset if name is None else preset_by_name(name)))
 
     async def changes(request: Request) -> Response:
         return StreamingResponse(
@@ -165,34 +168,36 @@ def data_routes(
         )
 
     def change(request: Request, body: bytes) -> Response:
-        asked = json_object(body)
+        query = json_object(body)
         with one_at_a_time:
-            return Response(sound_data.change(now(), content.preset, asked), media_type=BINARY)
+            return Response(
+                sound_data.change(current_timeline(), content.preset, query), media_type=BINARY
+            )
 
     def toml(request: Request, body: bytes) -> Response:
-        return PlainTextResponse(as_toml(json_object(body)))
+        return PlainTextResponse(preset_toml(parse_preset(json_object(body))))
 
-    def keep(request: Request, body: bytes) -> Response:
+    def save(request: Request, body: bytes) -> Response:
         try:
             text = body.decode()
         except UnicodeDecodeError as error:
-            raise InputError(f"not UTF-8 text (byte {error.start}); it is a TOML file") from None
+            raise InputError(f"byte {error.start} is not UTF-8; must be a TOML file") from None
         with one_at_a_time:
-            path = save_own(
+            path = save_preset(
                 request.path_params["name"], text, request.query_params.get("replace") == "1"
             )
         return JSONResponse({"name": path.stem}, 201)
 
     routes: list[BaseRoute] = [
         Route("/preset/changes", changes),
-        Route("/data/presets", answering(names)),
-        Route("/data/preset", answering(one)),
-        Route("/sound/change", answering(change), methods=["POST"]),
-        Route("/preset/toml", answering(toml), methods=["POST"]),
-        Route("/preset/{name}", answering(keep), methods=["PUT"]),
-        Route("/data/window", answering(window), methods=["POST"]),
-        Route("/data/{file}", answering(file)),
-        Route("/sound/{file}", answering(file)),
+        Route("/data/presets", threaded_endpoint(names)),
+        Route("/data/preset", threaded_endpoint(one_preset)),
+        Route("/sound/change", threaded_endpoint(change), methods=["POST"]),
+        Route("/preset/toml", threaded_endpoint(toml), methods=["POST"]),
+        Route("/preset/{name}", threaded_endpoint(save), methods=["PUT"]),
+        Route("/data/window", threaded_endpoint(window), methods=["POST"]),
+        Route("/data/{file}", threaded_endpoint(file)),
+        Route("/sound/{file}", threaded_endpoint(file)),
     ]
     if live is not None:
         routes = [*LiveData(live, lambda: content.preset).routes(), *routes]
@@ -204,18 +209,18 @@ def data_routes(
 async def _preset_events(name: str, linear: bool) -> AsyncIterator[str]:
     watch = PresetWatch(name, linear)
     yield "retry: 1000\n\n" + _preset_event(watch.preset)
-    looks = 0
+    checks = 0
     while True:
-        await asyncio.sleep(LOOK_EVERY_S)
-        looks += 1
+        await asyncio.sleep(CHECK_INTERVAL_S)
+        checks += 1
         try:
-            changed = await asyncio.to_thread(watch.changed)
+            changed = await asyncio.to_thread(watch.pop_changed)
         except InputError as error:
             yield f"event: refused\ndata: {json.dumps(str(error))}\n\n"
             continue
         if changed is not None:
             yield _preset_event(changed)
-        elif looks % ALIVE_EVERY == 0:
+        elif checks % CHECKS_PER_COMMENT == 0:
             yield ": alive\n\n"
 
 

@@ -1,4 +1,4 @@
-"""Several timelines in one folder: a page that shows each, and a folder of its own for each."""
+"""A static folder with several timelines: an index page, and one subfolder per timeline."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
-from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, sharing, write_site
+from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, link_tags, write_site
 
 MARK = "gallery.txt"
-"""The file by which a folder is known as one of ours: its folders, a line each."""
+"""File that marks a gallery folder; it lists the subfolders, one per line."""
 
 _FILES = ("style.css", "icon.svg", "icon-192.png")
 _TITLE = "Timelines to feel"
-_LONGEST = 48
+_MAX_NAME = 48
 
 
 def write_gallery(
-    shown: Sequence[tuple[Timeline, Preset]],
+    items: Sequence[tuple[Timeline, Preset]],
     path: str | os.PathLike[str],
     *,
     levels: int = 3,
@@ -32,37 +32,37 @@ def write_gallery(
     address: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> int:
-    """Write the folder, whole or not at all; its size in bytes.
+    """Write the folder completely or not at all; return its size in bytes.
 
     Parameters
     ----------
-    shown
-        Timelines in their order, each with what it is felt by.
+    items
+        Timelines in order, each with its preset.
     path
-        A new or empty folder, or a gallery that this wrote before.
+        A new or empty folder, or an earlier gallery.
     levels, seed, actuator
-        Of each page, as `write_site` has them.
+        Settings of each page, as in `write_site`.
     address
-        Where the folder will be, if that is known: ``https://example.org/matches/``.
+        URL of the published folder, if known: ``https://example.org/matches/``.
 
     Raises
     ------
     InputError
-        The folder can't be written or holds other files; a surface that can't be made.
+        The folder can't be written, contains other files, or a surface can't be built.
     """
-    names = _names([timeline.title for timeline, _ in shown])
+    names = _folder_names([timeline.title for timeline, _ in items])
     files = {name: page_files()[name] for name in _FILES}
     files[MARK] = "".join(f"{name}\n" for name in names).encode()
-    files[START] = _page([timeline for timeline, _ in shown], names, address).encode()
+    files[START] = _page([timeline for timeline, _ in items], names, address).encode()
     size = sum(map(len, files.values()))
     with atomic_folder(path, MARK) as folder:
         for name, content in files.items():
             (folder / name).write_bytes(content)
-        for i, (name, (timeline, preset)) in enumerate(zip(names, shown, strict=True)):
+        for i, (name, (timeline, preset)) in enumerate(zip(names, items, strict=True)):
 
-            def part(done: float, i: int = i) -> None:
+            def report(done: float, i: int = i) -> None:
                 if progress is not None:
-                    progress((i + done) / len(shown))
+                    progress((i + done) / len(items))
 
             size += write_site(
                 timeline,
@@ -72,16 +72,16 @@ def write_gallery(
                 seed=seed,
                 actuator=actuator,
                 address=None if address is None else f"{address}{name}/",
-                progress=part,
+                progress=report,
             )
     return size
 
 
-def _names(titles: Sequence[str]) -> list[str]:
-    """A folder's name for each title: letters, digits and hyphens, none twice."""
+def _folder_names(titles: Sequence[str]) -> list[str]:
+    """Return a unique folder name of letters, digits and hyphens for each title."""
     names: list[str] = []
     for title in titles:
-        plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:_LONGEST].strip("-")
+        plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:_MAX_NAME].strip("-")
         name, number = plain or "timeline", 1
         while name in names:
             number += 1
@@ -96,7 +96,7 @@ def _page(timelines: Sequence[Timeline], names: Sequence[str], address: str | No
         f'height="{HEIGHT}" loading="lazy"><span>{html.escape(timeline.title)}</span></a></li>'
         for timeline, name in zip(timelines, names, strict=True)
     )
-    tags = "\n  ".join(sharing(_TITLE, f"{names[0]}/{PICTURE}", address))
+    tags = "\n  ".join(link_tags(_TITLE, f"{names[0]}/{PICTURE}", address))
     return f"""<!doctype html>
 <html lang="en">
 <head>

@@ -1,157 +1,157 @@
-// The kernel and its memory in JavaScript: what Python's engine and mailbox do for a native one.
+// The WebAssembly kernel and its memory: parameters, surfaces, control events and meters.
 //
-// It runs in the audio thread, where messages are handled between two blocks, so the rings need no
-// atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
+// The kernel runs in the audio thread. The browser handles messages between two blocks, so the rings
+// need no atomics. `render` creates no object: bytes are copied word by word, without views or BigInts.
 
 import { DIGEST, ENCODING, L, PARAMETERS, SOURCES } from "./layout.js";
 
 export const { WHOLE, CHANGE } = ENCODING;
 const { FILL, DATA, TABLE, INTEGRAL, HEAD } = ENCODING;
 /** @type {Record<number, string>} */
-const WHAT = { [WHOLE]: "a memory", [CHANGE]: "a change" };
+const KIND_NAMES = { [WHOLE]: "memory image", [CHANGE]: "change" };
 
 export const AT_ONCE = -1;
 const TWO_32 = 4294967296;
 const PAGE_BYTES = 65536;
 const LARGEST_BLOCK = 2048; // frames
-const COLUMNS_A_BLOCK = 16384; // of a surface, so that copying one never makes a block late
-export const EVENT_FIELDS = 4; // of a control event: sample time, source, theta2, touching
-export const STRIKE_FIELDS = 4; // of a strike: sample, event, torque, level
+const COLUMNS_A_BLOCK = 16384; // per block: copying a surface must not delay the audio
+export const EVENT_FIELDS = 4; // sample time, source, theta2, touching
+export const STRIKE_FIELDS = 4; // sample, event, torque, level
 
-// what `meters` tells, in its order
+// the order of the values of `meters`
 export const METERS = Object.freeze([
-  "clock", "cursor", "touching", "holder", "torque", "friction", "envelope",
+  "clock", "cursor", "touching", "activeInput", "torque", "friction", "envelope",
   "peakClick", "peakTactor", "strikes", "late", "rejected", "clamped", "dropped", "resets",
   "limited", "silentSamples", "stillSamples", "changesWaiting",
 ]);
 
 /**
- * Sample rate (Hz) and channels of encoded bytes; an Error in one line if not of this kind.
+ * Return the sample rate (Hz) and channels of encoded bytes; throw an Error if they are invalid.
  * @param {ArrayBuffer} bytes
  * @param {number} kind
  */
 export function checkBytes(bytes, kind) {
-  const what = WHAT[kind];
+  const name = KIND_NAMES[kind];
   if (!(bytes instanceof ArrayBuffer) || bytes.byteLength % 8 || bytes.byteLength < 8 * HEAD) {
-    throw new Error(`not ${what} of the kernel: ${bytes?.byteLength} bytes`);
+    throw new Error(`not a valid ${name}: ${bytes?.byteLength} bytes`);
   }
   const words = new Int32Array(bytes);
   if (words[0] !== DIGEST[0] || words[1] !== DIGEST[1]) {
-    throw new Error(`${what} of another version of the kernel: load the page again`);
+    throw new Error(`${name} is of another kernel version; reload the page`);
   }
   const numbers = new Float64Array(bytes);
   const first = HEAD + 2 * words[3];
-  let sound = words[2] === kind && first >= HEAD && first <= numbers.length;
-  for (let i = HEAD; sound && i < first; i += 2) {
+  let isValid = words[2] === kind && first >= HEAD && first <= numbers.length;
+  for (let i = HEAD; isValid && i < first; i += 2) {
     const column = numbers[i];
     const coefficient = Number.isInteger(column) && column >= 0 && column < L.COEFFS;
-    sound = coefficient || column === L.COMMAND_RELEASE_RETURNS;
+    isValid = coefficient || column === L.COMMAND_RELEASE_RETURNS;
   }
   let covered = 0;
   let at = first;
-  while (sound && at < numbers.length) {
-    const how = words[2 * at];
+  while (isValid && at < numbers.length) {
+    const runKind = words[2 * at];
     const count = words[2 * at + 1];
-    const known = how === FILL || how === DATA || how === INTEGRAL;
-    sound = count > 0 && (known || (how === TABLE && count % 2 === 0));
+    const isKnown = runKind === FILL || runKind === DATA || runKind === INTEGRAL;
+    isValid = count > 0 && (isKnown || (runKind === TABLE && count % 2 === 0));
     covered += count;
-    at += 1 + valuesOf(how, count);
+    at += 1 + valuesOf(runKind, count);
   }
   const whole = kind === WHOLE ? L.TOTAL : L.SLOT_SIZE;
   const complete = covered === whole || (kind === CHANGE && first === numbers.length);
-  if (!sound || at !== numbers.length || !complete) {
-    throw new Error(`not ${what} of the kernel: damaged, or of another kind`);
+  if (!isValid || at !== numbers.length || !complete) {
+    throw new Error(`not a valid ${name}: damaged, or another type of file`);
   }
   return { sampleRate: numbers[3], channels: numbers[4] };
 }
 
 /**
- * The kernel's number of a parameter; an Error in one line if it can't have that value.
+ * Return the kernel's number of a parameter; throw an Error for an unknown name or invalid value.
  * @param {string} id
  * @param {number} value
  */
 export function parameterNumber(id, value) {
   if (!Object.hasOwn(PARAMETERS, id)) {
-    throw new Error(`no parameter is called ${id}; known: ${Object.keys(PARAMETERS).join(", ")}`);
+    throw new Error(`unknown parameter ${id}; must be one of: ${Object.keys(PARAMETERS).join(", ")}`);
   }
   const [number, lowest, highest] = PARAMETERS[/** @type {keyof typeof PARAMETERS} */ (id)];
   if (!(value >= lowest && value <= highest)) {
-    throw new Error(`${id} = ${value} is out of range; it is ${lowest} to ${highest}`);
+    throw new Error(`${id} = ${value} is out of range; allowed: ${lowest} to ${highest}`);
   }
   return number;
 }
 
 /**
- * How many values a run has for its columns.
- * @param {number} how
+ * Return how many values a run stores for its columns.
+ * @param {number} runKind
  * @param {number} count
  */
-function valuesOf(how, count) {
-  if (how === FILL) return 1;
-  if (how === INTEGRAL) return 0;
-  return how === DATA ? count : count / 2;
+function valuesOf(runKind, count) {
+  if (runKind === FILL) return 1;
+  if (runKind === INTEGRAL) return 0;
+  return runKind === DATA ? count : count / 2;
 }
 
-/** Encoded columns on their way into the memory, in pieces. */
+/** Encoded columns, copied into the kernel's memory in pieces. */
 class Copy {
   /** @param {ArrayBuffer} bytes */
   constructor(bytes) {
     this.from = new Int32Array(bytes);
     this.values = new Float64Array(bytes);
-    this.told = this.from[3]; // pairs before the runs
-    this.at = HEAD + 2 * this.told; // column of the present run
+    this.parameterCount = this.from[3]; // (number, value) pairs before the runs
+    this.at = HEAD + 2 * this.parameterCount; // column of the current run
     this.hasRuns = this.at < this.values.length;
-    this.target = 0; // column of the memory where it begins
-    this.done = 0; // columns of it
-    this.copied = 0; // of all
+    this.target = 0; // first memory column of the current run
+    this.done = 0; // columns copied of the current run
+    this.copied = 0; // columns copied in total
   }
 
   /**
-   * Copy up to `room` columns more; whether that was all.
-   * @param {Float64Array} m
+   * Copy up to `room` further columns; return whether the copy is complete.
+   * @param {Float64Array} numbers
    * @param {Int32Array} words
    * @param {number} room
    */
-  advance(m, words, room) {
+  advance(numbers, words, room) {
     const { from, values } = this;
     while (room > 0 && this.at < values.length) {
-      const how = from[2 * this.at];
+      const runKind = from[2 * this.at];
       const count = from[2 * this.at + 1];
       const stop = Math.min(count, this.done + room);
       const data = this.at + 1;
       room -= stop - this.done;
       this.copied += stop - this.done;
-      if (how === FILL) {
+      if (runKind === FILL) {
         const low = from[2 * data];
         const high = from[2 * data + 1];
         for (let i = this.target + this.done; i < this.target + stop; i += 1) {
           words[2 * i] = low;
           words[2 * i + 1] = high;
         }
-      } else if (how === DATA) {
+      } else if (runKind === DATA) {
         for (let i = 2 * this.done; i < 2 * stop; i += 1) {
           words[2 * this.target + i] = from[2 * data + i];
         }
-      } else if (how === INTEGRAL) {
+      } else if (runKind === INTEGRAL) {
         const table = this.target - ENCODING.INTEGRAL_FROM_TABLE;
         for (let i = this.done; i < stop; i += 1) {
           const at = this.target + i;
-          const mean = i > 0 ? 0.5 * (m[table + 2 * i] + m[table + 2 * i - 2]) : 0;
-          m[at] = i > 0 ? m[at - 1] + mean : 0;
+          const mean = i > 0 ? 0.5 * (numbers[table + 2 * i] + numbers[table + 2 * i - 2]) : 0;
+          numbers[at] = i > 0 ? numbers[at - 1] + mean : 0;
         }
       } else {
         const points = count / 2;
         for (let i = this.done; i < stop; i += 1) {
           const point = i >> 1;
-          if ((i & 1) === 0) m[this.target + i] = values[data + point];
+          if ((i & 1) === 0) numbers[this.target + i] = values[data + point];
           else if (point + 1 < points) {
-            m[this.target + i] = values[data + point + 1] - values[data + point];
-          } else m[this.target + i] = 0;
+            numbers[this.target + i] = values[data + point + 1] - values[data + point];
+          } else numbers[this.target + i] = 0;
         }
       }
       this.done = stop;
       if (stop === count) {
-        this.at = data + valuesOf(how, count);
+        this.at = data + valuesOf(runKind, count);
         this.target += count;
         this.done = 0;
       }
@@ -162,40 +162,40 @@ class Copy {
 
 export class Kernel {
   /**
-   * `wasm`: the bytes of kernel.wasm; `image`: those of browser_memory.py's `encode_engine`, which
-   * goes on from where it was, or begins anew at a `sampleRate` of another one.
+   * `wasm` holds the bytes of kernel.wasm, `image` those of `encode_engine` (browser_memory.py). The
+   * kernel continues from the image's state. At another `sampleRate` it starts from rest.
    * @param {BufferSource} wasm
    * @param {ArrayBuffer} image
    * @param {number} [sampleRate]
    */
   constructor(wasm, image, sampleRate = undefined) {
-    const { sampleRate: given, channels } = checkBytes(image, WHOLE);
-    this.sampleRate = sampleRate ?? given;
+    const { sampleRate: imageRate, channels } = checkBytes(image, WHOLE);
+    this.sampleRate = sampleRate ?? imageRate;
     this.channels = channels;
     const instance = new WebAssembly.Instance(new WebAssembly.Module(wasm), {});
     const { memory, render, prepare, change, __heap_base } = /** @type {any} */ (instance.exports);
-    this.run = render;
-    this.adjust = change;
+    this.renderBlock = render;
+    this.setParameter = change;
     this.block = Math.ceil(__heap_base.value / 8) * 8;
     this.out = this.block + 8 * L.TOTAL;
     grow(memory, this.out + 4 * LARGEST_BLOCK * channels);
-    this.m = new Float64Array(memory.buffer, this.block, L.TOTAL);
+    this.numbers = new Float64Array(memory.buffer, this.block, L.TOTAL);
     this.words = new Int32Array(memory.buffer, this.block, 2 * L.TOTAL);
-    // in pieces, so that the browser has compiled the copying before the first sample
+    // in pieces: the browser compiles the copy code before the first sample
     const copy = new Copy(image);
-    while (!copy.advance(this.m, this.words, COLUMNS_A_BLOCK));
-    if (this.sampleRate !== given && prepare(this.block, this.sampleRate) !== 1) {
-      throw new Error(`the kernel doesn't run at ${this.sampleRate} Hz with this preset's carrier`);
+    while (!copy.advance(this.numbers, this.words, COLUMNS_A_BLOCK));
+    if (this.sampleRate !== imageRate && prepare(this.block, this.sampleRate) !== 1) {
+      throw new Error(`${this.sampleRate} Hz is too low for this preset's carrier`);
     }
     this.samples = new Float32Array(memory.buffer, this.out, LARGEST_BLOCK * channels);
     this.dropped = 0;
     /** @type {Copy[]} */
-    this.waiting = []; // changes, each a Copy
-    this.slot = -1; // where the surface of the first of them goes
+    this.waiting = []; // changes that wait for a free slot
+    this.slot = -1; // surface slot that the first change is copied to
   }
 
   /**
-   * An int64 column as a number.
+   * Return an int64 column as a number.
    * @param {number} column
    */
   read(column) {
@@ -212,14 +212,14 @@ export class Kernel {
   }
 
   /**
-   * Push hands' events: rows of sample time (-1 = at once), source's number, theta2, touching.
+   * Push control events: rows of sample time (-1: at once), source number, theta2, touching.
    * @param {ArrayLike<number>} events
    */
   control(events) {
     for (let i = 0; i + EVENT_FIELDS <= events.length; i += EVENT_FIELDS) {
       const source = events[i + 1];
       if (!(Number.isInteger(source) && source >= 0 && source < L.SOURCES)) {
-        throw new Error(`no source has the number ${source}; known: ${SOURCES.join(", ")}`);
+        throw new Error(`unknown input ${source}; inputs by number: ${SOURCES.join(", ")}`);
       }
       const written = this.read(L.RING_WRITTEN + source);
       if (written - this.read(L.RING_READ + source) >= L.RING) {
@@ -227,7 +227,7 @@ export class Kernel {
       } else {
         const at = source * L.RING + (written % L.RING);
         this.write(L.RING_TIME + at, events[i]);
-        this.m[L.RING_THETA2 + at] = events[i + 2];
+        this.numbers[L.RING_THETA2 + at] = events[i + 2];
         this.write(L.RING_TOUCHING + at, events[i + 3] ? 1 : 0);
         this.write(L.RING_WRITTEN + source, written + 1);
       }
@@ -235,31 +235,31 @@ export class Kernel {
   }
 
   /**
-   * Set a parameter by its number, which glides from sample `stamp` on.
+   * Set a parameter by its number. The value is smoothed from sample `stamp` on.
    * @param {number} number
    * @param {number} value
    * @param {number} stamp
    */
   set(number, value, stamp = AT_ONCE) {
-    if (this.adjust(this.block, number, value, stamp) !== 1) {
-      throw new Error(`parameter ${number} = ${value}: too many wait, or the rate is too low`);
+    if (this.setParameter(this.block, number, value, stamp) !== 1) {
+      throw new Error(`parameter ${number} = ${value}: too many pending changes, or the sample rate is too low`);
     }
   }
 
   /**
-   * Queue a change of browser_memory.py's `encode_change`: in the order of their coming.
+   * Queue a change made by `encode_change` (browser_memory.py).
    * @param {ArrayBuffer} bytes
    */
   change(bytes) {
     const { sampleRate } = checkBytes(bytes, CHANGE);
     if (sampleRate !== this.sampleRate) {
-      throw new Error(`a change for ${sampleRate} Hz; the kernel runs at ${this.sampleRate} Hz`);
+      throw new Error(`change is for ${sampleRate} Hz; must be ${this.sampleRate} Hz`);
     }
     this.waiting.push(new Copy(bytes));
   }
 
   /**
-   * Take over queued changes, copying up to `room` columns of their surfaces.
+   * Apply queued changes; copy up to `room` columns of their surfaces.
    * @param {number} room
    */
   takeChanges(room) {
@@ -271,14 +271,14 @@ export class Kernel {
         copy.target = L.SURFACES + this.slot * L.SLOT_SIZE;
       }
       const before = copy.copied;
-      const whole = copy.advance(this.m, this.words, room);
+      const whole = copy.advance(this.numbers, this.words, room);
       room -= copy.copied - before;
-      if (!whole || !this.hasRoom(copy.told + 1)) return;
+      if (!whole || !this.hasRoom(copy.parameterCount + 1)) return;
       const stamp = copy.values[2];
-      for (let i = HEAD; i < HEAD + 2 * copy.told; i += 2) {
-        this.tell(copy.values[i], copy.values[i + 1], stamp);
+      for (let i = HEAD; i < HEAD + 2 * copy.parameterCount; i += 2) {
+        this.pushCommand(copy.values[i], copy.values[i + 1], stamp);
       }
-      if (this.slot >= 0) this.tell(L.COMMAND_SURFACE, this.slot, stamp);
+      if (this.slot >= 0) this.pushCommand(L.COMMAND_SURFACE, this.slot, stamp);
       this.slot = -1;
       this.waiting.shift();
     }
@@ -289,7 +289,7 @@ export class Kernel {
     return this.read(L.HOST_WRITTEN) - this.read(L.HOST_READ) + changes <= L.HOST_RING;
   }
 
-  /** A surface slot that neither sounds, fades nor waits, or -1. */
+  /** Return a surface slot that is neither active, fading nor queued; -1 if there is none. */
   freeSlot() {
     for (let slot = 0; slot < L.SLOTS; slot += 1) {
       let taken = slot === this.read(L.ACTIVE_SLOT);
@@ -297,7 +297,7 @@ export class Kernel {
       for (let i = this.read(L.HOST_READ); i < this.read(L.HOST_WRITTEN); i += 1) {
         const at = i % L.HOST_RING;
         const waits = this.read(L.HOST_WHAT + at) === L.COMMAND_SURFACE;
-        taken ||= waits && this.m[L.HOST_VALUE + at] === slot;
+        taken ||= waits && this.numbers[L.HOST_VALUE + at] === slot;
       }
       if (!taken) return slot;
     }
@@ -306,40 +306,40 @@ export class Kernel {
 
   /**
    * Push one parameter or command.
-   * @param {number} what
+   * @param {number} command
    * @param {number} value
    * @param {number} stamp
    */
-  tell(what, value, stamp) {
+  pushCommand(command, value, stamp) {
     const written = this.read(L.HOST_WRITTEN);
     const at = written % L.HOST_RING;
     this.write(L.HOST_TIME + at, stamp);
-    this.write(L.HOST_WHAT + at, what);
-    this.m[L.HOST_VALUE + at] = value;
+    this.write(L.HOST_WHAT + at, command);
+    this.numbers[L.HOST_VALUE + at] = value;
     this.write(L.HOST_WRITTEN, written + 1);
   }
 
   /**
-   * Ask for the device's gain, ceiling (linear) and delay (frames) of each signal; they glide.
+   * Set gain, ceiling (linear) and delay (frames) of each signal. The values are smoothed.
    * @param {{ gain: number, ceiling: number, delay: number }[]} signals
    */
   output(signals) {
     signals.forEach(({ gain, ceiling, delay }, signal) => {
       const limited = ceiling < 1 || gain > 1;
-      this.m[L.L_WANTED + signal] = gain;
-      this.m[L.L_WANTED + L.SIGNALS + signal] = ceiling;
-      this.m[L.L_WANTED + 2 * L.SIGNALS + signal] = limited ? 1 : 0;
+      this.numbers[L.L_WANTED + signal] = gain;
+      this.numbers[L.L_WANTED + L.SIGNALS + signal] = ceiling;
+      this.numbers[L.L_WANTED + 2 * L.SIGNALS + signal] = limited ? 1 : 0;
       this.write(L.L_DELAY_WANTED + signal, delay);
     });
   }
 
-  /** Fade out and end: `render` says when that is done. */
+  /** Fade out and end; `render` returns true when the fade is complete. */
   stop() {
     this.write(L.L_STOP, 1);
   }
 
   /**
-   * Overwrite a block: one Float32Array a channel, all of one length; whether the sound is over.
+   * Render one block into one Float32Array per channel, all of one length; return whether playback has ended.
    * @param {Float32Array[]} outputs
    */
   render(outputs) {
@@ -348,35 +348,35 @@ export class Kernel {
     this.takeChanges(COLUMNS_A_BLOCK);
     for (let start = 0; start < frames; start += LARGEST_BLOCK) {
       const part = Math.min(LARGEST_BLOCK, frames - start);
-      over = this.run(this.out, part, this.block) === 1;
+      over = this.renderBlock(this.out, part, this.block) === 1;
       for (let channel = 0; channel < outputs.length; channel += 1) {
         const output = outputs[channel];
-        const heard = channel < this.channels;
+        const isPlayed = channel < this.channels;
         for (let i = 0; i < part; i += 1) {
-          output[start + i] = heard ? this.samples[i * this.channels + channel] : 0;
+          output[start + i] = isPlayed ? this.samples[i * this.channels + channel] : 0;
         }
       }
     }
     return over;
   }
 
-  /** Float64Array of what `METERS` names; peaks are those since the last look. */
+  /** Return the values that `METERS` names, as a Float64Array; peaks are reset. */
   meters() {
-    const { m } = this;
-    const holder = this.read(L.HOLDER);
-    const told = Float64Array.of(
-      this.read(L.CLOCK), m[L.X] / L.CELLS, Number(holder >= 0), holder,
-      m[L.M_TORQUE], m[L.M_FRICTION], m[L.M_ENVELOPE],
-      m[L.L_PEAK], m[L.L_PEAK + 1], this.read(L.M_STRIKES), this.read(L.M_LATE),
+    const { numbers } = this;
+    const activeInput = this.read(L.HOLDER);
+    const values = Float64Array.of(
+      this.read(L.CLOCK), numbers[L.X] / L.CELLS, Number(activeInput >= 0), activeInput,
+      numbers[L.M_TORQUE], numbers[L.M_FRICTION], numbers[L.M_ENVELOPE],
+      numbers[L.L_PEAK], numbers[L.L_PEAK + 1], this.read(L.M_STRIKES), this.read(L.M_LATE),
       this.read(L.M_REJECTED), this.read(L.M_CLAMPED), this.dropped, this.read(L.M_RESETS),
       this.read(L.M_LIMITED), this.read(L.M_SILENT), this.read(L.M_STILL), this.waiting.length,
     );
-    m[L.L_PEAK] = 0;
-    m[L.L_PEAK + 1] = 0;
-    return told;
+    numbers[L.L_PEAK] = 0;
+    numbers[L.L_PEAK + 1] = 0;
+    return values;
   }
 
-  /** Float64Array of the strikes since the last look: rows of sample, event, torque, level. */
+  /** Return the strikes since the last call: rows of sample, event, torque, level. */
   strikes() {
     const total = this.read(L.M_STRIKES);
     const first = Math.max(this.read(L.STRIKES_READ), total - L.STRIKE_LOG);
@@ -384,8 +384,8 @@ export class Kernel {
     for (let i = first; i < total; i += 1) {
       const at = i % L.STRIKE_LOG;
       rows.set(
-        [this.m[L.LOG_TIME + at], this.read(L.LOG_EVENT + at), this.m[L.LOG_TORQUE + at],
-          this.m[L.LOG_LEVEL + at]],
+        [this.numbers[L.LOG_TIME + at], this.read(L.LOG_EVENT + at), this.numbers[L.LOG_TORQUE + at],
+          this.numbers[L.LOG_LEVEL + at]],
         STRIKE_FIELDS * (i - first),
       );
     }

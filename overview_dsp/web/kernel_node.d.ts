@@ -1,26 +1,26 @@
-// Types of kernel_node.js, for pages that use the kernel by themselves.
+// Types of kernel_node.js, for other pages that use the kernel.
 
-export interface HandEvent {
-  /** Counted from the node's first sample; -1 or left out: at once. */
+export interface ControlEvent {
+  /** Counted from the node's first sample; -1 (the default): at once. */
   sampleTime?: number;
   source?: string;
-  /** 0 to pi. */
+  /** Input angle in rad, 0 to pi. */
   theta2: number;
   touching: boolean;
 }
 
 export interface Strike {
   sample: number;
-  /** Number of the event, -1 for the bare surface. */
+  /** Number of the event; -1 for the surface itself. */
   event: number;
   torque: number;
   level: number;
 }
 
-/** What the kernel tells of itself; peaks are those since the last look. */
-export interface Look {
+/** State of the kernel; peaks and new strikes cover the time since the last call. */
+export interface KernelState {
   over: boolean;
-  struck: Strike[];
+  newStrikes: Strike[];
   clock: number;
   cursor: number;
   touching: number;
@@ -36,7 +36,7 @@ export interface Look {
 export interface Signal {
   gain?: number;
   ceiling?: number;
-  /** s, to 0.1. */
+  /** Delay in s, up to 0.1. */
   delay?: number;
 }
 
@@ -47,12 +47,12 @@ export class KernelNode extends AudioWorkletNode {
   set(id: string, value: number | boolean, sampleTime?: number): void;
   change(bytes: ArrayBuffer): void;
   output(click: Signal, tactor: Signal): void;
-  look(): Promise<Look>;
+  readState(): Promise<KernelState>;
   stop(): void;
 }
 
 export function openKernel(
   context: AudioContext | OfflineAudioContext,
   image: ArrayBuffer,
-  given?: { events?: HandEvent[]; changes?: ArrayBuffer[]; wasm?: Promise<ArrayBuffer> },
+  options?: { events?: ControlEvent[]; changes?: ArrayBuffer[]; wasm?: Promise<ArrayBuffer> },
 ): Promise<KernelNode>;

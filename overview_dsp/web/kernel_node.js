@@ -1,35 +1,35 @@
-// The page's end of the kernel: an audio node that takes hands, changes and volumes.
+// The audio node of the kernel: control events, parameters, changes and volumes.
 
 import {
   AT_ONCE, CHANGE, checkBytes, METERS, parameterNumber, STRIKE_FIELDS, WHOLE,
 } from "./kernel.js";
 import { SOURCES } from "./layout.js";
 
-/** @import { HandEvent, Look, Signal } from "./kernel_node" */
+/** @import { ControlEvent, KernelState, Signal } from "./kernel_node" */
 /** @typedef {{ over: boolean, meters: Float64Array, strikes: Float64Array }} Answer */
 
 const PROCESSOR = new URL("./processor.js", import.meta.url);
 const KERNEL = new URL("./kernel.wasm", import.meta.url);
 
 /**
- * A node that plays a memory image (browser_memory.py) into `context`.
+ * Create a node that plays a memory image (browser_memory.py) into `context`.
  *
- * `events` and `changes` are there before the first sample: rows as in `KernelNode.control`, and
- * bytes of `encode_change`. Clicks are left, the tactor is right, unless the image's settings say
- * otherwise. One image serves every sample rate. `wasm`: the bytes of `kernel.wasm`, fetched from
- * beside this file if left out. Throws an Error in one line: another version's bytes.
+ * `events` (as in `KernelNode.control`) and `changes` (bytes of `encode_change`) apply before the
+ * first sample. Clicks are left and the tactor is right, unless the image's settings differ. One image
+ * serves every sample rate. `wasm` holds the bytes of `kernel.wasm`; by default they are fetched from
+ * this file's folder. Throws an Error if the bytes are of another version.
  * @param {BaseAudioContext} context
  * @param {ArrayBuffer} image
- * @param {{ events?: HandEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} given
+ * @param {{ events?: ControlEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} wasmBytes
  */
-export async function openKernel(context, image, { events = [], changes = [], wasm: given = fetched() } = {}) {
+export async function openKernel(context, image, { events = [], changes = [], wasm: wasmBytes = fetchWasm() } = {}) {
   const { channels } = checkBytes(image, WHOLE);
   for (const bytes of changes) checkBytes(bytes, CHANGE);
-  const [wasm] = await Promise.all([given, context.audioWorklet.addModule(PROCESSOR)]);
-  return new KernelNode(context, channels, { wasm, image, events: rows(events), changes });
+  const [wasm] = await Promise.all([wasmBytes, context.audioWorklet.addModule(PROCESSOR)]);
+  return new KernelNode(context, channels, { wasm, image, events: eventRows(events), changes });
 }
 
-async function fetched() {
+async function fetchWasm() {
   const answer = await fetch(KERNEL);
   if (!answer.ok) throw new Error(`${KERNEL}: ${answer.status} ${answer.statusText}`);
   return answer.arrayBuffer();
@@ -47,43 +47,43 @@ export class KernelNode extends AudioWorkletNode {
       outputChannelCount: [channels],
       processorOptions,
     });
-    /** @type {HandEvent[]} */
-    this.unsent = [];
-    /** @type {((told: Answer) => void)[]} */
-    this.asked = [];
-    /** Called with a sentence when the audio thread can't do what it was sent. */
+    /** @type {ControlEvent[]} */
+    this.unsentEvents = [];
+    /** @type {((answer: Answer) => void)[]} */
+    this.pendingReads = [];
+    /** Called with a message if the audio thread rejects a request. */
     this.onfault = (/** @type {string} */ message) => console.error(message);
     this.port.onmessage = ({ data }) => {
       if (data.kind === "error") this.onfault(data.message);
-      else this.asked.shift()(data);
+      else this.pendingReads.shift()(data);
     };
   }
 
   /**
-   * A hand's event: theta2 in rad (0 to pi) and whether it holds on; `sampleTime` counts from the
-   * node's first sample. All events of one task go in one message.
+   * Send one control event: theta2 in rad (0 to pi) and whether the input touches. `sampleTime`
+   * counts from the node's first sample. Events of one task share one message.
    * @param {number} theta2
    * @param {boolean} touching
    */
   control(theta2, touching, source = "touch", sampleTime = AT_ONCE) {
     if (!SOURCES.includes(source)) {
-      throw new Error(`no source is called ${source}; known: ${SOURCES.join(", ")}`);
+      throw new Error(`unknown input ${source}; must be one of: ${SOURCES.join(", ")}`);
     }
-    this.unsent.push({ sampleTime, source, theta2, touching });
-    if (this.unsent.length === 1) queueMicrotask(() => this.flush());
+    this.unsentEvents.push({ sampleTime, source, theta2, touching });
+    if (this.unsentEvents.length === 1) queueMicrotask(() => this.flush());
   }
 
-  /** Send what waits, so that what is sent after it comes after it. */
+  /** Send the queued events, so that later messages follow them. */
   flush() {
-    if (this.unsent.length === 0) return;
-    const events = rows(this.unsent);
-    this.unsent = [];
+    if (this.unsentEvents.length === 0) return;
+    const events = eventRows(this.unsentEvents);
+    this.unsentEvents = [];
     this.port.postMessage({ kind: "control", events }, [events.buffer]);
   }
 
   /**
-   * Set a parameter of the preset that isn't the surface's (`tactor.gain_db`), in the preset's unit;
-   * a switch is 0 or 1. It glides for 20 ms. Those that aren't set stay the image's.
+   * Set a parameter of the preset in its own unit (`tactor.gain_db`); surface parameters need a
+   * change. A switch is 0 or 1. The value is smoothed over 20 ms.
    * @param {string} id
    * @param {number | boolean} value
    * @param {number} sampleTime
@@ -95,14 +95,14 @@ export class KernelNode extends AudioWorkletNode {
   }
 
   /**
-   * Bytes of `encode_change`: other parameters, another surface. The buffer goes over.
+   * Apply the bytes of `encode_change`: other parameters, another surface. The buffer is transferred.
    * @param {ArrayBuffer} bytes
    */
   change(bytes) {
     const { sampleRate } = checkBytes(bytes, CHANGE);
     if (sampleRate !== this.context.sampleRate) {
       throw new Error(
-        `a change for ${sampleRate} Hz; the audio runs at ${this.context.sampleRate} Hz`,
+        `change is for ${sampleRate} Hz; must be for ${this.context.sampleRate} Hz`,
       );
     }
     this.flush();
@@ -110,7 +110,7 @@ export class KernelNode extends AudioWorkletNode {
   }
 
   /**
-   * The device's way out of click and tactor: gain and ceiling (linear), delay (s, to 0.1).
+   * Set gain and ceiling (linear) and delay (s, up to 0.1) of each signal.
    * @param {Signal} click
    * @param {Signal} tactor
    */
@@ -119,7 +119,7 @@ export class KernelNode extends AudioWorkletNode {
       if (!(gain >= 0 && gain <= 16 && ceiling > 0 && ceiling <= 1 && delay >= 0 && delay <= 0.1)) {
         throw new Error(
           `gain ${gain}, ceiling ${ceiling}, delay ${delay} s; ` +
-            "they are 0 to 16, above 0 to 1, 0 to 0.1 s",
+            "must be 0 to 16, above 0 to 1, 0 to 0.1 s",
         );
       }
       return { gain, ceiling, delay: Math.round(delay * this.context.sampleRate) };
@@ -128,23 +128,23 @@ export class KernelNode extends AudioWorkletNode {
   }
 
   /**
-   * What the kernel tells of itself: meters by name, strikes since the last look, over.
-   * @returns {Promise<Look>}
+   * Return the meters by name, the new strikes, and whether playback has ended.
+   * @returns {Promise<KernelState>}
    */
-  look() {
+  readState() {
     this.flush();
     return new Promise((resolve) => {
-      this.asked.push(({ over, meters, strikes }) => {
-        const named = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
-        const told = /** @type {Look} */ (named);
-        const struck = [];
+      this.pendingReads.push(({ over, meters, strikes }) => {
+        const meterValues = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
+        const state = /** @type {KernelState} */ (meterValues);
+        const newStrikes = [];
         for (let i = 0; i < strikes.length; i += STRIKE_FIELDS) {
           const [sample, event, torque, level] = strikes.subarray(i, i + STRIKE_FIELDS);
-          struck.push({ sample, event, torque, level });
+          newStrikes.push({ sample, event, torque, level });
         }
-        resolve({ ...told, over, struck });
+        resolve({ ...state, over, newStrikes });
       });
-      this.port.postMessage({ kind: "look" });
+      this.port.postMessage({ kind: "read" });
     });
   }
 
@@ -156,10 +156,10 @@ export class KernelNode extends AudioWorkletNode {
 }
 
 /**
- * Control events as the audio thread takes them.
- * @param {HandEvent[]} events
+ * Return control events as rows for the audio thread.
+ * @param {ControlEvent[]} events
  */
-function rows(events) {
+function eventRows(events) {
   const table = new Float64Array(4 * events.length);
   events.forEach(({ sampleTime = AT_ONCE, source = "touch", theta2, touching }, i) => {
     table.set([sampleTime, SOURCES.indexOf(source), theta2, touching ? 1 : 0], 4 * i);

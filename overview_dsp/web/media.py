@@ -1,4 +1,4 @@
-"""One recording of what the timeline is about (`--media`), in byte ranges, to play from a moment.
+"""Film or recording of a timeline (`--media`), served in byte ranges.
 
 Thread: the server's.
 """
@@ -17,46 +17,43 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from overview_dsp.errors import InputError
 
 MAX_RANGES = 1
-"""Parts of the file in one answer: players ask for one."""
+"""Ranges per request; players request one."""
 
 
 @dataclass(frozen=True)
 class Media:
-    """A film or a recording.
-
-    `offset_s` is where in it the timeline's time 0 is (negative: it begins later).
-    """
+    """Film or recording; `offset_s` is its time at the start of the timeline."""
 
     path: Path
     kind: str
     offset_s: float
 
     def describe(self) -> dict[str, Any]:
-        """For the page."""
+        """Return URL, type and offset for the page."""
         return {"url": "/media", "type": self.kind, "offset_s": self.offset_s}
 
     def send(self, request: Request) -> Response:
-        """The file, or the range of it that was asked for."""
+        """Answer with the file or the requested range."""
         if request.headers.get("range", "").count(",") >= MAX_RANGES:
-            return PlainTextResponse("one range at a time\n", 416)
+            return PlainTextResponse("only one range per request is supported\n", 416)
         if not os.path.isfile(self.path):
             return PlainTextResponse(
-                "the film is gone: put it back where it was, or serve with another\n", 404
+                "the media file was removed: restore it, or serve another one\n", 404
             )
         return FileResponse(self.path, media_type=self.kind)
 
 
 def open_media(path: str, offset_s: float) -> Media:
-    """The film or recording of a file.
+    """Open a film or recording.
 
     Raises
     ------
     InputError
-        No such file, one that can't be read, or one that browsers don't play.
+        The file can't be read, or browsers can't play its type.
     """
     kind = mimetypes.guess_type(path)[0] or ""
     if not kind.startswith(("video/", "audio/")):
-        raise InputError(f"{path}: no film or recording by its name; give .mp4, .webm, .mp3, .ogg")
+        raise InputError(f"{path}: unknown media type; use .mp4, .webm, .mp3 or .ogg")
     try:
         with open(path, "rb") as file:
             file.read(1)

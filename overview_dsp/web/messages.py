@@ -1,18 +1,18 @@
-"""What pages send as JSON, checked: what comes over `/control`, a JSON object a message.
+"""Decoder of the JSON messages on `/control`, one object per message.
 
-From the page::
+Messages from the page::
 
     {"events": [[time_ms, theta2, touching], ...]}   1 to 64, in order: the page's clock
                                                      (`performance.now()`), rad 0 to pi, 0 or 1
-    {"pong": host_s, "time_ms": time_ms}             the answer to a ping, at once
-    {"show": [start_s, end_s]}                       the part of the timeline to put under the hand
-    {"name": "Anna's phone"}                         whose hand it is, for the others; up to 40
+    {"pong": host_s, "time_ms": time_ms}             the reply to a ping
+    {"show": [start_s, end_s]}                       the window to show
+    {"name": "Anna's phone"}                         the input's name; up to 40 characters
 
-From the host::
+Messages from the host::
 
     {"ping": host_s}
     {"status": {...}}     see `control`
-    {"released": "..."}   the disk was let go, and why
+    {"released": "..."}   reason of a release by the host
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ from overview_dsp.errors import InputError
 
 MAX_MESSAGE_BYTES = 8192
 MAX_EVENTS = 64
-"""Events of a message."""
+"""Events per message."""
 
 MAX_NAME = 40
-"""Characters of a hand's name."""
+"""Characters of an input's name."""
 
 MAX_TIME_MS = 1e12
-"""No page has been open for thirty years."""
+"""Upper limit of a page's clock (31 years)."""
 
 
 @dataclass(frozen=True)
 class RemoteEvent:
-    """A hand's event at `time_s` of the page's clock; theta2 rad, 0 to pi."""
+    """Control event at `time_s` of the page's clock; theta2 in rad, 0 to pi."""
 
     time_s: float
     theta2: float
@@ -48,14 +48,14 @@ class RemoteEvent:
 
 @dataclass(frozen=True)
 class Events:
-    """What a hand did, in order."""
+    """Control events in order of time."""
 
     events: tuple[RemoteEvent, ...]
 
 
 @dataclass(frozen=True)
 class Pong:
-    """When a ping left here (s of our clock) and was answered (s of the page's)."""
+    """Times of a ping (s of the host's clock) and of its reply (s of the page's clock)."""
 
     host_s: float
     page_s: float
@@ -63,7 +63,7 @@ class Pong:
 
 @dataclass(frozen=True)
 class Show:
-    """A part of the timeline to put under the hand."""
+    """Request to show a window of the timeline."""
 
     start_s: float
     end_s: float
@@ -71,46 +71,46 @@ class Show:
 
 @dataclass(frozen=True)
 class Name:
-    """Whose hand it is."""
+    """Name of the input, as other pages show it."""
 
     name: str
 
 
 def decode_message(text: str) -> Events | Pong | Show | Name:
-    """A message of a page; InputError, in a line, for anything else."""
-    found = json_object(text, "a message")
-    keys = found.keys()
+    """Decode a message of a page; raise InputError if it is invalid."""
+    fields = json_object(text, "a message")
+    keys = fields.keys()
     if keys == {"events"}:
-        return _events(found["events"])
+        return _events(fields["events"])
     if keys == {"pong", "time_ms"}:
         return Pong(
-            _number(found["pong"], "pong", 0.0, MAX_TIME_MS),
-            _number(found["time_ms"], "time_ms", 0.0, MAX_TIME_MS) * 1e-3,
+            _number(fields["pong"], "pong", 0.0, MAX_TIME_MS),
+            _number(fields["time_ms"], "time_ms", 0.0, MAX_TIME_MS) * 1e-3,
         )
     if keys == {"show"}:
-        start, end = _row(found["show"], "show", 2)
+        start, end = _list(fields["show"], "show", 2)
         return Show(
             _number(start, "show[0]", 0.0, math.inf), _number(end, "show[1]", 0.0, math.inf)
         )
     if keys == {"name"}:
-        return Name(_name(found["name"]))
-    raise InputError("a message has the keys events, pong and time_ms, show, or name")
+        return Name(_name(fields["name"]))
+    raise InputError("message keys must be events, pong and time_ms, show, or name")
 
 
-def _name(given: Any) -> str:
-    if not isinstance(given, str) or len(given) > MAX_NAME or not given.isprintable():
-        raise InputError(f"name is a text of up to {MAX_NAME} characters, on one line")
-    return given
+def _name(value: Any) -> str:
+    if not isinstance(value, str) or len(value) > MAX_NAME or not value.isprintable():
+        raise InputError(f"name must be one line of up to {MAX_NAME} characters")
+    return value
 
 
-def _events(given: Any) -> Events:
-    if not isinstance(given, list) or not 1 <= len(given) <= MAX_EVENTS:
-        raise InputError(f"events is a list of 1 to {MAX_EVENTS}")
+def _events(value: Any) -> Events:
+    if not isinstance(value, list) or not 1 <= len(value) <= MAX_EVENTS:
+        raise InputError(f"events must be a list of 1 to {MAX_EVENTS}")
     events = []
-    for i, row in enumerate(given):
-        time_ms, theta2, touching = _row(row, f"events[{i}]", 3)
+    for i, row in enumerate(value):
+        time_ms, theta2, touching = _list(row, f"events[{i}]", 3)
         if touching not in (0, 1) or not isinstance(touching, int):
-            raise InputError(f"events[{i}][2] is 0 or 1")
+            raise InputError(f"events[{i}][2] is {touching!r:.20}; must be 0 or 1")
         events.append(
             RemoteEvent(
                 _number(time_ms, f"events[{i}][0]", 0.0, MAX_TIME_MS) * 1e-3,
@@ -119,36 +119,36 @@ def _events(given: Any) -> Events:
             )
         )
     if any(b.time_s < a.time_s for a, b in itertools.pairwise(events)):
-        raise InputError("events are in order of time")
+        raise InputError("events must be in order of time")
     return Events(tuple(events))
 
 
-def _row(given: Any, where: str, length: int) -> list[Any]:
-    if not isinstance(given, list) or len(given) != length:
-        raise InputError(f"{where} is a list of {length} numbers")
-    return given
-
-
-def _number(given: Any, where: str, low: float, high: float) -> float:
-    value = validation.number(given, where)
-    if not low <= value <= high:
-        raise InputError(f"{where} is out of range; it is finite, {low:g} to {high:g}")
+def _list(value: Any, key: str, length: int) -> list[Any]:
+    if not isinstance(value, list) or len(value) != length:
+        raise InputError(f"{key} must be a list of {length} numbers")
     return value
 
 
-def json_object(text: bytes | str, what: str = "the body") -> dict[str, Any]:
-    """Return the JSON object of a body, or of another text that errors call `what`."""
+def _number(value: Any, key: str, low: float, high: float) -> float:
+    number = validation.number(value, key)
+    if not low <= number <= high:
+        raise InputError(f"{key} is {number:g}; must be {low:g} to {high:g}")
+    return number
 
-    def refuse(name: str) -> NoReturn:
-        raise InputError(f"{name} is no number of JSON's")
+
+def json_object(text: bytes | str, name: str = "the body") -> dict[str, Any]:
+    """Parse a JSON object; errors call the text `name`."""
+
+    def reject(constant: str) -> NoReturn:
+        raise InputError(f"{constant} is not valid JSON")
 
     try:
         plain = text.decode() if isinstance(text, bytes) else text
-        found = json.loads(plain, parse_constant=refuse)
+        fields = json.loads(plain, parse_constant=reject)
     except InputError:
         raise
     except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
-        raise InputError(f"{what} is a JSON object")
-    return found
+        fields = None
+    if not isinstance(fields, dict):
+        raise InputError(f"{name} must be a JSON object")
+    return fields

@@ -1,13 +1,12 @@
-"""Presets for a page: read by name, checked, kept in the person's own folder.
+"""Presets and vibration patterns of the page.
 
-A preset travels as a JSON object, the one of `saved_state.preset_to_dict`. Only names are taken,
-never paths, and what a file extends is a name as well: nothing else of the disk can be reached.
+A preset is sent as the JSON object of `preset_to_dict`. Requests name presets and never paths, so
+they can't reach other files of the machine.
 
-A pulse code for each kind of event: on and off times (ms) for a motor that knows no strength.
-
-The first pulse says how much an event weighs (80 ms: a goal; 35 ms: a card; 14 ms: a foul), those
-after it tell kinds of one weight apart. 14 ms is the least that starts a phone's eccentric motor,
-40 ms of rest the least that is felt between two pulses.
+Each event kind has a vibration pattern: on and off times (ms) for a motor without strength control.
+The first pulse represents the weight of the kind (80 ms: a goal; 35 ms: a card; 14 ms: a foul).
+Further pulses distinguish kinds of equal weight. 14 ms is the shortest pulse that starts a phone's
+motor; two pulses need a pause of at least 40 ms.
 """
 
 from __future__ import annotations
@@ -27,7 +26,6 @@ from overview_dsp.design.presets.library import (
 )
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
-from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.files.toml import SUFFIX
@@ -37,45 +35,45 @@ WINDOWS_DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")
 
 
 def preset_data(preset: Preset) -> dict[str, Any]:
-    """A preset with the table that says what each of its parameters may be."""
+    """Return a preset with the table of all parameters."""
     return {"preset": preset_to_dict(preset), "parameters": reference_json()}
 
 
 def preset_names() -> dict[str, list[str]]:
-    """The names that `preset_named` takes."""
+    """Return the names that `named_preset` accepts."""
     return {"bundled": list(bundled_presets()), "own": list(own_names())}
 
 
-def preset_named(name: str) -> Preset:
-    """A bundled or own preset; InputError for anything that isn't such a name."""
+def named_preset(name: str) -> Preset:
+    """Load a bundled preset or one of the user's; raise InputError for other names."""
     if name not in (*bundled_presets(), *own_names()):
-        raise InputError(f"no preset is called {name[:70]!r}; /data/presets lists them")
+        raise InputError(f"unknown preset {name[:70]!r}; /data/presets lists the names")
     return load_preset(name)
 
 
-def preset_given(given: Any) -> Preset:
-    """A preset by its name or as the object of `preset_data`; InputError if it isn't one."""
-    return preset_named(given) if isinstance(given, str) else preset_from_dict(given)
+def parse_preset(value: Any) -> Preset:
+    """Return a preset from its name or JSON object; raise InputError for other values."""
+    return named_preset(value) if isinstance(value, str) else preset_from_dict(value)
 
 
-def save_own(name: str, text: str, replace: bool) -> Path:
-    """Keep the text of a preset file in the person's folder, valid and whole or not at all.
+def save_preset(name: str, text: str, replace: bool) -> Path:
+    """Save a preset file in the user's folder if it is valid.
 
     Raises
     ------
     InputError
-        No such name can be, it is taken (and `replace` is false), or the text isn't valid.
+        The name or the text is invalid, or the preset exists and `replace` is false.
     OutputError
         The disk is full.
     """
     if not NAME.fullmatch(name) or WINDOWS_DEVICES.fullmatch(name):
-        raise InputError(f"{name[:70]!r} is no name for a preset: letters, digits, - and _")
+        raise InputError(f"preset name is {name[:70]!r}; must be letters, digits, - and _")
     if name in bundled_presets():
-        raise InputError(f"{name!r} is a bundled preset's name; choose another one")
+        raise InputError(f"{name!r} is the name of a bundled preset; choose another one")
     path = LIBRARY.user_folder / (name + SUFFIX)
     if path.exists() and not replace:
-        raise InputError(f"a preset {name!r} is there already; replace=1 replaces it")
-    _require_named_base(text, name)
+        raise InputError(f"preset {name!r} already exists; replace=1 replaces it")
+    _check_parent(text, name)
     parse_own(text, path)
     make_folder(path.parent)
     with atomic_file(path) as temporary:
@@ -83,25 +81,24 @@ def save_own(name: str, text: str, replace: bool) -> Path:
     return path
 
 
-def as_toml(given: Any) -> str:
-    """The preset file of a page's preset."""
-    return preset_toml(preset_given(given))
-
-
-def _require_named_base(text: str, name: str) -> None:
+def _check_parent(text: str, name: str) -> None:
     try:
-        base = tomllib.loads(text).get("extends")
+        parent = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
-        return  # its reader reports the error with more detail
-    if isinstance(base, str) and (base == name or base not in (*bundled_presets(), *own_names())):
-        raise InputError(f"extends = {base[:70]!r}: name one of your presets or of the bundled")
+        return  # the parser reports the error in detail
+    if isinstance(parent, str) and (
+        parent == name or parent not in (*bundled_presets(), *own_names())
+    ):
+        raise InputError(
+            f"extends is {parent[:70]!r}; must be another preset of yours or a bundled one"
+        )
 
 
-Pulse = tuple[int, ...]
+Pattern = tuple[int, ...]
 
 LONG, SHORT, TICK, REST = 80, 35, 14, 40
 
-_CODES: dict[str, Pulse] = {
+_PATTERNS: dict[str, Pattern] = {
     "goal": (LONG, REST, SHORT),
     "own_goal": (LONG, REST, SHORT, REST, SHORT),
     "red_card": (SHORT, REST, SHORT),
@@ -116,14 +113,14 @@ _CODES: dict[str, Pulse] = {
     "record_high": (SHORT,),
     "record_low": (SHORT, REST, TICK),
 }
-# of a preset's heights: above the first it is a long pulse, above the second a short one
+# heights of an event profile from which a pulse is long or short
 _HEAVY, _MIDDLE = 100.0, 25.0
 
 
-def pulse_of(kind: str, preset: Preset) -> Pulse:
-    """The code of a kind; one that isn't known has the pulse of its friction's height."""
-    if kind in _CODES:
-        return _CODES[kind]
+def vibration_pattern(kind: str, preset: Preset) -> Pattern:
+    """Return the pattern of a kind; unknown kinds depend on the height of their friction."""
+    if kind in _PATTERNS:
+        return _PATTERNS[kind]
     profile = preset.kinds.get(kind, preset.kinds["default"])
     if profile.height >= _HEAVY:
         return (LONG,)

@@ -1,8 +1,6 @@
-"""The server: an application on a socket, in a thread of its own.
+"""Web server in its own thread, and the addresses at which it can be reached.
 
 Thread: any; the application runs in the server's.
-
-Where the server is reached: addresses and names of this machine, the address to open, its QR.
 """
 
 from __future__ import annotations
@@ -24,32 +22,32 @@ from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.web.connections import MAX_HEADER, HttpConnection, WebSocketConnection
 from overview_dsp.web.messages import MAX_MESSAGE_BYTES
 
-HANDSHAKE_WITHIN_S = 5.0
-STOP_WITHIN_S = 2
+HANDSHAKE_TIMEOUT_S = 5.0
+STOP_TIMEOUT_S = 2
 BACKLOG = 256
-IDLE_S = 5
-"""A connection between two requests is kept so long."""
+IDLE_TIMEOUT_S = 5
+"""Time after which an idle connection is closed."""
 
-PING_S = 2.0
-"""A WebSocket is pinged so often, and closed if it hasn't answered in as long."""
+PING_INTERVAL_S = 2.0
+"""Interval of WebSocket pings, and the maximum time for a reply."""
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A listening socket; port 0 is any free one.
+    """Return a listening socket; port 0 selects a free port.
 
     Raises
     ------
     InputError
-        No such address here, or a port that is taken or not allowed.
+        The address isn't local, or the port is in use or not allowed.
     """
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, *_, address = found[0]
+        info = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, *_, address = info[0]
         server = socket.create_server(
             address[:2], family=socket.AddressFamily(family), backlog=BACKLOG
         )
-        # asyncio does so only for sockets that name their protocol: an answer in two parts
-        # (head and body) would wait 40 ms for the first one's acknowledgement
+        # asyncio sets this only for sockets that name their protocol; without it a response in
+        # two parts (head and body) waits 40 ms for an acknowledgement
         server.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return server
     except (OSError, UnicodeError, OverflowError) as error:
@@ -60,7 +58,7 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn's, with a limit on how long a TLS handshake takes."""
+    """uvicorn server with a time limit for TLS handshakes."""
 
     def __init__(self, config: uvicorn.Config, secure: ssl.SSLContext | None, crowd: bool) -> None:
         super().__init__(config)
@@ -68,7 +66,7 @@ class _Server(uvicorn.Server):
         self._crowd = crowd
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Listen."""
+        """Start listening on the sockets."""
         config = self.config
         assert sockets is not None
 
@@ -83,8 +81,8 @@ class _Server(uvicorn.Server):
         await self.lifespan.startup()
         secure: dict[str, Any] = {}
         if self._secure is not None:
-            secure = {"ssl": self._secure, "ssl_handshake_timeout": HANDSHAKE_WITHIN_S,
-                      "ssl_shutdown_timeout": HANDSHAKE_WITHIN_S}  # fmt: skip
+            secure = {"ssl": self._secure, "ssl_handshake_timeout": HANDSHAKE_TIMEOUT_S,
+                      "ssl_shutdown_timeout": HANDSHAKE_TIMEOUT_S}  # fmt: skip
         loop = asyncio.get_running_loop()
         self.servers = [
             await loop.create_server(protocol, sock=sock, backlog=BACKLOG, **secure)
@@ -101,17 +99,17 @@ class WebServer:
         app: ASGIApp,
         sockets: Sequence[socket.socket],
         secure: ssl.SSLContext | None,
-        note: Callable[[str], None],
+        report: Callable[[str], None],
         crowd: bool = False,
     ) -> None:
-        """Serve from now on; `crowd`: hundreds of pages.
+        """Start serving; `crowd` raises the connection limits for hundreds of pages.
 
         Raises
         ------
         OverviewError
-            The server didn't start.
+            The server can't start.
         """
-        logging.getLogger("uvicorn").propagate = False  # the guard reports what failed
+        logging.getLogger("uvicorn").propagate = False  # the guard reports failures
         logging.getLogger("uvicorn").addHandler(logging.NullHandler())
         config = uvicorn.Config(
             app,
@@ -125,16 +123,16 @@ class WebServer:
             proxy_headers=False,
             server_header=False,
             ws_max_size=MAX_MESSAGE_BYTES,
-            ws_ping_interval=PING_S,
-            ws_ping_timeout=PING_S,
-            ws_per_message_deflate=False,  # a small message must not unpack into a large one
-            timeout_keep_alive=IDLE_S,
-            timeout_graceful_shutdown=STOP_WITHIN_S,
+            ws_ping_interval=PING_INTERVAL_S,
+            ws_ping_timeout=PING_INTERVAL_S,
+            ws_per_message_deflate=False,  # a small message must not expand into a large one
+            timeout_keep_alive=IDLE_TIMEOUT_S,
+            timeout_graceful_shutdown=STOP_TIMEOUT_S,
             h11_max_incomplete_event_size=MAX_HEADER,
         )
         self._server = _Server(config, secure, crowd)
         self._sockets = list(sockets)
-        self._note = note
+        self._report = report
         self._thread = threading.Thread(target=self._run, name="web server", daemon=True)
         self._thread.start()
         while not self._server.started:
@@ -146,25 +144,25 @@ class WebServer:
         try:
             self._server.run(self._sockets)
         except Exception as error:
-            self._note(f"the web server failed: {type(error).__name__}: {error}")
+            self._report(f"the web server failed: {type(error).__name__}: {error}")
 
     @property
-    def running(self) -> bool:
-        """Whether it serves."""
+    def is_running(self) -> bool:
+        """True while the server runs."""
         return self._thread.is_alive()
 
     def close(self) -> None:
-        """End all connections; may be called twice."""
+        """Close all connections; further calls have no effect."""
         self._server.should_exit = True
         self._thread.join()
 
 
-ANYWHERE = {4: "192.0.2.1", 6: "2001:db8::1"}
-"""Addresses of documents: our address on the route to one is the one the network uses."""
+EXTERNAL_ADDRESS = {4: "192.0.2.1", 6: "2001:db8::1"}
+"""Documentation addresses; the route to them reveals this machine's network address."""
 
 
 def is_loopback(host: str) -> bool:
-    """Whether a host to listen on is only reached from this machine."""
+    """Return whether a host accepts connections from this machine only."""
     if host == "localhost":
         return True
     try:
@@ -173,39 +171,39 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def own_names() -> frozenset[str]:
-    """This machine's names, as networks know them."""
+def machine_names() -> frozenset[str]:
+    """Return the network names of this machine."""
     name = socket.gethostname().lower()
     return frozenset({name, f"{name.partition('.')[0]}.local"} - {"", ".local"})
 
 
-def reached_at(host: str) -> str:
-    """The address by which others reach a server that listens on `host`."""
+def public_host(host: str) -> str:
+    """Return the address at which other machines reach a server that listens on `host`."""
     try:
-        found = ipaddress.ip_address(host)
+        parsed = ipaddress.ip_address(host)
     except ValueError:
         return host
-    if not found.is_unspecified:
+    if not parsed.is_unspecified:
         return host
-    family = socket.AF_INET6 if found.version == 6 else socket.AF_INET
+    family = socket.AF_INET6 if parsed.version == 6 else socket.AF_INET
     with socket.socket(family, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect((ANYWHERE[found.version], 9))  # a datagram socket: nothing is sent
+            probe.connect((EXTERNAL_ADDRESS[parsed.version], 9))  # a datagram socket sends nothing
             return str(probe.getsockname()[0])
         except OSError:  # no network
-            return "::1" if found.version == 6 else "127.0.0.1"
+            return "::1" if parsed.version == 6 else "127.0.0.1"
 
 
-def page_address(scheme: str, host: str, port: int, token: str) -> str:
-    """The address to open; the token stands where browsers don't send it."""
+def page_url(scheme: str, host: str, port: int, token: str) -> str:
+    """Return the URL of the page; the token is in the fragment, which browsers don't send."""
     name = f"[{host}]" if ":" in host else host
     return f"{scheme}://{name}:{port}/#token={token}"
 
 
-def qr_text(address: str) -> str:
-    """An address as a QR code for a terminal."""
+def qr_text(url: str) -> str:
+    """Return a URL as a QR code for a terminal."""
     import segno
 
     out = io.StringIO()
-    segno.make(address, error="l", micro=False).terminal(out, compact=True)
+    segno.make(url, error="l", micro=False).terminal(out, compact=True)
     return out.getvalue()

@@ -1,6 +1,6 @@
-"""What sounds at the host while pages hold the disk: a player of `live`, reached over the network.
+"""Live session that pages control over the network.
 
-Thread: `poll` is the control thread's, everything else the server's.
+Thread: `poll` runs in the control thread, everything else in the server's.
 """
 
 from __future__ import annotations
@@ -15,32 +15,32 @@ from overview_dsp.live.session.player import Player
 from overview_dsp.signal.engine.coefficients import check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.build import build_surface
-from overview_dsp.web.hands import RemoteHands
+from overview_dsp.web.remote_inputs import RemoteInputs
 
 
 class HostSession(Input):
-    """A player under remote hands; also the input that `headless.run` and the screen poll."""
+    """Player that pages control; also the input that `headless.run` and the screen poll."""
 
     def __init__(self, player: Player, other: Input | None = None) -> None:
-        """`other` is a second input of the session, whose end is the session's."""
-        self.hands = RemoteHands(player.engine)
+        """Control `player`; the session ends with the second input `other`, if there is one."""
+        self.inputs = RemoteInputs(player.engine)
         self._player = player
         self._other = other
-        self._wanted: deque[tuple[float, float]] = deque(maxlen=1)
+        self._windows: deque[tuple[float, float]] = deque(maxlen=1)
         self._presets: deque[Preset] = deque(maxlen=1)
 
     def show(self, start_s: float, end_s: float) -> None:
-        """Put a part of the timeline under the hand soon; InputError if it isn't one."""
-        self._wanted.append(self._player.timeline.require_window(start_s, end_s))
+        """Show a window at the next poll; raise InputError for an invalid window."""
+        self._windows.append(self._player.timeline.require_window(start_s, end_s))
 
     def use(self, preset: Preset) -> None:
-        """Change to a preset soon, gliding and crossfaded; InputError if it can't sound here."""
+        """Change the preset at the next poll; raise InputError if the engine can't play it."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.shown, preset)  # refused here, where the error reaches the page
+        build_surface(self._player.window_timeline, preset)  # here an error reaches the page
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:
-        """How the disk is, for a page."""
+        """Return the state of the disk for a page."""
         player = self._player
         meters = player.engine.meters
         return {
@@ -48,34 +48,34 @@ class HostSession(Input):
             "touching": meters.touching,
             "torque_nm": meters.torque,
             "envelope": round(meters.envelope, 4),
-            "full_torque_nm": player.engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            "reference_torque_nm": player.engine.preset.number("tactor.full_torque_mnm") * 1e-3,
             "window": list(player.window),
             "preset": player.engine.preset.name,
             "output_ms": round(player.output.meters.latency_s * 1e3, 2),
         }
 
     def poll(self, engine: Engine) -> None:
-        """Do what pages asked for."""
+        """Apply the requests of pages."""
         if self._other is not None:
             self._other.poll(engine)
-        while self._wanted:
-            self._player.show(*self._wanted.popleft())
+        while self._windows:
+            self._player.show(*self._windows.popleft())
         if self._presets:
             self._player.active_window.use(self._presets.popleft())
 
     def is_over(self, engine: Engine) -> bool:
-        """Whether the other input is over; without one it never is."""
+        """Return whether the other input has ended; without one, False."""
         return self._other is not None and self._other.is_over(engine)
 
     def take_messages(self) -> tuple[str, ...]:
-        """The other input's."""
+        """Return the new messages of the other input."""
         return () if self._other is None else self._other.take_messages()
 
     @property
-    def words(self) -> str:
-        """The other input's."""
-        return "" if self._other is None else self._other.words
+    def status_text(self) -> str:
+        """Status text of the other input."""
+        return "" if self._other is None else self._other.status_text
 
     def report(self) -> Mapping[str, Any]:
-        """The other input's."""
+        """Return the report of the other input."""
         return {} if self._other is None else self._other.report()

@@ -1,6 +1,6 @@
-"""The files of a timeline's page, each made when it is asked for: `site_data` and `sound_data`.
+"""The data files of a timeline's page (`site_data`, `sound_data`), each created on request.
 
-A static folder holds them all; a server makes what a page asks for.
+A static folder contains all of them; a server creates those that a page requests.
 """
 
 from __future__ import annotations
@@ -16,28 +16,28 @@ from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.site_data import site_windows, timeline_json, window_json
-from overview_dsp.web.sound_data import packed, patch_of, whole_bytes, window_bytes
+from overview_dsp.web.sound_data import make_patch, pack, whole_bytes, window_bytes
 from overview_dsp.web.values import all_points, has_values, points_json
 
 RATES = (48_000, 44_100)
-"""What browsers play at, Hz; others resample."""
+"""Common sample rates of browsers, Hz; at others the browser resamples."""
 
 FIRST = ("data/timeline.json", "data/window-0.json", "data/points-0.json")
 
 
 class SiteContent:
-    """A timeline with its windows, felt by one preset.
+    """The files of a timeline and its windows for one preset.
 
     Parameters
     ----------
     levels
-        How many times the page can zoom.
+        Number of zoom levels.
     actuator
-        What the tactor's signal drives.
+        Actuator of the tactor's signal.
     server
-        What a page that is served may ask of its server (`data`); None in a folder.
+        Features of the server (`data`); None in a static folder.
     live
-        How the page of a timeline that grows hears of it (`live_data`, `published`).
+        Settings of a live timeline (`live_data`, `static_publisher`).
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class SiteContent:
         self._actuator = actuator
         self._server, self._live = server, live
         self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._timeline_file}
-        # what belongs to one window is asked for together
+        # files of one window are requested together
         self._surface = lru_cache(maxsize=1)(self._build)
-        self._sound = lru_cache(maxsize=1)(self._encode)
+        self._sound = lru_cache(maxsize=1)(lambda i: self._at_rate(i, RATES[0]))
         for i in range(len(self.parts)):
             self._files[f"data/window-{i}.json"] = partial(self._window, i)
             if has_values(timeline) and (i == 0 or not all_points(timeline)):
@@ -76,15 +76,15 @@ class SiteContent:
         return tuple(self._files)
 
     def is_needed_first(self, name: str) -> bool:
-        """Whether a page needs a file before it can show and sound the whole."""
+        """Return whether a page needs a file to show and play the whole timeline."""
         return name in FIRST or name.startswith(("sound/0.", "sound/0-"))
 
     def make(self, name: str) -> bytes:
-        """A file's bytes; KeyError for a name that isn't one of `names`."""
+        """Return the bytes of a file; raise KeyError for an unknown name."""
         return self._files[name]()
 
     def _add_sound(self, name: str, i: int) -> None:
-        self._files[f"sound/{name}.packed"] = lambda: packed(self._sound(i))
+        self._files[f"sound/{name}.packed"] = lambda: pack(self._sound(i))
         for rate in RATES[1:]:
             self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
@@ -93,8 +93,8 @@ class SiteContent:
         return _json({**content, "server": self._server, "live": self._live})
 
     def _window(self, i: int) -> bytes:
-        shown, surface = self._surface(i)
-        return _json(window_json(shown, surface, self.parts[i].start_s))
+        timeline, surface = self._surface(i)
+        return _json(window_json(timeline, surface, self.parts[i].start_s))
 
     def _points(self, i: int) -> bytes:
         part = self.parts[i]
@@ -102,11 +102,8 @@ class SiteContent:
 
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]
-        shown = self.timeline if i == 0 else self.timeline.window(part.start_s, part.end_s)
-        return shown, build_surface(shown, self.preset)
-
-    def _encode(self, i: int) -> bytes:
-        return self._at_rate(i, RATES[0])
+        timeline = self.timeline if i == 0 else self.timeline.window(part.start_s, part.end_s)
+        return timeline, build_surface(timeline, self.preset)
 
     def _at_rate(self, i: int, rate: int) -> bytes:
         if i < 0:
@@ -114,7 +111,7 @@ class SiteContent:
         return window_bytes(self._surface(i)[1], self.preset, rate)
 
     def _patch(self, i: int, rate: int) -> bytes:
-        return patch_of(self._sound(i), self._at_rate(i, rate))
+        return make_patch(self._sound(i), self._at_rate(i, rate))
 
 
 def _json(document: dict[str, Any]) -> bytes:

@@ -1,38 +1,34 @@
-"""What a page draws and speaks: JSON of the timeline and of each of its windows.
+"""JSON files from which a page draws and describes the timeline and each window.
 
 ``data/timeline.json``::
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
-     "series": {"unit", "decimals", "whole", "hours"} or null where a curve has no
-        values (`values`),
-     "full_torque": N m, "bare_friction": N m s/rad, "rates": [44100, 48000],
-     "kinds": {"goal": {"words": "goal", "shape": "circle", "colour": "blue", "count": 6,
-                        "pulse": [on ms, off ms, on ms]}, ...},
+     "series": {"unit", "decimals", "complete", "has_times"}, null without values (`values`),
+     "reference_torque": N m, "base_friction": N m s/rad, "rates": [44100, 48000],
+     "kinds": {"goal": {"name": "goal", "shape": "circle", "colour": "blue", "count": 6,
+                        "pattern": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
-     "server": null in a folder, else what `data` says,
-     "live": null, or {"levels", "version"} of a timeline that grows; in a folder "poll_s" too}
+     "server": see `data`, null in a static folder,
+     "live": {"levels", "version"} of a live timeline (in a static folder "poll_s" too), or null}
 
-``data/window-N.json``, places being 0 to 1 in that window::
+``data/window-N.json``, with positions from 0 to 1 in the window::
 
-    {"map": {"time_s": [s of the timeline], "place": [...]}, between whose points places are linear
-        in time, or null where they are all along,
+    {"angle_map": {"time_s": [s of the timeline], "position": [...]}, linear between its points,
+        or null where position is proportional to time,
      "level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
-     "gaps": [[from, to], ...], "now": the place up to where it has happened, or null,
-     "events": [{"place", "time_s", "kind", "label"}, ...],
-     "struck": [of each number that a strike may name, its index in "events", or -1],
-     "scale": [the value at level 0, how much more it is at level 1]}
+     "gaps": [[from, to], ...], "now": position up to which data are known, or null,
+     "events": [{"position", "time_s", "kind", "label"}, ...],
+     "strike_events": [index in "events" of each strike number, or -1],
+     "scale": [value at level 0, difference to the value at level 1]}
 
-``data/points-N.json``, of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
+``data/points-N.json`` of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
 
-What hasn't happened yet is drawn as a gap.
+The future of a live timeline is drawn as a gap. Columns are evenly spaced and include both ends.
+Each has the nearest level and the largest resistance. `sound_data` has the sound of the windows.
 
-Columns lie evenly, both ends included; each has what is felt nearest to it, and the largest
-resistance. A window's sound is beside it (`sound_data`).
-
-The parts that a page can zoom to: each level a third as long, half overlapping.
-
-A page can't make a surface; it is given those of these windows. Any moment lies in the middle half
-of one of each level, so that a zoom about it finds what led to it and what came of it.
+The windows of each zoom level are a third as long as those of the level before and overlap by half.
+A page can only show these windows, since it can't build surfaces. Any time lies in the middle half
+of one window per level, so that a zoom shows the time before and after it.
 """
 
 from __future__ import annotations
@@ -50,27 +46,26 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
-from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.preset_data import pulse_of
+from overview_dsp.web.preset_data import vibration_pattern
 from overview_dsp.web.values import series_json
 
 RATIO = 3
 
 
 @dataclass(frozen=True)
-class Part:
-    """A window (s) of a level; level 0 is the whole."""
+class Window:
+    """Window (s) of a zoom level; level 0 is the whole timeline."""
 
     level: int
     start_s: float
     end_s: float
 
 
-def site_windows(timeline: Timeline, levels: int) -> list[Part]:
-    """The whole, then the windows of each level in order of time."""
+def site_windows(timeline: Timeline, levels: int) -> list[Window]:
+    """Return the whole timeline, then the windows of each level in order of time."""
     whole = timeline.duration_s
-    parts = [Part(0, 0.0, whole)]
+    windows = [Window(0, 0.0, whole)]
     for level in range(1, levels + 1):
         width = whole / RATIO**level
         if width < NARROWEST_S:
@@ -79,14 +74,14 @@ def site_windows(timeline: Timeline, levels: int) -> list[Part]:
         for i in range(count):
             start = min(i * width / 2.0, whole - width)
             end = whole if i == count - 1 else start + width
-            parts.append(Part(level, start, end))
-    return parts
+            windows.append(Window(level, start, end))
+    return windows
 
 
 COLUMNS = 1025
 
-# of each kind that has a style in the pictures: the page's shape and colour
-_LOOKS = {
+# shape and colour of each kind that has a style in the plots
+_STYLES = {
     "goal": ("circle", "blue"),
     "own_goal": ("hexagon", "sky"),
     "near_miss": ("triangle", "green"),
@@ -97,9 +92,8 @@ _LOOKS = {
     "shot": ("wedge", "green"),
     "touch": ("plus", "grey"),
 }
-_TICK = ("bar", "grey")
-# in plain words, where a kind's name isn't
-_WORDS = {
+# names of kinds whose identifier isn't plain English
+_NAMES = {
     "period": "kick-off, half-time, full time",
     "crossing_up": "rises above a level",
     "crossing_down": "falls below a level",
@@ -108,94 +102,93 @@ _OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", 
 _OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
 
 
-def kind_looks(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
-    """Shape, colour, words, count and pulse of each kind of event; known ones as pictured.
+def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
+    """Return name, shape, colour, count and vibration pattern of each event kind.
 
-    Those that only windows have are there too: details, ticks, what is found in a series' parts.
+    The result includes kinds that occur only in windows: details, ticks and extremes of a series.
     """
     counts = timeline.kinds()
-    found = SERIES_KINDS if timeline.rules is not None else TICKS
-    for kind in (*(detail.kind for detail in timeline.details), *found):
+    window_kinds = SERIES_KINDS if timeline.rules is not None else TICKS
+    for kind in (*(detail.kind for detail in timeline.details), *window_kinds):
         counts.setdefault(kind, 0)
-    others = sorted(set(counts) - set(_LOOKS) - set(TICKS))
-    looks = {}
-    for kind in (*(name for name in (*_LOOKS, *TICKS) if name in counts), *others):
-        if kind in TICKS:
-            shape, colour = _TICK
-            words = kind.replace("_", " ")
-        elif kind in _LOOKS:
-            shape, colour = _LOOKS[kind]
-            words = _WORDS.get(kind, KIND_STYLE[kind][2])
+    fixed = {**_STYLES, **dict.fromkeys(TICKS, ("bar", "grey"))}
+    others = sorted(set(counts) - set(fixed))
+    styles = {}
+    for kind in (*(name for name in fixed if name in counts), *others):
+        if kind in fixed:
+            shape, colour = fixed[kind]
         else:
             i = others.index(kind)
             shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
             colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
-            words = _WORDS.get(kind, kind.replace("_", " "))
-        looks[kind] = {
-            "words": words,
+        name = KIND_STYLE[kind][2] if kind in _STYLES else kind.replace("_", " ")
+        styles[kind] = {
+            "name": _NAMES.get(kind, name),
             "shape": shape,
             "colour": colour,
             "count": counts[kind],
-            "pulse": list(pulse_of(kind, preset)),
+            "pattern": list(vibration_pattern(kind, preset)),
         }
-    return looks
+    return styles
 
 
 def timeline_json(
-    timeline: Timeline, preset: Preset, parts: list[Part], rates: tuple[int, ...]
+    timeline: Timeline, preset: Preset, windows: list[Window], rates: tuple[int, ...]
 ) -> dict[str, Any]:
-    """What holds for all windows."""
+    """Return ``data/timeline.json``."""
     return {
         "title": timeline.title,
         "preset": preset.name,
         "duration_s": timeline.duration_s,
         "start": None if timeline.start is None else timeline.start.isoformat(),
         "series": series_json(timeline),
-        "full_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
-        "bare_friction": preset.number("surface.friction"),
+        "reference_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
+        "base_friction": preset.number("surface.friction"),
         "rates": list(rates),
-        "kinds": kind_looks(timeline, preset),
+        "kinds": kind_styles(timeline, preset),
         "provenance": timeline.provenance,
         "notes": list(timeline.notes),
         "windows": [
-            {"level": part.level, "start_s": part.start_s, "end_s": part.end_s} for part in parts
+            {"level": window.level, "start_s": window.start_s, "end_s": window.end_s}
+            for window in windows
         ],
     }
 
 
-def window_json(shown: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
-    """What is drawn of a window: the part `shown`, which begins at `start_s` of the timeline."""
-    nearest = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
-    first = np.searchsorted(nearest, np.arange(COLUMNS))
+def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
+    """Return ``data/window-N.json`` of a window that begins at `start_s` of the whole timeline."""
+    columns = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
+    first = np.searchsorted(columns, np.arange(COLUMNS))
     resistance = np.maximum.reduceat(surface.resistance, first)
     angle_map = surface.angle_map
-    level = angle_map.at_even_positions(shown.normalised_levels(COLUMNS - 1))
-    now = None if shown.known_until_s is None else float(angle_map.position_of(shown.known_until_s))
+    map_points = {
+        "time_s": (start_s + angle_map.time_s).tolist(),
+        "position": angle_map.position.tolist(),
+    }
+    level = angle_map.at_even_positions(timeline.normalised_levels(COLUMNS - 1))
+    now = (
+        None
+        if timeline.known_until_s is None
+        else float(angle_map.position_of(timeline.known_until_s))
+    )
     return {
-        "map": _map_json(angle_map, start_s),
+        "angle_map": None if angle_map.is_linear else map_points,
         "level": [round(one, 4) for one in level.tolist()],
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
-            *(angle_map.position_of(gap).tolist() for gap in shown.gaps),
+            *(angle_map.position_of(gap).tolist() for gap in timeline.gaps),
             *([[now, 1.0]] if now is not None else []),
         ],
         "now": now,
         "events": [
             {
-                "place": place,
+                "position": position,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
                 "label": event.display_label,
             }
-            for place, event in zip(angle_map.events.tolist(), shown.events, strict=True)
+            for position, event in zip(angle_map.events.tolist(), timeline.events, strict=True)
         ],
-        "struck": event_numbers(surface),
-        "scale": list(shown.scale),
+        "strike_events": event_numbers(surface),
+        "scale": list(timeline.scale),
     }
-
-
-def _map_json(angle_map: AngleMap, start_s: float) -> dict[str, list[float]] | None:
-    if angle_map.is_linear:
-        return None
-    time_s = start_s + angle_map.time_s
-    return {"time_s": time_s.tolist(), "place": angle_map.position.tolist()}

@@ -1,30 +1,28 @@
-"""What a served page is given beyond the files of a folder: any window, felt by any preset.
+"""Sound data of windows: kernel memory, changes, patches and their compression.
 
-``POST /data/window`` with ``{"window": [start_s, end_s], "preset": P}`` answers as
-``data/window-N.json`` is (`site_data`), with `points` where one file can't have them all;
+``POST /data/window`` with ``{"window": [start_s, end_s], "preset": P}`` returns
+``data/window-N.json`` (`site_data`) for any window, with `points` if one file can't have them all.
 ``POST /sound/change`` with ``{"sample_rate": 48000, "before": P, "after": P, "window": [start_s,
-end_s]}`` the bytes of `encoding`. P is a name, a
-preset as `/data/preset` has it, or left out for the one that is served. A change without a window
-keeps the surface: that will do where no parameter of the surface or of a kind differs.
+end_s]}`` returns the bytes of `encode_change`. P is a preset name or object; its default is the
+served preset. A change without a window keeps the surface. That is enough if no parameter of the
+surface or of an event kind differs.
 
-What a page sounds with: a window's bytes for one sample rate, and what differs at others.
+``sound/N.packed`` are the packed bytes of `browser_memory` at the first sample rate: the memory of
+the whole timeline (N = 0), or the change to window N (N = ``back``: to the whole timeline).
+``sound/N-RATE.patch`` turns them into those of another rate, little-endian::
 
-``sound/N.packed`` are `browser_memory`'s bytes, packed as below, for the first rate, of the
-whole's memory (N = 0) or of a change to window N (N = ``back``: to the whole again).
-``sound/N-RATE.patch`` makes those of another rate of them, little-endian::
-
-    uint32 1 (replace all) or 0, uint32 number of runs; then, if 1, the bytes themselves, else runs:
-    uint32 column (of 8 bytes), uint32 columns, the columns
+    uint32 1 (replace all) or 0, uint32 number of runs; for 1 the bytes themselves, else per run:
+    uint32 column (of 8 bytes), uint32 number of columns, the columns
 
 Only coefficients and clicks depend on the rate, not the half megabyte of friction.
 
-Packed are, by zlib's deflate, to every bit (`unpack.js`)::
+Packed bytes are compressed by zlib's deflate, without loss (`unpack.js`)::
 
     uint8 order; the first byte of every column of 8, the second of every column, ...
 
-of columns that were, as int64 that wrap around, replaced `order` times by their differences to the
-column before, and then by (n << 1) ^ (n >> 63), so that small negative ones are small too. A
-friction table's neighbours are numbers of almost the same bits, on almost a straight line.
+Before that, the columns (int64 with wrap-around) are replaced `order` times by the differences of
+neighbours, then by (n << 1) ^ (n >> 63), which makes small negative numbers small. Neighbours in a
+friction table lie almost on a line, so that their differences are small.
 """
 
 from __future__ import annotations
@@ -43,110 +41,112 @@ from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.preset_data import preset_given
+from overview_dsp.web.preset_data import parse_preset
 from overview_dsp.web.site_data import window_json
 from overview_dsp.web.values import all_points, has_values, points_json
 
 MIN_RATE, MAX_RATE = 8_000.0, 192_000.0
-"""What browsers play at, Hz."""
+"""Range of sample rates of browsers, Hz."""
 
 CHANGE_KEYS = {"sample_rate", "before", "after", "window"}
 WINDOW_KEYS = {"window", "preset"}
 
 
-def window(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> dict[str, Any]:
-    """What is drawn of a window; InputError for what can't be."""
-    _require_keys(asked, WINDOW_KEYS, {"window"})
-    start, end = _window(timeline, asked["window"])
-    part = _part(timeline, start, end)
-    surface = build_surface(part, _preset(asked, "preset", served))
-    drawn = window_json(part, surface, start)
+def window(timeline: Timeline, default: Preset, query: dict[str, Any]) -> dict[str, Any]:
+    """Return the picture data of a requested window; raise InputError for an invalid request."""
+    _require_keys(query, WINDOW_KEYS, {"window"})
+    start, end = _window(timeline, query["window"])
+    part = _window_timeline(timeline, start, end)
+    surface = build_surface(part, _preset_of(query, "preset", default))
+    content = window_json(part, surface, start)
     if has_values(timeline) and not all_points(timeline):
-        drawn["points"] = points_json(timeline, start, end)
-    return drawn
+        content["points"] = points_json(timeline, start, end)
+    return content
 
 
-def change(timeline: Timeline, served: Preset, asked: dict[str, Any]) -> bytes:
-    """From one preset to another, and to a window's surface; InputError for what can't be."""
-    _require_keys(asked, CHANGE_KEYS, {"sample_rate"})
-    before, after = _preset(asked, "before", served), _preset(asked, "after", served)
+def change(timeline: Timeline, default: Preset, query: dict[str, Any]) -> bytes:
+    """Return a change of preset and surface; raise InputError for an invalid request."""
+    _require_keys(query, CHANGE_KEYS, {"sample_rate"})
+    before, after = _preset_of(query, "before", default), _preset_of(query, "after", default)
     surface = None
-    if "window" in asked:
-        part = _part(timeline, *_window(timeline, asked["window"]))
+    if "window" in query:
+        part = _window_timeline(timeline, *_window(timeline, query["window"]))
         surface = build_surface(part, after)
-    return encode_change(before, after, _rate(asked["sample_rate"]), surface)
+    return encode_change(before, after, _rate(query["sample_rate"]), surface)
 
 
-def _preset(asked: dict[str, Any], key: str, served: Preset) -> Preset:
-    return preset_given(asked[key]) if key in asked else served
+def _preset_of(query: dict[str, Any], key: str, default: Preset) -> Preset:
+    return parse_preset(query[key]) if key in query else default
 
 
-def _window(timeline: Timeline, given: Any) -> tuple[float, float]:
-    if not isinstance(given, list) or len(given) != 2:
-        raise InputError("window is [start_s, end_s]")
-    return timeline.require_window(*given)
+def _window(timeline: Timeline, value: Any) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InputError("window must be [start_s, end_s]")
+    return timeline.require_window(*value)
 
 
-def _part(timeline: Timeline, start: float, end: float) -> Timeline:
-    """What a window is felt as; the whole as it is, without what only a closer look finds."""
-    whole = start <= 0.0 and end >= timeline.duration_s
-    return timeline if whole else timeline.window(start, end)
+def _window_timeline(timeline: Timeline, start: float, end: float) -> Timeline:
+    """Return the timeline of a window; the whole timeline has no details of windows."""
+    is_whole = start <= 0.0 and end >= timeline.duration_s
+    return timeline if is_whole else timeline.window(start, end)
 
 
-def _rate(given: Any) -> float:
-    if isinstance(given, bool) or not isinstance(given, int | float):
-        raise InputError("sample_rate is a number of Hz")
-    if not MIN_RATE <= given <= MAX_RATE:
-        raise InputError(f"sample_rate is out of range; it is {MIN_RATE:g} to {MAX_RATE:g} Hz")
-    return float(given)
-
-
-def _require_keys(asked: dict[str, Any], known: set[str], needed: set[str]) -> None:
-    if not needed <= asked.keys() <= known:
+def _rate(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError("sample_rate must be a number of Hz")
+    if not MIN_RATE <= value <= MAX_RATE:
         raise InputError(
-            f"the body has the keys {', '.join(sorted(known))}; needed: {', '.join(sorted(needed))}"
+            f"sample_rate is {value!r:.20} Hz; must be {MIN_RATE:g} to {MAX_RATE:g} Hz"
+        )
+    return float(value)
+
+
+def _require_keys(query: dict[str, Any], allowed: set[str], required: set[str]) -> None:
+    if not required <= query.keys() <= allowed:
+        raise InputError(
+            f"allowed keys: {', '.join(sorted(allowed))}; required: {', '.join(sorted(required))}"
         )
 
 
 BLOCK = 128
-"""Frames of a browser's block."""
+"""Frames per block of a browser."""
 
 
 def whole_bytes(
     timeline: Timeline, preset: Preset, rate: int, seed: int, actuator: Actuator | None
 ) -> bytes:
-    """The memory of an engine that is ready at a sample rate (Hz)."""
+    """Return the memory of an engine prepared for a sample rate (Hz)."""
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(rate, BLOCK)
     return encode_engine(engine, OutputSettings(actuator=actuator))
 
 
 def window_bytes(surface: Surface, preset: Preset, rate: int) -> bytes:
-    """A change to a window's surface at a sample rate (Hz)."""
+    """Return the change to a window's surface at a sample rate (Hz)."""
     return encode_change(preset, preset, rate, surface)
 
 
-def patch_of(base: bytes, wanted: bytes) -> bytes:
-    """What makes `wanted` of `base`."""
-    if len(base) != len(wanted):
-        return np.array([1, 0], "<u4").tobytes() + wanted
-    different = np.flatnonzero(np.frombuffer(base, "<u8") != np.frombuffer(wanted, "<u8"))
+def make_patch(base: bytes, target: bytes) -> bytes:
+    """Return the patch that turns `base` into `target`."""
+    if len(base) != len(target):
+        return np.array([1, 0], "<u4").tobytes() + target
+    different = np.flatnonzero(np.frombuffer(base, "<u8") != np.frombuffer(target, "<u8"))
     runs = np.split(different, np.flatnonzero(np.diff(different) > 1) + 1) if len(different) else []
     parts = [np.array([0, len(runs)], "<u4").tobytes()]
     for run in runs:
         first, count = int(run[0]), len(run)
         parts.append(np.array([first, count], "<u4").tobytes())
-        parts.append(wanted[8 * first : 8 * (first + count)])
+        parts.append(target[8 * first : 8 * (first + count)])
     return b"".join(parts)
 
 
 ORDERS = range(8)
 QUICK, BEST = 1, 9
-"""zlib's levels."""
+"""Compression levels of zlib."""
 
 
-def packed(raw: bytes) -> bytes:
-    """Bytes, a multiple of 8 of them, packed."""
+def pack(raw: bytes) -> bytes:
+    """Return the packed bytes; their number must be a multiple of 8."""
     planes = [_planes(np.frombuffer(raw, "<i8"), order) for order in ORDERS]
     return zlib.compress(min(planes, key=lambda one: len(zlib.compress(one, QUICK))), BEST)
 
@@ -154,5 +154,5 @@ def packed(raw: bytes) -> bytes:
 def _planes(columns: np.ndarray, order: int) -> bytes:
     for _ in ORDERS[:order]:
         columns = np.diff(columns, prepend=np.int64(0))
-    small = (columns << 1) ^ (columns >> 63)
-    return bytes([order]) + small.view(np.uint8).reshape(-1, 8).T.tobytes()
+    zigzag = (columns << 1) ^ (columns >> 63)
+    return bytes([order]) + zigzag.view(np.uint8).reshape(-1, 8).T.tobytes()

@@ -1,10 +1,10 @@
-"""A folder that any web host can serve: the page, its kernel, and a timeline with its windows.
+"""Static folder with the page, its kernel and a timeline, for any web host.
 
-It needs no server of ours and, once loaded, no network. `files.js` lists every file with a digest
-of all of them, from which the page's service worker knows what to keep and when to renew it.
+The folder needs no server of this package and, once loaded, no network. `files.js` lists every file
+and a digest. The page's service worker stores these files and renews them when the digest changes.
 
-The first file of a folder: the page with its timeline's own title, a picture for those who share
-its address, and the data it begins with asked for along with its scripts.
+The start page has the timeline's title, a preview picture for shared links, and preload tags for
+the first data files.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from overview_dsp.web.site_content import SiteContent
 
 PICTURE = "preview.png"
 WIDTH, HEIGHT = 1200, 630
-"""Pixels, as pages that show a link expect them."""
+"""Size of the preview picture in pixels, as link previews expect."""
 
 _DPI = 100
 _FIRST = ("data/timeline.json", "data/window-0.json")
@@ -35,38 +35,38 @@ _TITLE = "<title>overView</title>"
 _HEADING = '<h1 id="title">overView</h1>'
 
 
-def front_page(page: str, timeline: Timeline, address: str | None = None) -> str:
-    """The page's `index.html` for one timeline; `address`: where its folder will be, if known."""
+def start_page(page: str, timeline: Timeline, address: str | None = None) -> str:
+    """Return `index.html` for one timeline; `address` is the folder's URL, if known."""
     title = html.escape(timeline.title)
     head = [f"<title>{title}: overView</title>"]
-    head += sharing(timeline.title, PICTURE, address, f"{timeline.title}, drawn over time")
+    head += link_tags(timeline.title, PICTURE, address, f"{timeline.title}, drawn over time")
     head += [f'<link rel="preload" as="fetch" crossorigin href="{name}">' for name in _FIRST]
     return page.replace(_TITLE, "\n  ".join(head)).replace(_HEADING, f'<h1 id="title">{title}</h1>')
 
 
-def sharing(title: str, picture: str, address: str | None, alt: str | None = None) -> list[str]:
-    """Tags for who shows a link: many of them need a picture's whole address."""
-    told = {
+def link_tags(title: str, picture: str, address: str | None, alt: str | None = None) -> list[str]:
+    """Return tags for link previews; many services need the full URL of the picture."""
+    properties = {
         "title": title,
         "type": "website",
-        "description": "A timeline to feel: friction under your finger.",
+        "description": "A timeline that you can feel as friction.",
         "image": f"{address or ''}{picture}",
         "image:width": str(WIDTH),
         "image:height": str(HEIGHT),
     }
-    told |= {"image:alt": alt} if alt else {}
-    told |= {"url": address} if address else {}
+    properties |= {"image:alt": alt} if alt else {}
+    properties |= {"url": address} if address else {}
     return [
         *(
             f'<meta property="og:{name}" content="{html.escape(content)}">'
-            for name, content in told.items()
+            for name, content in properties.items()
         ),
         '<meta name="twitter:card" content="summary_large_image">',
     ]
 
 
-def front_picture(timeline: Timeline, preset: Preset) -> bytes:
-    """The timeline as a picture, PNG, on the axis of its surface."""
+def preview_picture(timeline: Timeline, preset: Preset) -> bytes:
+    """Return a PNG picture of the timeline on the axis of its surface."""
     from overview_dsp.offline.plots.style import new_figure
     from overview_dsp.offline.plots.timeline import draw_timeline
 
@@ -80,7 +80,7 @@ def front_picture(timeline: Timeline, preset: Preset) -> bytes:
 
 
 MARK = "files.js"
-"""The file by which a folder is known as one of ours."""
+"""File that marks a folder as written by this module."""
 
 
 def write_site(
@@ -95,30 +95,27 @@ def write_site(
     live: dict[str, Any] | None = None,
     address: str | None = None,
 ) -> int:
-    """Write the folder, whole or not at all; its size in bytes.
+    """Write the folder completely or not at all; return its size in bytes.
 
     Parameters
     ----------
     path
-        A new or empty folder, or one that this wrote before.
+        A new or empty folder, or an earlier export.
     levels
-        How many times the page can zoom, to a third each.
+        Number of zoom levels; each is a third as long.
     actuator
-        What the tactor's signal drives.
+        Actuator of the tactor's signal.
     live
-        What the page is told of a timeline that grows (`published`).
+        Settings of a live timeline (`static_publisher`).
     address
-        Where the folder will be, if that is known: ``https://example.org/match/``.
+        URL of the published folder, if known: ``https://example.org/match/``.
 
     Raises
     ------
     InputError
-        The folder can't be written or holds other files; a surface that can't be made.
+        The folder can't be written, contains other files, or a surface can't be built.
     """
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
-
-    def front(file: bytes) -> bytes:
-        return front_page(file.decode(), timeline, address).encode()
 
     with atomic_folder(path, MARK) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
@@ -127,16 +124,18 @@ def write_site(
 
         def put(name: str, file: bytes, group: str) -> None:
             nonlocal size
-            place = folder / name
-            place.parent.mkdir(exist_ok=True)
-            place.write_bytes(file)
+            file_path = folder / name
+            file_path.parent.mkdir(exist_ok=True)
+            file_path.write_bytes(file)
             listed[group].append(name)
             digest.update(name.encode() + file)
             size += len(file)
 
         for name, file in folder_files(live=live is not None).items():
-            put(name, front(file) if name == START else file, "page")
-        put(PICTURE, front_picture(timeline, preset), "more")
+            if name == START:
+                file = start_page(file.decode(), timeline, address).encode()
+            put(name, file, "page")
+        put(PICTURE, preview_picture(timeline, preset), "more")
         for i, name in enumerate(content.names):
             put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
             if progress is not None:

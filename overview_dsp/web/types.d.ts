@@ -1,36 +1,36 @@
-// What the page's scripts hand each other. Files of a timeline: site_data.py says what is in them.
+// Types that the page's scripts share. site_data.py documents the files of a timeline.
 
-import type { Look } from "./kernel_node";
+import type { KernelState } from "./kernel_node";
 
-/** One event of a window; `place` 0 to 1 in it. */
+/** One event of a window; `position` is 0 to 1 within it. */
 export interface TimelineEvent {
-  place: number;
+  position: number;
   time_s: number;
   kind: string;
   label: string;
 }
 
-/** A kind of event: how it is called and drawn, how many there are, a motor's code (ms on, off, ...). */
+/** An event kind: name, mark, number of events, and vibration pattern (ms on, off, ...). */
 export interface Kind {
-  words: string;
+  name: string;
   shape: string;
   colour: string;
   count: number;
-  pulse: number[];
+  pattern: number[];
 }
 
-export interface Ends {
+export interface TimeRange {
   start_s: number;
   end_s: number;
 }
 
-/** A window of the list. */
-export interface Window extends Ends {
+/** One of the listed windows. */
+export interface Window extends TimeRange {
   level: number;
 }
 
-/** A part of the timeline: a window by its number, or any other (number -1). */
-export interface Part extends Ends {
+/** A visible part of the timeline: a listed window by its number, or any other (number -1). */
+export interface Part extends TimeRange {
   number: number;
   zoom: number;
 }
@@ -40,32 +40,32 @@ export interface Points {
   value: number[];
 }
 
-/** Points of a window's map from moments (s of the timeline) to places; lines between them. */
+/** Points of a window's map from time (s of the timeline) to position; linear in between. */
 export interface AngleMap {
   time_s: number[];
-  place: number[];
+  position: number[];
 }
 
-/** What is drawn of a part, and said. */
+/** Contents of a visible part, for the picture and for speech. */
 export interface View extends Part {
-  /** null where places are proportional to time. */
-  map: AngleMap | null;
+  /** null where position is proportional to time. */
+  angle_map: AngleMap | null;
   level: number[];
   resistance: number[];
   gaps: [number, number][];
   events: TimelineEvent[];
-  struck: number[];
+  strike_events: number[];
   scale: [number, number];
   points: Points | null;
-  /** Up to where a timeline that grows has happened, s. */
+  /** Position up to which a live timeline is known. */
   now?: number;
 }
 
 export interface Series {
   unit: string;
   decimals: number;
-  whole: boolean;
-  hours: boolean;
+  complete: boolean;
+  has_times: boolean;
 }
 
 export interface Media {
@@ -80,15 +80,15 @@ export interface Server {
   media: Media | null;
 }
 
-/** What holds for all windows. */
+/** Data that hold for all windows. */
 export interface Info {
   title: string;
   preset: string;
   duration_s: number;
   start: string | null;
   series: Series | null;
-  full_torque: number;
-  bare_friction: number;
+  reference_torque: number;
+  base_friction: number;
   rates: number[];
   kinds: Record<string, Kind>;
   provenance: string;
@@ -104,23 +104,23 @@ export interface LiveInfo {
   poll_s?: number;
 }
 
-/** A notice of a timeline that grows (live_data.py). */
+/** A notice of a live timeline (live_data.py). */
 export interface Notice {
   version: number;
-  words: string;
-  news: {
-    what: string;
+  status_text: string;
+  changes: {
+    action: string;
     kind: string;
     label: string;
     time_s: number;
-    pulse: number[];
+    pattern: number[];
     version: number;
   }[];
-  /** The update itself, base64, where it was asked for. */
+  /** The update in base64, if it was requested. */
   update?: string;
 }
 
-/** What a page lacks of a timeline that grows. */
+/** Changes of a live timeline since a version. */
 export interface Update {
   version: number;
   info: any;
@@ -132,7 +132,7 @@ export interface Update {
 
 export type EventKind = Record<string, any> & { points: number[]; modes: Record<string, number>[] };
 
-/** A preset as it travels (dicts.py). */
+/** A preset as JSON (dicts.py). */
 export interface Preset {
   name: string;
   values: Record<string, any>;
@@ -140,7 +140,7 @@ export interface Preset {
   points: number[];
 }
 
-/** A row of the parameter table. */
+/** One row of the parameter table. */
 export interface Parameter {
   id: string;
   low: number;
@@ -152,7 +152,7 @@ export interface Parameter {
   doc: string;
 }
 
-/** What is drawn by hand: its words, how it is without any points, whether it may be all 0. */
+/** A quantity that the user draws: texts, the curve without points, and whether all points may be 0. */
 export interface Drawing {
   name: string;
   label: string;
@@ -162,35 +162,35 @@ export interface Drawing {
   empty: boolean;
 }
 
-/** What the sound tells of the disk at a look; a host tells less. */
-export type Told = Pick<Look, "cursor" | "touching" | "torque" | "envelope" | "struck"> & Partial<Look>;
+/** State of the disk; a host reports fewer fields. */
+export type DiskState = Pick<KernelState, "cursor" | "touching" | "torque" | "envelope" | "newStrikes"> & Partial<KernelState>;
 
-/** Sound made here, or a host's. */
-export interface SoundFace {
+/** Sound output: this browser, or a host. */
+export interface AudioBackend {
   clock: Clock;
   readonly running: boolean;
   node?: any;
   context?: AudioContext;
   load?: () => Promise<void>;
   start(): void;
-  control(place: number, touching: boolean, sample: number): void;
-  route(felt: string): void;
+  control(position: number, touching: boolean, sample: number): void;
+  route(output: string): void;
   volume(click: number, tactor: number): void;
   show(part: Part): Promise<() => void>;
-  feel(before: Preset, after: Preset, part: Part | null): Promise<void>;
-  look(): Promise<Told>;
+  changePreset(before: Preset, after: Preset, part: Part | null): Promise<void>;
+  readState(): Promise<DiskState>;
   onstate(sounds: boolean): void;
-  call?: (name: string) => void;
+  setName?: (name: string) => void;
 }
 
-/** From ms of the page's clock to the samples that strokes are stamped with. */
+/** Conversion from the page's clock (ms) to samples of control events. */
 export interface Clock {
   rate: number;
   sampleAt(time: number): number;
   rendering(time: number): number;
 }
 
-/** A host's disk (session.py). */
+/** Status of a host's disk (session.py). */
 export interface Status {
   cursor: number;
   touching: boolean;
@@ -200,13 +200,13 @@ export interface Status {
   round_trip_ms: number | null;
   event_to_sample_ms: number | null;
   output_ms: number;
-  others: OtherHand[];
+  others: OtherInput[];
 }
 
-export interface OtherHand {
+export interface OtherInput {
   name: string;
-  place: number;
-  holding: boolean;
+  position: number;
+  active: boolean;
 }
 
 export interface Gesture {
@@ -214,10 +214,10 @@ export interface Gesture {
   seconds?: number;
   from?: number;
   to?: number;
-  place?: number;
+  position?: number;
 }
 
-/** A hand's share in the disk. */
+/** Source of control events on this page. */
 export type Source = "touch" | "twist" | "keys" | "play";
 
 export interface Disk {
@@ -233,7 +233,7 @@ export interface TraceBox {
   half: number;
 }
 
-/** Where everything lies, in CSS pixels. */
+/** Layout of the picture, in CSS pixels. */
 export interface Geometry {
   width: number;
   height: number;
@@ -245,22 +245,22 @@ export interface Geometry {
   axis: number;
   disk: Disk | null;
   trace: TraceBox | null;
-  x(place: number): number;
+  x(position: number): number;
   y(level: number): number;
-  place(x: number): number;
+  position(x: number): number;
 }
 
 export type Colours = Record<string, string>;
 
-/** What a layer is drawn with: a canvas' methods, of which `svg.js` has these. */
-export type Drawn = Pick<
+/** Canvas methods used to draw; `svg.js` implements them too. */
+export type PathContext = Pick<
   CanvasRenderingContext2D,
   "beginPath" | "moveTo" | "lineTo" | "closePath" | "arc" | "stroke" | "fill"
 > & { lineWidth: number; strokeStyle: any; fillStyle: any };
 
-/** What a person has chosen. */
+/** Settings of the user, stored in this browser. */
 export interface Settings {
-  felt: string;
+  output: string;
   clicks: boolean;
   vibration: boolean;
   speech: boolean;

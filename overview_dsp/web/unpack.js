@@ -1,4 +1,4 @@
-// The kernel's bytes as a folder has them, unpacked: sound_data.py says how they were packed.
+// Decompression of the kernel's files; sound_data.py documents the format.
 
 /**
  * @param {ArrayBuffer} deflated
@@ -18,7 +18,7 @@ export async function unpacked(packed) {
   const order = bytes[0];
   const count = (bytes.length - 1) / 8;
   const words = new Uint32Array(2 * count);
-  // running sums of 64 bits in two halves, one in the other
+  // running sums of 64-bit integers, in two 32-bit halves
   const low = new Uint32Array(order + 1);
   const high = new Uint32Array(order + 1);
   for (let i = 0; i < count; i += 1) {

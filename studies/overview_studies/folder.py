@@ -20,9 +20,9 @@ from overview_dsp.cli.extensions import (
     PROGRAM,
     RATES,
     atomic_folder,
-    kind_looks,
-    page_with,
-    patch_of,
+    kind_styles,
+    make_patch,
+    other_page_files,
     sound_bytes,
     whole_bytes,
     window_json,
@@ -93,7 +93,7 @@ def page_files() -> dict[str, bytes]:
     page = Path(__file__).parent / "page"
     found = sorted(path for path in page.rglob("*") if path.is_file())
     own = {path.relative_to(page).as_posix(): path.read_bytes() for path in found}
-    return page_with(own, SHARED)
+    return other_page_files(own, SHARED)
 
 
 def make_lists(design: Design, items: Sequence[Stimulus]) -> list[dict[str, Any]]:
@@ -189,7 +189,7 @@ def study_json(
     question = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
     task["question"] = file.task.question or question
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
-    styles = [kind_looks(item.timeline, item.preset) for item in items]
+    styles = [kind_styles(item.timeline, item.preset) for item in items]
     kinds = {kind: style for one in styles for kind, style in one.items() if style["count"]}
     first = items[0].preset
     return {
@@ -242,7 +242,7 @@ def describe_stimulus(
         if rate != RATE:
             patches[str(rate)] = f"{at}-{rate}.patch"
             other = whole_bytes(item.timeline, item.preset, rate, item.seed, None)
-            files[f"{at}-{rate}.patch"] = patch_of(base, other)
+            files[f"{at}-{rate}.patch"] = make_patch(base, other)
         if static:
             mappings[str(rate)] = f"{at}-static-{rate}.json"
             files[f"{at}-static-{rate}.json"] = _json(static_made[rate].as_json())

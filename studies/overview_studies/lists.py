@@ -266,7 +266,7 @@ class ListMaker:
             if any(len(found) != 1 for found in by.values()):
                 raise InputError(
                     f"task.vary: a {task.name} task requires one stimulus per level of {vary}; "
-                    f"with {_levels_text(both)} the levels have {[len(found) for found in by.values()]}"
+                    f"with {_levels_text(both)} there are {[len(found) for found in by.values()]}"
                 )
             yesno = task.method == "yesno"
             if yesno:

@@ -15,7 +15,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from overview_dsp.cli.extensions import START, TYPES, answering, json_object
+from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endpoint
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
 from overview_studies.steps import find_step, missing_steps
@@ -101,11 +101,11 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
 
     one = f"{SESSIONS}/{{session}}"
     return [
-        Route(SESSIONS, answering(begin), methods=["POST"]),
-        Route(one, answering(session_route(read_session))),
-        Route(f"{one}/trials/{{trial}}", answering(session_route(put)), methods=["PUT"]),
-        Route(f"{one}/finish", answering(session_route(finish)), methods=["POST"]),
-        Route("/{path:path}", answering(file)),
+        Route(SESSIONS, threaded_endpoint(begin), methods=["POST"]),
+        Route(one, threaded_endpoint(session_route(read_session))),
+        Route(f"{one}/trials/{{trial}}", threaded_endpoint(session_route(put)), methods=["PUT"]),
+        Route(f"{one}/finish", threaded_endpoint(session_route(finish)), methods=["POST"]),
+        Route("/{path:path}", threaded_endpoint(file)),
     ]
 
 

@@ -81,7 +81,7 @@ def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, mo
     assert played(None).actuator is None
     assert played(None).tactor.gain_db == -3.0
     path.write_text(path.read_text().replace('"actuator": null', '"actuator": "gone"'))
-    with pytest.raises(ov.InputError, match=r"outputs\.json: the actuator of 'pad': no actuator"):
+    with pytest.raises(ov.InputError, match=r"outputs\.json: actuator of 'pad': no actuator"):
         played(None)
     assert played("none").actuator is None
     assert kept.resolve_output(None, {}, {}, None).settings == kept.OutputSettings()

@@ -1,4 +1,4 @@
-"""How tests drive the page: sizes, waiting, where a place is.
+"""How tests drive the page: sizes, waiting, where a position is.
 
 A page's policy forbids what playwright's own `wait_for_function` needs, so conditions are polled.
 """
@@ -25,34 +25,35 @@ def until(page: Any, condition: str) -> None:
         page.wait_for_timeout(20)
 
 
-def watch(page: Any, place: float, starts: list[float]) -> None:
-    """Keep how near the disk comes to a place, `nearest`, and its `furthest` from the start.
+def watch(page: Any, position: float, starts: list[float]) -> None:
+    """Keep how near the disk comes to a position, `nearest`, and its `furthest` from the start.
 
     A disk that arrives after a release recoils at once, between two looks at the page. No strike
     is missed: the disk was where the event that it struck starts, at `starts`.
     """
     page.evaluate(
-        """([place, starts]) => {
+        """([position, starts]) => {
             window.nearest = 1;
             window.furthest = 0;
-            const take = overview.take.bind(overview);
-            overview.take = (told) => {
-                for (const at of [told.cursor, ...told.struck.map(({ event }) => starts[event])]) {
-                    nearest = Math.min(nearest, Math.abs(at - place));
+            const take = overview.update.bind(overview);
+            overview.update = (state) => {
+                const struck = state.newStrikes.map(({ event }) => starts[event]);
+                for (const at of [state.cursor, ...struck]) {
+                    nearest = Math.min(nearest, Math.abs(at - position));
                     furthest = Math.max(furthest, at);
                 }
-                take(told);
+                take(state);
             };
         }""",
-        [place, starts],
+        [position, starts],
     )
 
 
-def at(page: Any, place: float) -> tuple[float, float]:
-    """Where a place of the timeline is on the screen."""
+def at(page: Any, position: float) -> tuple[float, float]:
+    """Where a position of the timeline is on the screen."""
     box = page.locator("#canvas").bounding_box()
     left, right = page.evaluate("[overview.picture.geometry.left, overview.picture.geometry.right]")
-    return box["x"] + left + (right - left) * place, box["y"] + 120
+    return box["x"] + left + (right - left) * position, box["y"] + 120
 
 
 def violations(page: Any, axe: str) -> list[tuple[str, str]]:

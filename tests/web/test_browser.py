@@ -136,7 +136,7 @@ def test_strikes_and_meters_are_reported_when_asked(browser, match, football):
     played(made)
     browser.give(image=encode_engine(engine(match, football, hands=False)))
     _, told = rendered(browser, image="image", events=SOURCE_EVENTS)
-    look, struck = told["look"], told["look"]["struck"]
+    look, struck = told["look"], told["look"]["newStrikes"]
     strikes, meters = made.take_strikes(), made.meters
     assert len(struck) == len(strikes) == look["strikes"] > 10
     assert [one["sample"] / RATE for one in struck] == strikes.time_s.tolist()
@@ -213,9 +213,9 @@ def test_a_used_slot_keeps_nothing_of_its_old_surface(browser, match, football, 
     [
         (lambda b: b[:-8], "damaged"),
         (lambda b: b + bytes(8), "damaged"),
-        (lambda b: b[:-1], "not a change"),
-        (lambda b: b"", "not a change"),
-        (lambda b: bytes(8) + b[8:], "another version"),
+        (lambda b: b[:-1], "not a valid change"),
+        (lambda b: b"", "not a valid change"),
+        (lambda b: bytes(8) + b[8:], "another kernel version"),
         (lambda b: b[:24] + np.float64(44_100).tobytes() + b[32:], "44100 Hz"),
         (lambda b: b[:12] + np.int32(-1).tobytes() + b[16:], "damaged"),
         (lambda b: b[:12] + np.int32(2**31 - 1).tobytes() + b[16:], "damaged"),
@@ -278,8 +278,8 @@ def test_a_bad_send_is_reported_and_disturbs_no_sample(browser, match, football)
     )
     assert np.array_equal(out, expected)
     assert len(told["faults"]) == 2
-    assert "source" in told["faults"][0]
-    assert "not a change" in told["faults"][1]
+    assert "unknown input" in told["faults"][0]
+    assert "not a valid change" in told["faults"][1]
 
 
 def test_a_third_surface_waits_until_a_slot_is_free(browser, match, football, goals):
@@ -344,5 +344,5 @@ def test_it_plays_in_time(browser, match, rigid_football):
     assert 0 < told["first"]["clock"] < told["second"]["clock"]
     assert told["first"]["cursor"] == 0.0
     assert 0.3 < told["second"]["cursor"] < 0.9
-    assert told["second"]["struck"]
+    assert told["second"]["newStrikes"]
     assert told["last"]["over"]

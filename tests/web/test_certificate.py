@@ -25,10 +25,10 @@ def read(path):
 
 
 def test_it_is_made_once_for_its_owner_only_and_kept(folder):
-    path = certificate.own_certificate(["192.168.1.5", "localhost"])
+    path = certificate.user_certificate(["192.168.1.5", "localhost"])
     made = path.read_bytes()
     assert path.stat().st_mode & 0o077 == 0
-    assert certificate.own_certificate(["192.168.1.5"]).read_bytes() == made
+    assert certificate.user_certificate(["192.168.1.5"]).read_bytes() == made
     assert [one.name for one in folder.iterdir()] == ["server.pem"]
     found = read(path)
     names = found.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
@@ -39,34 +39,34 @@ def test_it_is_made_once_for_its_owner_only_and_kept(folder):
 
 
 def test_another_address_is_added_and_the_earlier_ones_stay(folder):
-    certificate.own_certificate(["192.168.1.5"])
-    path = certificate.own_certificate(["10.0.0.2"])
+    certificate.user_certificate(["192.168.1.5"])
+    path = certificate.user_certificate(["10.0.0.2"])
     both = path.read_bytes()
-    assert certificate.own_certificate(["192.168.1.5", "10.0.0.2"]).read_bytes() == both
+    assert certificate.user_certificate(["192.168.1.5", "10.0.0.2"]).read_bytes() == both
 
 
 @pytest.mark.parametrize("kept", [b"", b"damaged", b"-----BEGIN CERTIFICATE-----\nx"])
 def test_a_damaged_one_is_made_again(folder, kept):
     (folder / "server.pem").write_bytes(kept)
-    certificate.secure_context(certificate.own_certificate(["localhost"]))
+    certificate.secure_context(certificate.user_certificate(["localhost"]))
 
 
 def test_one_that_is_nearly_over_is_made_again(folder):
     then = datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=393)
     (folder / "server.pem").write_bytes(certificate.make_certificate(["localhost"], then))
     soon = read(folder / "server.pem").not_valid_after_utc
-    assert read(certificate.own_certificate(["localhost"])).not_valid_after_utc > soon
+    assert read(certificate.user_certificate(["localhost"])).not_valid_after_utc > soon
 
 
 def test_the_fingerprint_is_what_a_browser_shows(folder):
-    path = certificate.own_certificate(["localhost"])
+    path = certificate.user_certificate(["localhost"])
     der = ssl.PEM_cert_to_DER_cert(path.read_text()[path.read_text().index("-----BEGIN CERT") :])
     plain = hashlib.sha256(der).hexdigest().upper()
     assert certificate.fingerprint(path).replace(":", "") == plain
 
 
 def test_a_certificate_that_cant_be_used_is_one_clear_line(folder, tmp_path):
-    good = certificate.own_certificate(["localhost"])
+    good = certificate.user_certificate(["localhost"])
     text = tmp_path / "text.pem"
     text.write_text("x")
     other = tmp_path / "other.pem"
@@ -82,9 +82,9 @@ def test_addresses_of_all_and_of_one_network():
     assert server.is_loopback("::1")
     assert not server.is_loopback("0.0.0.0")
     assert not server.is_loopback("laptop")
-    assert server.reached_at("0.0.0.0") != "0.0.0.0"
-    assert server.reached_at("192.168.1.5") == "192.168.1.5"
-    assert server.page_address("https", "::1", 80, "t") == "https://[::1]:80/#token=t"
+    assert server.public_host("0.0.0.0") != "0.0.0.0"
+    assert server.public_host("192.168.1.5") == "192.168.1.5"
+    assert server.page_url("https", "::1", 80, "t") == "https://[::1]:80/#token=t"
 
 
 def test_the_qr_code_is_that_of_the_address():

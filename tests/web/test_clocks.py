@@ -1,4 +1,4 @@
-"""The clocks of pages, host and samples, and what many hands do to one engine; no network."""
+"""Clocks of pages, host and samples, and several inputs on one engine, without a network."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.web.clocks import MAX_DELAY_S, Delay, PageClock, SampleClock
-from overview_dsp.web.hands import SILENCE_S, RemoteHands
 from overview_dsp.web.messages import RemoteEvent
+from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInputs
 from tests.profiles import share
 
 RATE, BLOCK = 48_000, 256
 
 
 class Machine:
-    """An engine whose blocks come in time, and a clock that we set."""
+    """An engine that runs in simulated time."""
 
     def __init__(self, match, football):
         self.engine = ov.Engine(football, match)
@@ -27,15 +27,15 @@ class Machine:
         self.out = np.zeros((BLOCK, 2), np.float32)
         self.now = 100.0
         self._started = self.now
-        self.hands = RemoteHands(self.engine, lambda: self.now)
+        self.inputs = RemoteInputs(self.engine, lambda: self.now)
 
     def to(self, seconds):
-        """Play until then."""
+        """Play until a time."""
         while self.now < seconds - 1e-9:
             self.now = min(self.now + 0.002, seconds)
             while self.engine.sample_time < (self.now - self._started) * RATE:
                 self.engine.process(self.out)
-            self.hands.look()
+            self.inputs.update_clock()
 
     @property
     def applied(self):
@@ -55,64 +55,64 @@ def test_the_offset_of_a_page_is_within_half_the_shortest_round_trip(offset, tri
     clock = PageClock()
     at = 1000.0
     for there, back in trips:
-        clock.note(at, at + there + offset, at + there + back)
+        clock.add(at, at + there + offset, at + there + back)
         at += 0.25
     shortest = min(there + back for there, back in trips)
     assert abs(clock.host_time(500.0 + offset) - 500.0) <= shortest / 2.0 + 1e-6
 
 
-def test_an_answer_from_before_its_ping_is_no_answer():
+def test_a_reply_before_its_ping_is_ignored():
     clock = PageClock()
-    clock.note(5.0, 1.0, 4.0)
-    assert not clock.known
+    clock.add(5.0, 1.0, 4.0)
+    assert not clock.is_synchronised
 
 
-def test_waiting_follows_the_slowest_of_the_last_seconds_and_is_bounded():
+def test_the_delay_follows_the_slowest_recent_event_and_is_bounded():
     delay = Delay()
-    assert delay.note(0.0, 0.02) == 0.02
-    assert delay.note(0.1, 0.005) == 0.02
-    assert delay.note(0.2, 5.0) == MAX_DELAY_S
-    assert delay.note(2.5, -1.0) == 0.0
+    assert delay.add(0.0, 0.02) == 0.02
+    assert delay.add(0.1, 0.005) == 0.02
+    assert delay.add(0.2, 5.0) == MAX_DELAY_S
+    assert delay.add(2.5, -1.0) == 0.0
 
 
-def test_a_sample_of_now_is_in_the_next_block(machine):
+def test_the_sample_of_the_current_time_is_in_the_next_block(machine):
     clock = SampleClock(machine.engine)
     for step in range(1, 600):
         machine.to(100.0 + step * 0.0031)
-        clock.look(machine.now)
+        clock.update(machine.now)
         sample = clock.sample_at(machine.now)
         assert 0 <= sample - machine.engine.sample_time <= 2 * BLOCK or step < 5
         assert abs(clock.time_of(sample) - machine.now) < 1e-3
-    assert clock.runs(machine.now)
-    assert not clock.runs(machine.now + 1.0)
+    assert clock.is_running(machine.now)
+    assert not clock.is_running(machine.now + 1.0)
 
 
-def test_a_movement_keeps_its_course_however_late_its_events_come(machine):
+def test_a_movement_keeps_its_timing_when_events_are_delayed(machine):
     random = np.random.default_rng(3)
-    hand = machine.hands.join()
+    remote = machine.inputs.join()
     offset = -77.0
     machine.to(100.1)
-    hand.clock.note(machine.now, machine.now + offset, machine.now)
+    remote.clock.add(machine.now, machine.now + offset, machine.now)
     moments = 100.2 + 0.01 * np.arange(100)
-    comes = np.maximum.accumulate(moments + 0.001 + 0.03 * random.random(100))
-    for moment, arrival in zip(moments, comes, strict=True):
+    arrivals = np.maximum.accumulate(moments + 0.001 + 0.03 * random.random(100))
+    for moment, arrival in zip(moments, arrivals, strict=True):
         machine.to(arrival)
         theta2 = float(moment - 100.2)
-        machine.hands.move(hand, (RemoteEvent(moment + offset, theta2, True),))
+        machine.inputs.move(remote, (RemoteEvent(moment + offset, theta2, True),))
     machine.to(101.5)
     applied = machine.applied
     assert len(applied) == 100
     steady = np.diff(applied["sample"][30:])
-    # the delay settles; then the events lie as they were made, 10 ms apart
+    # the delay settles; then the events are 10 ms apart, as they were created
     assert np.abs(steady - 0.01 * RATE).max() <= 0.001 * RATE
-    assert np.abs(np.diff(comes[30:]) - 0.01).max() > 0.01
+    assert np.abs(np.diff(arrivals[30:]) - 0.01).max() > 0.01
 
 
 @given(
     st.lists(
         st.tuples(
             st.integers(0, 2),
-            st.sampled_from(["touch", "let go", "leave", "lie", "wait"]),
+            st.sampled_from(["touch", "release", "leave", "lie", "wait"]),
             st.floats(0.0, math.pi),
             st.floats(0.0, 1e9),
         ),
@@ -120,23 +120,23 @@ def test_a_movement_keeps_its_course_however_late_its_events_come(machine):
     )
 )
 @settings(max_examples=share(0.5))
-def test_whatever_hands_do_events_stay_in_order_and_nothing_sticks(match, football, steps):
+def test_events_stay_in_order_and_the_disk_is_released_at_the_end(match, football, steps):
     machine = Machine(match, football)
-    hands = [machine.hands.join() for _ in range(3)]
+    inputs = [machine.inputs.join() for _ in range(3)]
     machine.to(100.1)
     for which, what, theta2, page_s in steps:
-        hand = hands[which]
+        remote = inputs[which]
         if what == "leave":
-            machine.hands.leave(hand)
-            hands[which] = machine.hands.join()
+            machine.inputs.leave(remote)
+            inputs[which] = machine.inputs.join()
         elif what == "lie":
-            hand.clock.note(machine.now - 0.01, page_s, machine.now)
+            remote.clock.add(machine.now - 0.01, page_s, machine.now)
         elif what == "wait":
             machine.to(machine.now + 0.05)
         else:
-            machine.hands.move(hand, (RemoteEvent(page_s, theta2, what == "touch"),))
-    for hand in hands:
-        machine.hands.leave(hand)
+            machine.inputs.move(remote, (RemoteEvent(page_s, theta2, what == "touch"),))
+    for remote in inputs:
+        machine.inputs.leave(remote)
     machine.to(machine.now + MAX_DELAY_S + 0.05)
     assert not machine.engine.meters.touching
     assert machine.engine.meters.late_events == 0
@@ -144,26 +144,26 @@ def test_whatever_hands_do_events_stay_in_order_and_nothing_sticks(match, footba
     assert (np.diff(applied["sample"]) >= 0).all()
 
 
-def test_silence_is_only_of_hands_that_touch(machine):
-    hand = machine.hands.join()
+def test_only_inputs_that_touch_can_be_silent(machine):
+    remote = machine.inputs.join()
     machine.to(102.0)
-    assert not machine.hands.silent(hand)
-    machine.hands.move(hand, (RemoteEvent(0.0, 1.0, True),))
-    machine.to(102.0 + SILENCE_S - 0.01)
-    assert not machine.hands.silent(hand)
-    machine.to(102.0 + SILENCE_S + 0.01)
-    assert machine.hands.silent(hand)
+    assert not machine.inputs.is_silent(remote)
+    machine.inputs.move(remote, (RemoteEvent(0.0, 1.0, True),))
+    machine.to(102.0 + SILENCE_TIMEOUT_S - 0.01)
+    assert not machine.inputs.is_silent(remote)
+    machine.to(102.0 + SILENCE_TIMEOUT_S + 0.01)
+    assert machine.inputs.is_silent(remote)
 
 
-def test_where_no_sound_runs_a_movement_is_dropped_and_letting_go_is_not(machine):
-    hand = machine.hands.join()
+def test_without_sound_movements_are_dropped_but_releases_are_applied(machine):
+    remote = machine.inputs.join()
     machine.to(100.2)
-    machine.hands.move(hand, (RemoteEvent(0.0, 1.0, True),))
+    machine.inputs.move(remote, (RemoteEvent(0.0, 1.0, True),))
     machine.to(100.3)
-    machine.now += 5.0  # the output is gone
+    machine.now += 5.0  # the output has stopped
     for _ in range(5000):
-        machine.hands.move(hand, (RemoteEvent(0.0, 2.0, True),))
-    machine.hands.leave(hand)
+        machine.inputs.move(remote, (RemoteEvent(0.0, 2.0, True),))
+    machine.inputs.leave(remote)
     machine.engine.process(machine.out)
     applied = machine.applied
     assert applied["theta2"][applied["touching"]].tolist() == [1.0]

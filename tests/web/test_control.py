@@ -1,4 +1,4 @@
-"""A page's hand on the host's disk: over a real WebSocket, on a live engine."""
+"""Control of the host's disk by a page, over a real WebSocket and with a live engine."""
 
 from __future__ import annotations
 
@@ -25,35 +25,35 @@ def server(match):
 
 @pytest.fixture
 def disk(server):
-    """The server once its disk is free."""
+    """Return the server once its disk is free."""
     server.until(lambda meters: not meters.touching)
     yield server
     server.until(lambda meters: not meters.touching)
 
 
-def hold(connection, place, seconds=0.0):
-    """Touch, as a page does: again and again."""
+def touch(connection, position, seconds=0.0):
+    """Touch at a position and repeat the event, as a page does."""
     end = time.monotonic() + seconds
     while True:
-        connection.send(events((time.monotonic() * 1e3, place * math.pi, 1)))
+        connection.send(events((time.monotonic() * 1e3, position * math.pi, 1)))
         if time.monotonic() >= end:
             return
         time.sleep(0.05)
 
 
-def pull(server, place, *pages):
-    """Each page holds at its place, as long as it takes the disk to be at `place`."""
+def move_to(server, position, *pages):
+    """Let each page touch at its position until the disk is at `position`."""
     end = time.monotonic() + 10.0
-    while abs(server.player.engine.meters.cursor - place) > 0.01:
+    while abs(server.player.engine.meters.cursor - position) > 0.01:
         assert time.monotonic() < end, server.player.engine.meters
-        for page, its_place in pages:
-            hold(page, its_place)
+        for page, its_position in pages:
+            touch(page, its_position)
         time.sleep(0.05)
 
 
-def test_a_hand_on_a_page_holds_the_disk_and_lets_it_go(disk):
+def test_a_page_controls_the_disk_and_releases_it(disk):
     with disk.connect() as page:
-        pull(disk, 0.4, (page, 0.4))
+        move_to(disk, 0.4, (page, 0.4))
         assert disk.player.engine.meters.touching
         page.send(events((time.monotonic() * 1e3, 0.4 * math.pi, 0)))
         disk.until(lambda meters: not meters.touching)
@@ -61,7 +61,7 @@ def test_a_hand_on_a_page_holds_the_disk_and_lets_it_go(disk):
 
 
 @pytest.mark.parametrize("token", [None, "wrong"])
-def test_a_hand_needs_the_token(match, token):
+def test_control_needs_the_token(match, token):
     with served(match) as server, pytest.raises(InvalidStatus) as refused:
         server.connect(token)
     assert refused.value.response.status_code == 401
@@ -69,13 +69,13 @@ def test_a_hand_needs_the_token(match, token):
 
 
 @pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])
-def test_a_hand_of_another_site_is_refused_even_with_the_token(server, origin):
+def test_control_from_another_site_is_rejected_even_with_the_token(server, origin):
     with pytest.raises(InvalidStatus) as refused:
         server.connect(headers={"Origin": origin})
     assert refused.value.response.status_code == 403
 
 
-def test_the_cookie_of_the_page_lets_its_hand_in(disk):
+def test_the_cookie_of_the_page_allows_control(disk):
     with disk.client(Origin=disk.origin) as client:
         client.post("/session")
         cookie = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
@@ -89,9 +89,9 @@ def test_a_page_without_a_host_that_plays_finds_no_control(match):
     assert refused.value.response.status_code in (403, 404)
 
 
-def test_a_connection_that_is_lost_lets_the_disk_go(disk):
+def test_a_lost_connection_releases_the_disk(disk):
     with contextlib.suppress(ConnectionClosed), disk.connect() as page:
-        hold(page, 0.6)
+        touch(page, 0.6)
         disk.until(lambda meters: meters.touching)
         page.socket.shutdown(socket.SHUT_RDWR)  # no closing handshake
         started = time.monotonic()
@@ -99,28 +99,28 @@ def test_a_connection_that_is_lost_lets_the_disk_go(disk):
         assert time.monotonic() - started < 0.4
 
 
-def test_silence_while_touching_lets_the_disk_go_and_says_so(disk):
+def test_silence_while_touching_releases_the_disk_with_a_message(disk):
     with disk.connect() as page:
-        hold(page, 0.6)
+        touch(page, 0.6)
         started = time.monotonic()
         disk.until(lambda meters: meters.touching)
         assert "500 ms" in told(page, "released")
         assert 0.4 < time.monotonic() - started < 1.5
         disk.until(lambda meters: not meters.touching)
-        hold(page, 0.5)  # and it may touch again
+        touch(page, 0.5)  # the page may touch again
         disk.until(lambda meters: meters.touching)
 
 
-def test_a_host_that_stops_lets_the_disk_go(match):
+def test_a_host_that_stops_releases_the_disk(match):
     stack = contextlib.ExitStack()
     with served(match) as server:
         stack.enter_context(contextlib.suppress(ConnectionClosed))
         page = stack.enter_context(server.connect())
-        hold(page, 0.6)
+        touch(page, 0.6)
         server.until(lambda meters: meters.touching)
         player = server.player
     with stack:
-        # without sound nothing is processed any more: what waits would let go
+        # without sound output nothing is processed until this block
         engine = player.engine
         engine.process(np.zeros((512, 2), np.float32))
         assert not engine.meters.touching
@@ -139,9 +139,9 @@ MALFORMED = [
 
 
 @pytest.mark.parametrize("message", MALFORMED, ids=range(len(MALFORMED)))
-def test_a_malformed_message_ends_the_connection_and_lets_go(disk, message):
+def test_a_malformed_message_ends_the_connection_and_releases_the_disk(disk, message):
     with disk.connect() as page:
-        hold(page, 0.5)
+        touch(page, 0.5)
         disk.until(lambda meters: meters.touching)
         page.send(message)
         with pytest.raises(ConnectionClosed) as closed:
@@ -152,9 +152,9 @@ def test_a_malformed_message_ends_the_connection_and_lets_go(disk, message):
     assert not disk.notes
 
 
-def test_an_oversized_message_ends_the_connection_and_lets_go(disk):
+def test_an_oversized_message_ends_the_connection_and_releases_the_disk(disk):
     with disk.connect() as page:
-        hold(page, 0.5)
+        touch(page, 0.5)
         disk.until(lambda meters: meters.touching)
         page.send('{"events": [' + "[0, 1, 1]," * 4000 + "]}")
         with pytest.raises(ConnectionClosed) as closed:
@@ -163,7 +163,7 @@ def test_an_oversized_message_ends_the_connection_and_lets_go(disk):
         disk.until(lambda meters: not meters.touching)
 
 
-def test_too_many_events_end_the_connection_and_let_go(disk):
+def test_too_many_events_end_the_connection_and_release_the_disk(disk):
     with disk.connect() as page:
         rows = [(time.monotonic() * 1e3, 1.0, 1)] * 64
         with contextlib.suppress(ConnectionClosed):
@@ -176,16 +176,16 @@ def test_too_many_events_end_the_connection_and_let_go(disk):
     assert disk.player.engine.meters.dropped_events == 0
 
 
-def test_the_last_page_to_touch_holds_the_disk_until_it_lets_go(disk):
+def test_the_last_page_to_touch_controls_the_disk_until_its_release(disk):
     with disk.connect() as one, disk.connect() as two:
-        pull(disk, 0.3, (one, 0.3))
-        pull(disk, 0.7, (one, 0.3), (two, 0.7))
+        move_to(disk, 0.3, (one, 0.3))
+        move_to(disk, 0.7, (one, 0.3), (two, 0.7))
         two.close()
-        pull(disk, 0.3, (one, 0.3))
+        move_to(disk, 0.3, (one, 0.3))
 
 
 def test_latency_is_measured_by_the_pages_clock(disk):
-    ahead = 12345.0  # the page's clock and ours began at other moments
+    ahead = 12345.0  # the page's clock has another origin
     with disk.connect() as page:
         for _ in range(4):
             sent = told(page, "ping")
@@ -197,11 +197,11 @@ def test_latency_is_measured_by_the_pages_clock(disk):
         page.send(events(((time.monotonic() + ahead) * 1e3, 1.0, 0)))
     assert 0.0 <= status["round_trip_ms"] < 200.0
     assert 0.0 <= status["event_to_sample_ms"] < 250.0
-    assert status["holding"] is True
+    assert status["active"] is True
     assert status["output_ms"] >= 0.0
 
 
-def test_a_page_zooms_what_is_under_the_hand(disk):
+def test_a_page_changes_the_window_of_the_host(disk):
     with disk.connect() as page:
         page.send(json.dumps({"show": [1000.0, 2000.0]}))
         end = time.monotonic() + 5.0
@@ -231,13 +231,13 @@ def test_a_page_tries_a_preset_on_the_host(disk):
             assert told(page, "status")["preset"] == "football"
 
 
-def test_what_a_page_did_is_recorded_and_replays_to_the_bit(match, football, tmp_path):
+def test_the_events_of_a_page_are_recorded_and_replay_bit_identically(match, football, tmp_path):
     path = tmp_path / "take.csv"
     with served(match, record=path) as server, server.connect() as page:
         sent = told(page, "ping")
         page.send(json.dumps({"pong": sent, "time_ms": time.monotonic() * 1e3}))
         for step in range(20):
-            hold(page, 0.2 + 0.02 * step)
+            touch(page, 0.2 + 0.02 * step)
             time.sleep(0.02)
         page.send(events((time.monotonic() * 1e3, 1.0, 0)))
         server.until(lambda meters: not meters.touching)
@@ -251,8 +251,8 @@ def test_what_a_page_did_is_recorded_and_replays_to_the_bit(match, football, tmp
     assert len(ov.render(match, football, take).samples) > 0
 
 
-def test_two_hundred_hands_and_slow_ones_leave_the_sound_alone(match):
-    """The native-free engine runs on; those that are too many are closed; who reads is served."""
+def test_many_and_slow_connections_dont_interrupt_the_sound(match):
+    """The engine keeps running, surplus connections are closed, and a normal page is served."""
     with served(match) as server:
         lines = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(200)]
         for line in lines[::2]:
@@ -267,12 +267,12 @@ def test_two_hundred_hands_and_slow_ones_leave_the_sound_alone(match):
             line.close()
         time.sleep(0.2)
         with server.connect() as page:
-            hold(page, 0.5)
+            touch(page, 0.5)
             server.until(lambda meters: meters.touching)
 
 
-def test_a_page_that_answers_no_ping_is_closed_and_lets_go(match, monkeypatch):
-    monkeypatch.setattr("overview_dsp.web.server.PING_S", 0.2)
+def test_a_page_that_answers_no_ping_is_closed_and_releases_the_disk(match, monkeypatch):
+    monkeypatch.setattr("overview_dsp.web.server.PING_INTERVAL_S", 0.2)
     with served(match) as server, socket.create_connection(("127.0.0.1", server.port)) as line:
         head = (
             f"GET /control HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nUpgrade: websocket\r\n"
@@ -293,9 +293,9 @@ def test_a_page_that_answers_no_ping_is_closed_and_lets_go(match, monkeypatch):
 
 
 def test_a_page_that_stops_reading_is_closed(match, monkeypatch):
-    monkeypatch.setattr("overview_dsp.web.server.PING_S", 0.2)
+    monkeypatch.setattr("overview_dsp.web.server.PING_INTERVAL_S", 0.2)
     with served(match) as server, server.connect(max_queue=1) as page:
         # its pings wait unread behind the statuses
         with pytest.raises(ConnectionClosed):
-            hold(page, 0.5, 10.0)
+            touch(page, 0.5, 10.0)
         server.until(lambda meters: not meters.touching)

@@ -13,7 +13,7 @@ from overview_dsp.offline.export.browser_memory import encode_change
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.media import open_media
 from overview_dsp.web.site_data import window_json
-from overview_dsp.web.static_site import front_page, write_site
+from overview_dsp.web.static_site import start_page, write_site
 from tests.web.serving import served
 
 FILM = bytes(range(256)) * 400
@@ -62,7 +62,7 @@ def test_a_server_has_the_files_that_a_folder_has(page, match, football, tmp_pat
         answer = page.get("/" if name == "index.html" else f"/{name}")
         assert answer.status_code == 200, name
         if name == "index.html":
-            assert front_page(answer.text, match) == path.read_text()
+            assert start_page(answer.text, match) == path.read_text()
         elif name == "data/timeline.json":
             kept = json.loads(path.read_text())
             assert kept["server"] is None
@@ -132,9 +132,11 @@ def test_presets_come_by_name_with_the_parameter_table(page):
 
 @pytest.mark.parametrize("name", ["../football", "/etc/passwd", "football.toml", "x" * 300, ""])
 def test_a_preset_is_never_a_path(page, name):
-    refused(page.get("/data/preset", params={"name": name}), "no preset is called")
-    refused(page.post("/data/window", json={"window": [0, 60], "preset": name}), "no preset")
-    refused(page.post("/sound/change", json={"sample_rate": 48000, "after": name}), "no preset")
+    refused(page.get("/data/preset", params={"name": name}), "unknown preset")
+    refused(page.post("/data/window", json={"window": [0, 60], "preset": name}), "unknown preset")
+    refused(
+        page.post("/sound/change", json={"sample_rate": 48000, "after": name}), "unknown preset"
+    )
 
 
 def test_a_page_gets_the_native_engines_changes(page, match, football):
@@ -175,7 +177,7 @@ def test_a_preset_is_kept_whole_and_found_again(page, own_folder):
     assert (answer.status_code, answer.json()) == (201, {"name": "my-match"})
     assert ov.load_preset("my-match").values["tactor.gain_db"] == -9.0
     assert "my-match" in page.get("/data/presets").json()["own"]
-    refused(page.put("/preset/my-match", content=text), "there already")
+    refused(page.put("/preset/my-match", content=text), "already exists")
     again = text.replace("-9.0", "-6.0")
     assert page.put("/preset/my-match?replace=1", content=again).status_code == 201
     assert ov.load_preset("my-match").values["tactor.gain_db"] == -6.0
@@ -281,10 +283,10 @@ def test_a_page_has_the_map_of_each_window(page, match, football):
         start, end = window
         part = match if end == match.duration_s else match.window(start, end)
         surface = build_surface(part, football)
-        assert drawn["map"]["place"] == surface.angle_map.position.tolist()
-        assert drawn["map"]["time_s"] == (start + surface.angle_map.time_s).tolist()
-        places = [event["place"] for event in drawn["events"]]
-        assert places == surface.angle_map.events.tolist()
+        assert drawn["angle_map"]["position"] == surface.angle_map.position.tolist()
+        assert drawn["angle_map"]["time_s"] == (start + surface.angle_map.time_s).tolist()
+        positions = [event["position"] for event in drawn["events"]]
+        assert positions == surface.angle_map.events.tolist()
 
 
 def test_without_the_map_no_preset_of_a_page_has_one(match):
@@ -293,7 +295,7 @@ def test_without_the_map_no_preset_of_a_page_has_one(match):
         server.client(Origin=server.origin) as client,
     ):
         whole = {"window": [0.0, match.duration_s]}
-        assert client.post("/data/window", json=whole).json()["map"] is None
+        assert client.post("/data/window", json=whole).json()["angle_map"] is None
         for name in ("football", "football-stadium"):
             preset = client.get(f"/data/preset?name={name}").json()["preset"]
             assert preset["values"]["surface.angle_map"] == 0.0

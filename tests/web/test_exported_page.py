@@ -18,7 +18,7 @@ import overview_dsp as ov
 from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.sound_data import packed, patch_of, window_bytes
+from overview_dsp.web.sound_data import make_patch, pack, window_bytes
 from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.null_sink import null_sink
@@ -55,8 +55,8 @@ def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened, starts):
     page = opened
     page.evaluate("""() => {
         window.loudest = [0, 0];
-        const take = overview.take.bind(overview);
-        overview.take = (told) => {
+        const take = overview.update.bind(overview);
+        overview.update = (told) => {
             loudest[0] = Math.max(loudest[0], told.peakClick);
             loudest[1] = Math.max(loudest[1], told.peakTactor);
             take(told);
@@ -74,7 +74,7 @@ def test_a_drag_sounds_a_release_recoils_and_a_tap_steps(opened, starts):
     assert page.evaluate("overview.meters.strikes") > strikes
     # every event up to a tap is behind the disk before it recoils
     half_time = page.evaluate(
-        "overview.view.events.find(({ label }) => label === 'half-time').place"
+        "overview.view.events.find(({ label }) => label === 'half-time').position"
     )
     watch(page, half_time, starts)
     page.mouse.click(*at(page, half_time))
@@ -87,9 +87,9 @@ def test_an_event_that_keys_go_to_is_felt_and_the_disk_is_at_it(opened):
     page = opened
     page.evaluate("""() => {
         window.felt = [];
-        const take = overview.take.bind(overview);
-        overview.take = (told) => {
-            felt.push(...told.struck.map(({ event }) => event));
+        const take = overview.update.bind(overview);
+        overview.update = (told) => {
+            felt.push(...told.newStrikes.map(({ event }) => event));
             take(told);
         };
     }""")
@@ -98,11 +98,11 @@ def test_an_event_that_keys_go_to_is_felt_and_the_disk_is_at_it(opened):
     for number in range(1, 7):
         page.keyboard.press("]")
         until(page, f"felt.includes({number})")
-        assert page.evaluate(f"overview.view.events[{number}].place === overview.place")
-        until(page, "Math.abs(p.cursor - p.place) < 0.001")
+        assert page.evaluate(f"overview.view.events[{number}].position === overview.position")
+        until(page, "Math.abs(p.cursor - p.position) < 0.001")
     page.keyboard.press("+")
     until(page, "p.view.zoom === 1 && p.meters.changesWaiting === 0")
-    until(page, "Math.abs(p.cursor - p.place) < 0.001")
+    until(page, "Math.abs(p.cursor - p.position) < 0.001")
 
 
 def test_sound_comes_with_the_first_touch_alone(chromium, site):
@@ -146,11 +146,11 @@ def test_keys_alone_reach_everything(opened, starts):
         page.keyboard.press("[")
     until(page, "document.getElementById('slider').ariaValueText.includes('4-1 Mbapp')")
     assert says().startswith("67:30, goal")
-    goal = page.evaluate("overview.place")
+    goal = page.evaluate("overview.position")
     page.keyboard.press("ArrowLeft")
-    until(page, f"Math.abs(p.place - {goal - 0.01}) < 0.002")
+    until(page, f"Math.abs(p.position - {goal - 0.01}) < 0.002")
     page.keyboard.press("PageDown")
-    until(page, f"Math.abs(p.place - {goal - 0.11}) < 0.002")
+    until(page, f"Math.abs(p.position - {goal - 0.11}) < 0.002")
     page.keyboard.press("Escape")
     until(page, "p.meters.touching === 0 && p.cursor < 0.001")
     watch(page, goal - 0.11, starts)
@@ -186,18 +186,18 @@ def test_a_wrist_sweeps_the_whole_timeline_face_up_to_face_down(opened):
 
     turn(0)
     page.click("#twist")
-    until(page, "p.hand.holder === 'twist'")
+    until(page, "p.input.active === 'twist'")
     seen = []
     for degrees in range(0, 181, 6):
         turn(degrees)
         page.wait_for_timeout(25)
-        seen.append(page.evaluate("overview.place"))
+        seen.append(page.evaluate("overview.position"))
     until(page, "p.cursor > 0.995")
     assert seen[0] < 0.01
     assert np.all(np.diff(seen) >= -1e-9)
     assert np.max(np.diff(seen)) < 0.1
     page.click("#twist")
-    until(page, "p.hand.holder === null && p.cursor < 0.001")
+    until(page, "p.input.active === null && p.cursor < 0.001")
 
 
 def roll(page, beta, gamma):
@@ -224,16 +224,16 @@ def test_the_roll_is_the_turn_about_the_long_axis(opened, pitch):
 
 
 def test_the_start_can_be_calibrated_and_either_side_will_do(opened):
-    place = "async ([r, s]) => (await import('./modules/twist.js')).placeOfRoll(r, s)"
+    position = "async ([r, s]) => (await import('./modules/twist.js')).positionOfRoll(r, s)"
     for start in (0.0, 0.5, -3.0):
         for turn in (0.0, 1.0, 3.0):
             for side in (1, -1):
-                away = opened.evaluate(place, [start + side * turn, start])
+                away = opened.evaluate(position, [start + side * turn, start])
                 assert away == pytest.approx(turn / math.pi)
 
 
 HANDS = """async (scene) => {
-    const { Hand } = await import("./modules/hand.js");
+    const { CombinedInput } = await import("./modules/combined_input.js");
     const { Strokes } = await import("./modules/strokes.js");
     const events = [];
     const now = performance.now.bind(performance);
@@ -244,12 +244,12 @@ HANDS = """async (scene) => {
         sampleAt: (at) => Math.round(at * 48 + 1440),
         rendering: (at) => Math.round(at * 48),
     };
-    const send = (place, touching, sample) =>
-        events.push([sample < 0 ? Math.round(time * 48) : sample, place, touching]);
-    const hand = new Hand(new Strokes(clock, send));
+    const send = (position, touching, sample) =>
+        events.push([sample < 0 ? Math.round(time * 48) : sample, position, touching]);
+    const input = new CombinedInput(new Strokes(clock, send));
     for (const [at, method, ...given] of scene) {
         time = at;
-        hand[method](...given, at);
+        input[method](...given, at);
     }
     performance.now = now;
     return events;
@@ -261,8 +261,8 @@ def heard(events, timeline, preset, frames=2 * RATE):
     engine = ov.Engine(preset, timeline, seed=1)
     engine.prepare(RATE, BLOCK)
     connect(engine, None)
-    for sample, place, touching in events:
-        engine.control(place * HALF_TURN, touching, sample)
+    for sample, position, touching in events:
+        engine.control(position * HALF_TURN, touching, sample)
     out = np.zeros((frames // BLOCK * BLOCK, 2), np.float32)
     for start in range(0, len(out), BLOCK):
         run_block(engine, out[start : start + BLOCK])
@@ -286,8 +286,8 @@ def bare():
 def test_a_finger_that_comes_down_while_a_wrist_holds_still_is_not_heard(
     opened, bare, rigid_football
 ):
-    twist = [[10 + 16 * i, "hold", "twist", 0.3 + 1e-7 * (i % 2)] for i in range(110)]
-    touch = [[700, "hold", "touch", 0.8], [1100, "release", "touch"]]
+    twist = [[10 + 16 * i, "moveTo", "twist", 0.3 + 1e-7 * (i % 2)] for i in range(110)]
+    touch = [[700, "moveTo", "touch", 0.8], [1100, "release", "touch"]]
     alone = heard(opened.evaluate(HANDS, twist), bare, rigid_football)
     both = heard(
         opened.evaluate(HANDS, sorted(twist + touch, key=lambda e: e[0])), bare, rigid_football
@@ -301,17 +301,17 @@ def test_a_finger_that_comes_down_while_a_wrist_holds_still_is_not_heard(
 
 def test_hands_change_without_a_click_in_the_middle_of_a_movement(opened, bare, football):
     silent = football.with_value("texture.gain_db", -90.0)  # else the grain is all there is
-    moving = [[10 + 16 * i, "hold", "twist", 0.1 + 0.004 * i] for i in range(120)]
-    fingers = [[700 + 16 * i, "hold", "touch", 0.85 + 0.002 * i] for i in range(30)]
+    moving = [[10 + 16 * i, "moveTo", "twist", 0.1 + 0.004 * i] for i in range(120)]
+    fingers = [[700 + 16 * i, "moveTo", "touch", 0.85 + 0.002 * i] for i in range(30)]
     scene = sorted([*moving, *fingers, [1200, "release", "touch"]], key=lambda e: e[0])
     events = opened.evaluate(HANDS, scene)
-    places = np.array([place for _, place, _ in events])
+    positions = np.array([position for _, position, _ in events])
     assert np.all(np.diff([sample for sample, *_ in events]) >= 0)
-    assert np.abs(np.diff(places)).max() < 0.002  # in steps of 2 ms
-    assert np.all(np.diff(places) >= -1e-12)
+    assert np.abs(np.diff(positions)).max() < 0.002  # in steps of 2 ms
+    assert np.all(np.diff(positions) >= -1e-12)
     out = heard(events, bare, silent)
     twisted = opened.evaluate(HANDS, moving)
-    jumping = [(at, place + 0.35 * (at > 35_000), held) for at, place, held in twisted]
+    jumping = [(at, position + 0.35 * (at > 35_000), held) for at, position, held in twisted]
     click, none, jump = (
         beyond(samples[RATE // 2 :], 2000)
         for samples in (out, heard(twisted, bare, silent), heard(jumping, bare, silent))
@@ -323,18 +323,18 @@ def test_hands_change_without_a_click_in_the_middle_of_a_movement(opened, bare, 
 
 def test_the_wrist_takes_up_where_the_finger_was(opened):
     scene = [
-        [0, "hold", "twist", 0.2],
-        [100, "hold", "touch", 0.6],
-        *[[100 + 10 * i, "hold", "touch", 0.6 + 0.005 * i] for i in range(1, 61)],
+        [0, "moveTo", "twist", 0.2],
+        [100, "moveTo", "touch", 0.6],
+        *[[100 + 10 * i, "moveTo", "touch", 0.6 + 0.005 * i] for i in range(1, 61)],
         [800, "release", "touch"],
-        *[[800 + 10 * i, "hold", "twist", 0.2 + 0.01 * i] for i in range(1, 71)],
-        *[[1500 + 10 * i, "hold", "twist", 0.9 - 0.01 * i] for i in range(1, 41)],
+        *[[800 + 10 * i, "moveTo", "twist", 0.2 + 0.01 * i] for i in range(1, 71)],
+        *[[1500 + 10 * i, "moveTo", "twist", 0.9 - 0.01 * i] for i in range(1, 41)],
         [2000, "release", "twist"],
     ]
     events = opened.evaluate(HANDS, scene)
     assert [touching for *_, touching in events].count(False) == 1
     assert events[0][1] == 0.2
-    touched = [place for sample, place, _ in events if sample < 40_000]
+    touched = [position for sample, position, _ in events if sample < 40_000]
     assert max(touched) == pytest.approx(0.65, abs=0.01)  # 0.2 + 0.3 + half as much made up
     assert events[-2][1] == pytest.approx(0.5, abs=1e-9)  # caught up
 
@@ -363,7 +363,7 @@ def test_hiding_the_page_lets_the_disk_go(opened):
     page.mouse.down()
     until(page, "p.meters?.touching === 1")
     hide(page)
-    until(page, "(await p.sound.look()).touching === 0")
+    until(page, "(await p.sound.readState()).touching === 0")
     page.mouse.up()
 
 
@@ -380,11 +380,11 @@ def test_a_call_lets_the_disk_go_is_said_once_and_a_touch_goes_on(opened):
     page.mouse.down()
     until(page, "Math.abs(p.cursor - 0.4) < 0.01")
     page.evaluate("overview.sound.context.suspend()")  # as the system does
-    until(page, "p.hand.holder === null && said.length > 0")
+    until(page, "p.input.active === null && said.length > 0")
     page.mouse.move(*at(page, 0.6), steps=5)
     page.mouse.up()
     page.wait_for_timeout(200)
-    assert page.evaluate("said") == ["the sound was interrupted: touch to go on"]
+    assert page.evaluate("said") == ["the sound was interrupted: touch to continue"]
     page.mouse.move(*at(page, 0.2))
     page.mouse.down()
     until(page, "p.sound.running && Math.abs(p.cursor - 0.2) < 0.01 && p.meters.touching === 1")
@@ -432,13 +432,13 @@ def test_a_twist_holds_on_where_nobody_looks_and_keeps_the_screen_from_locking(o
     page.evaluate("""() => dispatchEvent(
         new DeviceOrientationEvent("deviceorientation", { alpha: 0, beta: 0, gamma: 60 })
     )""")
-    until(page, "p.hand.holder === 'twist' && Math.abs(p.cursor - 1 / 3) < 0.02")
+    until(page, "p.input.active === 'twist' && Math.abs(p.cursor - 1 / 3) < 0.02")
     until(page, "window.locks === 1")
     hide(page)
     page.wait_for_timeout(200)
-    assert page.evaluate("overview.sound.look().then(({touching}) => touching)") == 1
+    assert page.evaluate("overview.sound.readState().then(({touching}) => touching)") == 1
     page.evaluate("overview.toggleTwist()")
-    until(page, "(await p.sound.look()).touching === 0 && window.locks === 0")
+    until(page, "(await p.sound.readState()).touching === 0 && window.locks === 0")
 
 
 def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
@@ -452,7 +452,7 @@ def test_zooming_shows_the_windows_and_comes_back_to_the_whole(opened):
     assert page.evaluate("overview.moment") == pytest.approx(here, abs=1)
     start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
     assert start < here < end
-    until(page, "p.meters.changesWaiting === 0 && Math.abs(p.cursor - p.place) < 0.003")
+    until(page, "p.meters.changesWaiting === 0 && Math.abs(p.cursor - p.position) < 0.003")
     page.keyboard.press("Home")
     page.keyboard.press("ArrowLeft")  # beyond the window
     until(page, f"p.view.start_s < {start - 100}")
@@ -465,7 +465,7 @@ def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, sp
     page = opened
     for zoom in (0, 1):
         if zoom:
-            page.evaluate("overview.shown.zoom(1, 0.4)")
+            page.evaluate("overview.viewState.zoom(1, 0.4)")
             until(page, "p.view.zoom === 1")
         start, end = page.evaluate("[overview.view.start_s, overview.view.end_s]")
         part = match.window(start, end) if zoom else match
@@ -473,24 +473,24 @@ def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, sp
         assert not surface.angle_map.is_linear
         even = np.linspace(0.0, 1.0, 41)
         times = start + even * (end - start)
-        found = page.evaluate("all => all.map((at) => overview.placeAt(at))", times.tolist())
+        found = page.evaluate("all => all.map((at) => overview.positionAt(at))", times.tolist())
         assert found == pytest.approx(surface.position_of(times - start), abs=1e-9)
         there = page.evaluate(
             "async (all) => {"
             " const { secondsAt } = await import('./modules/angle_map.js');"
-            " return all.map((place) => secondsAt(overview.view, place)); }",
+            " return all.map((position) => secondsAt(overview.view, position)); }",
             even.tolist(),
         )
         assert there == pytest.approx(start + surface.time_at(even), abs=1e-6)
         # what is read out where the hand is
-        page.evaluate("overview.walk.to(0.37)")
+        page.evaluate("overview.navigation.to(0.37)")
         minutes, seconds = divmod(round(start + float(surface.time_at(0.37))), 60)
         assert page.evaluate("overview.moment") == pytest.approx(start + surface.time_at(0.37))
         said = "document.getElementById('slider').ariaValueText"
         until(page, f"{said}.startsWith('{minutes}:{seconds:02d}')")
         # the marks lie where the events are felt
-        places = page.evaluate("overview.view.events.map(({ place }) => place)")
-        assert places == surface.angle_map.events.tolist()
+        positions = page.evaluate("overview.view.events.map(({ position }) => position)")
+        assert positions == surface.angle_map.events.tolist()
     page.click("#settings")
     assert "time is stretched" in page.text_content("#about")
 
@@ -558,14 +558,14 @@ def test_axe_finds_nothing(chromium, site, axe, scheme, size):
         assert violations(page, axe) == []
         page.click("#run")
         goal = page.evaluate(
-            "overview.view.events.find(({ label }) => label.startsWith('4-1')).place"
+            "overview.view.events.find(({ label }) => label.startsWith('4-1')).position"
         )
         page.mouse.click(*at(page, goal))
         until(page, "document.getElementById('event').textContent !== ''")
         page.click("#in")
         until(page, "p.view.zoom === 1 && !document.getElementById('strip').hidden")
         assert violations(page, axe) == []
-        page.evaluate("overview.fault('the sound was interrupted: touch to go on')")
+        page.evaluate("overview.fault('the sound was interrupted: touch to continue')")
         assert violations(page, axe) == []
         page.click("#out")
         for contrast in (False, True):
@@ -661,8 +661,11 @@ def test_every_goal_is_walked_to_by_keys_alone_and_by_buttons_alone(opened, matc
     page = opened
     page.evaluate("""() => {
         window.walked = [];
-        const to = overview.walk.to.bind(overview.walk);
-        overview.walk.to = (place) => { to(place); walked.push(overview.felt?.label); };
+        const to = overview.navigation.to.bind(overview.navigation);
+        overview.navigation.to = (position) => {
+            to(position);
+            walked.push(overview.currentEvent?.label);
+        };
     }""")
     page.focus("#slider")
     for _ in match.events:
@@ -673,7 +676,7 @@ def test_every_goal_is_walked_to_by_keys_alone_and_by_buttons_alone(opened, matc
     goals = [one.label for one in match.events if one.kind in ("goal", "own_goal")]
     assert [label for label in page.evaluate("walked") if label in goals] == goals
     page.click("#tap")  # and lets go, without a key
-    until(page, "p.hand.holder === null")
+    until(page, "p.input.active === null")
 
 
 def test_no_time_before_zero_is_ever_shown(opened):
@@ -690,7 +693,9 @@ def test_no_time_before_zero_is_ever_shown(opened):
     until(page, "p.cursor > 0.09")
     page.mouse.up()
     until(page, "p.cursor < 0.0005")
-    page.evaluate("""() => overview.take({ ...overview.meters, cursor: -0.02, struck: [] })""")
+    page.evaluate(
+        """() => overview.update({ ...overview.meters, cursor: -0.02, newStrikes: [] })"""
+    )
     page.wait_for_timeout(300)
     told = page.evaluate("[...shown]")
     assert len(told) > 2
@@ -700,12 +705,12 @@ def test_no_time_before_zero_is_ever_shown(opened):
 def test_a_patch_makes_the_other_rates_bytes(opened, match, football):
     surface = build_surface(match, football)
     base, wanted = (window_bytes(surface, football, rate) for rate in (48_000, 44_100))
-    patch = patch_of(base, wanted)
+    patch = make_patch(base, wanted)
     assert len(patch) < len(wanted) / 20
     for given, expected in (
         (patch, wanted),
-        (patch_of(base, base), base),
-        (patch_of(b"", base), base),
+        (make_patch(base, base), base),
+        (make_patch(b"", base), base),
     ):
         # as text: a list of millions of numbers takes the driver half a minute
         made = opened.evaluate(
@@ -734,9 +739,9 @@ def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
     ends = np.array([-(2**63), 2**63 - 1, -1, 0, 1] * 7).view(float)
     columns = [smooth, random.bytes(800), ends, np.zeros(50), -smooth, np.full(3, np.nan)]
     for raw in (b"".join(bytes(one) for one in columns), bytes(smooth), random.bytes(4000), b""):
-        packed_bytes = packed(raw)
+        packed_bytes = pack(raw)
         assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
-    assert len(packed(bytes(smooth))) < smooth.nbytes / 3
+    assert len(pack(bytes(smooth))) < smooth.nbytes / 3
 
 
 @pytest.mark.soak

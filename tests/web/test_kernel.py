@@ -199,10 +199,10 @@ def test_what_can_not_be_set_is_refused_in_a_line(tmp_path):
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=600)
     lines = done.stdout.splitlines()
     low, high = PARAMETERS["tactor.gain_db"].low, PARAMETERS["tactor.gain_db"].high
-    assert lines[0].startswith("no parameter is called tactor.loudness; known: disk.inertia,")
-    assert lines[1] == f"tactor.gain_db = 1000000000 is out of range; it is {low:g} to {high:g}"
-    assert lines[2] == f"tactor.gain_db = NaN is out of range; it is {low:g} to {high:g}"
-    assert lines[3].startswith("no parameter is called toString")
+    assert lines[0].startswith("unknown parameter tactor.loudness; must be one of: disk.inertia,")
+    assert lines[1] == f"tactor.gain_db = 1000000000 is out of range; allowed: {low:g} to {high:g}"
+    assert lines[2] == f"tactor.gain_db = NaN is out of range; allowed: {low:g} to {high:g}"
+    assert lines[3].startswith("unknown parameter toString")
     assert len(lines) == 4
 
 

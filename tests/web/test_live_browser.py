@@ -13,7 +13,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.web.media import open_media
-from overview_dsp.web.published import Published
+from overview_dsp.web.static_publisher import StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
 from tests.web.serving import served
@@ -22,7 +22,7 @@ from tests.web.test_served_page import page_of, says
 
 @pytest.fixture
 def live():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
     return live
 
@@ -33,7 +33,7 @@ def kinds(word):
 
 def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
     with (
-        served(live.felt(), plays=False, live=live) as server,
+        served(live.padded_snapshot(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && {kinds('foul')}")
@@ -43,18 +43,18 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         says(tab, "live", "new: ")
         tab.mouse.move(*at(tab, 0.1))
         tab.mouse.down()
-        until(tab, "p.hand.holder !== null")
+        until(tab, "p.input.active !== null")
         live.append(events=[event(1000, "red_card", "x")], clock_s=1000.0)
         says(tab, "live", "data until 16:40.0")
         time.sleep(1.0)
         assert not tab.evaluate("overview.view.events.some(({ kind }) => kind === 'red_card')")
         tab.mouse.up()
         until(tab, kinds("red_card"))
-        live.map = "so far"
+        live.layout = "so far"
         until(tab, "p.view.end_s === 1030")
         live.retract(event(900, "goal", "1-0 Parris"))
         until(tab, f"!{kinds('goal')}")
-        says(tab, "live", "taken back: ")
+        says(tab, "live", "withdrawn: ")
         # the kernel has the surface that was drawn: a tap at its end meets the newest
         tab.mouse.click(*at(tab, 0.999))
         until(tab, "p.cursor > 0.9")
@@ -63,7 +63,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
 
 def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
     with (
-        served(live.felt(), plays=False, live=live) as server,
+        served(live.padded_snapshot(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && p.live && {kinds('foul')}")
@@ -85,9 +85,9 @@ def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
 
 
 def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
     with (
-        served(live.felt(), plays=False, live=live, preset="series") as server,
+        served(live.padded_snapshot(), plays=False, live=live, preset="series") as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view && p.live")
@@ -98,14 +98,14 @@ def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
         texts = "[...document.querySelectorAll('#canvas text')].map((one) => one.textContent)"
         until(tab, f"{texts}.includes('now')")
         tab.mouse.click(*at(tab, 1 / 6))
-        until(tab, "Math.abs(p.place - 1 / 6) < 0.01")
+        until(tab, "Math.abs(p.position - 1 / 6) < 0.01")
         until(tab, "document.getElementById('slider').ariaValueText.includes('kW')")
         assert wrong == []
 
 
 def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
     with (
-        served(live.felt(), live=live) as server,
+        served(live.padded_snapshot(), live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view")
@@ -116,7 +116,7 @@ def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
 
 def test_a_folder_that_is_replaced_is_followed_by_asking_for_it(live, chromium, tmp_path):
     folder = tmp_path / "site"
-    published = Published(live, ov.load_preset("football"), folder, print, every_s=0.2)
+    published = StaticPublisher(live, ov.load_preset("football"), folder, print, interval_s=0.2)
     with hosted(folder) as address:
         tab = chromium.new_page()
         tab.goto(address)
@@ -141,7 +141,7 @@ def test_a_film_that_is_still_recorded_is_watched_where_it_has_come_to(live, chr
     record(8)
     media = open_media(str(film), -295.0)
     with (
-        served(live.felt(), plays=False, live=live, media=media) as server,
+        served(live.padded_snapshot(), plays=False, live=live, media=media) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view && p.film")

@@ -18,8 +18,8 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.live_data import LiveData
-from overview_dsp.web.published import OLD, Published
 from overview_dsp.web.sound_data import window_bytes
+from overview_dsp.web.static_publisher import KEPT_VERSIONS, StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.serving import served
 
@@ -80,14 +80,14 @@ class Listening:
 
 @pytest.fixture
 def live():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
     return live
 
 
 @pytest.fixture
 def server(live):
-    with served(live.felt(), plays=False, live=live) as server:
+    with served(live.padded_snapshot(), plays=False, live=live) as server:
         yield server
 
 
@@ -101,27 +101,27 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
         assert first["view"]["gaps"] == [[800.0 / 5700.0, 1.0]]
         time.sleep(0.2)
         live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
-        told = page.until(lambda one: one["news"])
-        assert [one["label"] for one in told["news"]] == ["1-0"]
-        assert told["words"] == "data until 15:05.0"
+        told = page.until(lambda one: one["changes"])
+        assert [one["label"] for one in told["changes"]] == ["1-0"]
+        assert told["status_text"] == "data until 15:05.0"
         assert len(json.dumps(told)) < 500
         second, patch = update(client, first["version"])
         assert second["version"] == told["version"]
         assert len(patch) < len(mine) / 2
         mine = patched(mine, patch, second["bytes"])
         preset = ov.load_preset("football")
-        assert mine == window_bytes(build_surface(live.felt(), preset), preset, 48_000)
+        assert mine == window_bytes(build_surface(live.padded_snapshot(), preset), preset, 48_000)
         live.retract("no such id")
         live.retract(event(900, "goal", "1-0"))
-        page.until(lambda one: any(news["what"] == "retracted" for news in one["news"]))
+        page.until(lambda one: any(change["action"] == "retracted" for change in one["changes"]))
         live.end(910.0)
-        assert page.until(lambda one: one["ended"])["words"] == "the end"
+        assert page.until(lambda one: one["ended"])["status_text"] == "the end"
     page.close()
 
 
 def surface_of(live, rate=48_000):
     preset = ov.load_preset("football")
-    return window_bytes(build_surface(live.felt(), preset), preset, rate)
+    return window_bytes(build_surface(live.padded_snapshot(), preset), preset, rate)
 
 
 def unpacked(notice):
@@ -138,7 +138,7 @@ def test_updates_come_with_what_is_told_of_them_from_version_to_version(server, 
     taken = 1
     for n in range(3):
         live.append(events=[event(900 + 60 * n, "goal", str(n))], clock_s=901.0 + 60 * n)
-        page.until(lambda one, n=n: any(news["label"] == str(n) for news in one["news"]))
+        page.until(lambda one, n=n: any(change["label"] == str(n) for change in one["changes"]))
         for notice in page.notices[taken:]:
             update, patch = unpacked(notice)
             assert update["version"] == notice["version"]
@@ -164,7 +164,7 @@ def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
 
     async def pages():
         live.append(events=[event(900, "goal", "1-0")], clock_s=905.0)
-        data.take()
+        data.refresh()
         return await asyncio.gather(*(data._event(0, -1, 0) for _ in range(100)))
 
     with ThreadPoolExecutor(1) as thread:  # a loop of its own: a browser's may run in this one
@@ -175,8 +175,11 @@ def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
 
 
 def test_a_series_has_its_values_also_where_it_began_with_none():
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
-    with served(live.felt(), plays=False, live=live) as server, server.client() as client:
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
+    with (
+        served(live.padded_snapshot(), plays=False, live=live) as server,
+        server.client() as client,
+    ):
         assert client.get("/data/timeline.json").json()["series"]["unit"] == "kW"
         for now in (60.0, 120.0):
             values = [(float(t), 20.0 + t / 7.0) for t in range(0, int(now) + 1, 10)]
@@ -190,26 +193,26 @@ def test_a_series_has_its_values_also_where_it_began_with_none():
             assert (low, low + span) == pytest.approx((20.0, values[-1][1]))
 
 
-def test_a_page_that_slept_is_told_the_news_that_it_lacks(server, live):
+def test_a_page_that_reconnects_receives_the_missed_changes(server, live):
     version = live.revision
     for n in range(3):
         live.append(events=[event(900 + n, "goal", f"{n + 1}-0")])
     page = Listening(server, **{"Last-Event-ID": str(version)})
     told = page.until(lambda one: True)
-    assert [one["label"] for one in told["news"]] == ["1-0", "2-0", "3-0"]
+    assert [one["label"] for one in told["changes"]] == ["1-0", "2-0", "3-0"]
     page.close()
     with server.client() as client:
         known = client.get("/data/timeline.json").json()["live"]
     assert known["levels"] == 4
     fresh = Listening(server, since=known["version"])  # nothing is new to it
     live.append(events=[event(990, "goal", "4-0")])
-    assert [one["label"] for one in fresh.until(lambda one: one["news"])["news"]] == ["4-0"]
+    assert [one["label"] for one in fresh.until(lambda one: one["changes"])["changes"]] == ["4-0"]
     fresh.close()
 
 
 def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
     with server.client(Origin=server.origin) as client:
-        live.map = "so far"
+        live.layout = "so far"
         live.append(clock_s=1000.0, events=[event(950, "goal", "x")])
         assert client.get("/data/timeline.json").json()["duration_s"] == 1030.0
         window = {"window": [900.0, 1000.0]}
@@ -234,7 +237,7 @@ def test_more_pages_are_told_than_an_ordinary_server_has(server, live):
     time.sleep(2.0)
     live.append(events=[event(900, "goal", "1-0")])
     for page in pages:
-        page.until(lambda one: one["news"])
+        page.until(lambda one: one["changes"])
         page.close()
 
 
@@ -242,7 +245,7 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
     notes = []
     folder = tmp_path / "site"
     football = ov.load_preset("football")
-    published = Published(live, football, folder, notes.append, every_s=0.02)
+    published = StaticPublisher(live, football, folder, notes.append, interval_s=0.02)
     try:
         told = json.loads((folder / "data" / "timeline.json").read_bytes())
         assert told["live"] == {"levels": 0, "version": live.revision, "poll_s": 0.02}
@@ -257,16 +260,16 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
                 now = json.loads((folder / "live" / "now.json").read_bytes())
                 # whatever it names is there
                 assert (folder / "live" / f"{now['version']}-44100.update").stat().st_size > 5e5
-        assert [one["label"] for one in now["news"] if one["kind"] == "goal"][-1] == "7-0"
+        assert [one["label"] for one in now["changes"] if one["kind"] == "goal"][-1] == "7-0"
         kept = set()
-        while len(kept) != 1 + 2 * (OLD + 1):  # the oldest go last
+        while len(kept) != 1 + 2 * (KEPT_VERSIONS + 1):  # the oldest go last
             assert time.monotonic() < end, kept
             kept = {path.name for path in (folder / "live").iterdir()}
         assert f"{now['version']}-48000.update" in kept
         content = (folder / "live" / f"{now['version']}-48000.update").read_bytes()
         (length,) = struct.unpack("<I", content[:4])
         view = json.loads(content[4 : 4 + length])
-        surface = build_surface(live.felt(), football)
+        surface = build_surface(live.padded_snapshot(), football)
         assert patched(b"", content[4 + length :], view["bytes"]) == window_bytes(
             surface, football, 48_000
         )
@@ -276,10 +279,10 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
 
 
 def test_a_folder_of_a_series_has_the_values_of_each_version(tmp_path):
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
     live.append(intensity=[(0.0, 1.5), (60.0, 2.5)])
     folder = tmp_path / "site"
-    published = Published(live, ov.load_preset("series"), folder, print, every_s=0.02)
+    published = StaticPublisher(live, ov.load_preset("series"), folder, print, interval_s=0.02)
     live.append(intensity=[(120.0, 4.25)])
     published.close()
     version = json.loads((folder / "live" / "now.json").read_bytes())["version"]

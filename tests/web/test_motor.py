@@ -11,7 +11,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.preset_data import SHORT, pulse_of
+from overview_dsp.web.preset_data import SHORT, vibration_pattern
 from tests.web.driving import at, until
 from tests.web.exported import opened_host
 
@@ -33,7 +33,7 @@ PLAY = """async (looks) => {
     const motor = new Motor((pattern) => calls.push([now, [pattern].flat()]), () => []);
     for (const [time, codes, peak] of looks) {
         now = time;
-        motor.feel(codes, peak, now);
+        motor.play(codes, peak, now);
     }
     return calls;
 }"""
@@ -65,9 +65,9 @@ def looks_of(timeline, preset, seconds):
     connect(engine, None)
     out = np.zeros((BLOCK, 2), np.float32)
     surface = engine.surface
-    places = np.full(len(timeline.events), np.nan)
-    places[surface.event] = surface.position
-    passed = np.full(len(places), np.nan)
+    positions = np.full(len(timeline.events), np.nan)
+    positions[surface.event] = surface.position
+    passed = np.full(len(positions), np.nan)
     looks, peak, codes = [], 0.0, []
     for i in range(int((seconds + 0.5) * RATE / BLOCK)):
         now = i * BLOCK / RATE
@@ -77,8 +77,8 @@ def looks_of(timeline, preset, seconds):
         strikes = engine.take_strikes()
         for number in strikes.event:
             if number >= 0:
-                codes.append(list(pulse_of(timeline.events[number].kind, preset)))
-        passed[np.isnan(passed) & (places <= engine.meters.cursor)] = now
+                codes.append(list(vibration_pattern(timeline.events[number].kind, preset)))
+        passed[np.isnan(passed) & (positions <= engine.meters.cursor)] = now
         if now >= (len(looks) + 1) * LOOK_S:
             looks.append([now * 1e3, codes, peak])
             peak, codes = 0.0, []
@@ -86,7 +86,7 @@ def looks_of(timeline, preset, seconds):
 
 
 def intervals(calls):
-    """When the motor is on, s: a call takes the place of what is left of the one before."""
+    """When the motor is on, s: a call takes the position of what is left of the one before."""
     on = []
     for i, (begins, pattern) in enumerate(calls):
         until_ms = calls[i + 1][0] if i + 1 < len(calls) else np.inf
@@ -183,7 +183,7 @@ def test_a_page_tells_its_motor_of_the_goal_that_is_struck(chromium, site):
         """)
         page.goto(host.url)
         until(page, "p.view")
-        page.evaluate("overview.settings.felt = 'motor'; overview.apply()")
+        page.evaluate("overview.settings.output = 'motor'; overview.apply()")
         page.mouse.move(*at(page, 0.68))
         page.mouse.down()
         page.mouse.move(*at(page, 0.75), steps=30)

@@ -36,9 +36,9 @@ def page(chromium, site):
         context.close()
 
 
-def drag(page, places, steps=60):
-    for place in places:
-        page.mouse.move(*at(page, place), steps=steps)
+def drag(page, positions, steps=60):
+    for position in positions:
+        page.mouse.move(*at(page, position), steps=steps)
 
 
 @pytest.mark.soak
@@ -92,15 +92,15 @@ def test_no_audio_is_posted(page):
     """What the audio thread says are answers: one a look, of a few numbers."""
     page.evaluate("""async () => {
         // an answer to a look from before the count would be one too many
-        while (overview.frames.looking) await new Promise((done) => setTimeout(done, 1));
+        while (overview.frames.isReading) await new Promise((done) => setTimeout(done, 1));
         const { node } = overview.sound;
         window.told = { answers: 0, bytes: 0, looks: 0 };
         node.port.addEventListener("message", ({ data }) => {
             told.answers += 1;
             told.bytes = Math.max(told.bytes, data.meters.byteLength + data.strikes.byteLength);
         });
-        const look = node.look.bind(node);
-        node.look = () => { told.looks += 1; return look(); };
+        const look = node.readState.bind(node);
+        node.readState = () => { told.looks += 1; return look(); };
     }""")
     before = page.evaluate("overview.meters.clock")
     drag(page, (0.9, 0.2))

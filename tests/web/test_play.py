@@ -23,8 +23,8 @@ def cold(chromium, site, fragment="", **given):
         # how far the disk came: it turns back as soon as it has arrived
         page.evaluate("""() => {
             window.furthest = 0;
-            const take = overview.take.bind(overview);
-            overview.take = (told) => {
+            const take = overview.update.bind(overview);
+            overview.update = (told) => {
                 furthest = Math.max(furthest, told.cursor);
                 take(told);
             };
@@ -38,15 +38,15 @@ def test_play_sweeps_by_itself_pauses_and_goes_on(chromium, site):
     with cold(chromium, site) as page:
         page.evaluate("overview.settings.sweep = 5")
         page.click("#run")
-        until(page, "p.hand.holder === 'play' && p.cursor > 0.2 && p.meters.strikes > 3")
+        until(page, "p.input.active === 'play' && p.cursor > 0.2 && p.meters.strikes > 3")
         page.click("#run")
         paused = page.evaluate("overview.playback.player.done")
         assert page.text_content("#run") == "Play"
         until(page, "p.cursor < 0.05")
         page.click("#run")
-        until(page, f"p.hand.holder === 'play' && p.place > {paused} / 5")
+        until(page, f"p.input.active === 'play' && p.position > {paused} / 5")
         until(page, "furthest > 0.97")
-        until(page, "p.hand.holder === null && p.cursor < 0.01")
+        until(page, "p.input.active === null && p.cursor < 0.01")
         assert page.text_content("#fault") == ""
 
 
@@ -60,19 +60,19 @@ def test_play_says_what_it_waits_for_where_nothing_sounds(chromium, site):
         }""")
         page.click("#run")
         until(page, "document.getElementById('fault').textContent.includes('no sound output')")
-        assert page.evaluate("overview.hand.holder") is None
+        assert page.evaluate("overview.input.active") is None
         page.evaluate("plug()")
-        until(page, "p.hand.holder === 'play' && p.cursor > 0.05")
+        until(page, "p.input.active === 'play' && p.cursor > 0.05")
         assert page.text_content("#fault") == ""
 
 
 def test_a_finger_takes_the_disk_from_play(chromium, site):
     with cold(chromium, site) as page:
         page.click("#run")
-        until(page, "p.hand.holder === 'play' && p.cursor > 0.05")
+        until(page, "p.input.active === 'play' && p.cursor > 0.05")
         page.mouse.move(*at(page, 0.5))
         page.mouse.down()
-        until(page, "!p.playback.player.playing && p.hand.holder === 'touch'")
+        until(page, "!p.playback.player.playing && p.input.active === 'touch'")
         page.mouse.up()
         until(page, "p.cursor < 0.01")
 
@@ -81,13 +81,13 @@ def test_a_link_plays_what_it_says_after_one_touch_anywhere(chromium, site):
     with cold(chromium, site, "play=sweep:4:0.2:0.8") as page:
         until(page, "!document.getElementById('start').hidden")
         page.touchscreen.tap(30, 500)
-        until(page, "p.hand.holder === 'play' && p.meters?.touching === 1")
+        until(page, "p.input.active === 'play' && p.meters?.touching === 1")
         assert page.evaluate("overview.playback.player.gesture") == {
             "name": "sweep", "seconds": 4, "from": 0.2, "to": 0.8,
         }  # fmt: skip
         assert not page.is_visible("#start")
         until(page, "furthest > 0.78")
-        until(page, "p.hand.holder === null")
+        until(page, "p.input.active === null")
 
 
 @pytest.mark.parametrize(
@@ -99,9 +99,9 @@ def test_a_link_plays_what_it_says_after_one_touch_anywhere(chromium, site):
         ("window=3000:4500&at=goal:1", "goal"),
     ],
 )
-def test_a_link_goes_to_a_place(chromium, site, fragment, says):
+def test_a_link_goes_to_a_position(chromium, site, fragment, says):
     with cold(chromium, site, fragment) as page:
-        until(page, "p.hand.holder === 'keys'")
+        until(page, "p.input.active === 'keys'")
         until(page, f"document.getElementById('slider').ariaValueText.includes('{says}')")
 
 
@@ -124,15 +124,15 @@ def test_share_gives_this_place_as_a_link(chromium, site):
         page.focus("#slider")
         for _ in range(5):
             page.keyboard.press("]")
-        named = page.evaluate("[overview.felt.kind, overview.felt.time_s]")
+        named = page.evaluate("[overview.currentEvent.kind, overview.currentEvent.time_s]")
         page.click("#settings")
         page.click("#share")
         until(page, "shared.length === 1")
         link = page.evaluate("shared[0].url")
         page.goto("about:blank")
         page.goto(link)
-        until(page, "p.view && p.hand.holder === 'keys'")
-        assert page.evaluate("[overview.felt.kind, overview.felt.time_s]") == named
+        until(page, "p.view && p.input.active === 'keys'")
+        assert page.evaluate("[overview.currentEvent.kind, overview.currentEvent.time_s]") == named
         until(page, "!document.getElementById('start').hidden")  # and it plays
 
 
@@ -147,7 +147,7 @@ def test_picture_and_words_are_there_before_the_sound(chromium, site):
         until(page, "document.getElementById('hint').textContent.includes('loading')")
         assert "0:00 to 98:00" in page.text_content("#window")
         page.mouse.move(*at(page, 0.4))
-        page.mouse.down()  # a finger that is there already is felt once the sound is
+        page.mouse.down()  # a finger that is already exists is felt once the sound is
         while not held:
             page.wait_for_timeout(20)
         assert page.evaluate("overview.sound.node") is None

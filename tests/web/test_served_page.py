@@ -9,7 +9,7 @@ import wave
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.web import hands
+from overview_dsp.web import remote_inputs
 from overview_dsp.web.media import open_media
 from tests.web.driving import DESKTOP, PHONE, at, until, violations
 from tests.web.serving import served
@@ -48,7 +48,7 @@ def says(tab, id, words, seconds=20.0):
 
 def connected(tab):
     until(tab, "p.view")
-    says(tab, "link", "at the host")
+    says(tab, "link", "connected to the host")
 
 
 def test_a_drag_on_the_page_moves_the_disk_and_letting_go_frees_it(match, chromium):
@@ -73,7 +73,7 @@ def test_a_drag_on_the_page_moves_the_disk_and_letting_go_frees_it(match, chromi
 
 def test_a_movement_reaches_the_host_in_small_steps(match, chromium, monkeypatch):
     # on a busy machine a page may be silent for long; what happens then is tested elsewhere
-    monkeypatch.setattr(hands, "SILENCE_S", 30.0)
+    monkeypatch.setattr(remote_inputs, "SILENCE_TIMEOUT_S", 30.0)
     with served(match) as server, page_of(server, chromium) as (tab, wrong):
         connected(tab)
         tab.mouse.move(*at(tab, 0.1))
@@ -138,7 +138,7 @@ def wait_for(condition, seconds=10.0):
 
 def test_a_page_with_a_wrong_token_says_what_to_do(match, chromium):
     with served(match) as server, page_of(server, chromium, "wrong") as (tab, _):
-        says(tab, "fault", "open the address printed last")
+        says(tab, "fault", "open the URL printed last")
 
 
 def test_the_page_finds_its_host_again(match, chromium):
@@ -176,9 +176,9 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(
         assert tab.evaluate("[overview.view.start_s, overview.view.end_s]") == list(first)
         tab.evaluate("""() => {
             window.struck = [];
-            const take = overview.take.bind(overview);
-            overview.take = (told) => {
-                struck.push(...told.struck.map(({ event }) => event));
+            const take = overview.update.bind(overview);
+            overview.update = (told) => {
+                struck.push(...told.newStrikes.map(({ event }) => event));
                 take(told);
             };
         }""")
@@ -267,9 +267,9 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         x, y = tab.evaluate("""() => {
             const { picture, view } = overview;
             const goal = view.events.find(({ label }) => label.startsWith("4-1"));
-            const level = view.level[Math.round(goal.place * (view.level.length - 1))];
+            const level = view.level[Math.round(goal.position * (view.level.length - 1))];
             const { x, y } = picture.geometry;
-            return [picture.left + x(goal.place), picture.top + y(level)];
+            return [picture.left + x(goal.position), picture.top + y(level)];
         }""")
         tab.touchscreen.tap(x, y)
         watched(tab)
@@ -280,7 +280,7 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         tab.keyboard.press("Home")
         for _ in range(40):
             tab.keyboard.press("]")
-            if tab.evaluate("overview.place") > GOAL - 1e-6:
+            if tab.evaluate("overview.position") > GOAL - 1e-6:
                 break
         tab.keyboard.press("Escape")
         until(tab, "p.cursor < 0.001")
@@ -288,7 +288,7 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         watched(tab)
 
 
-def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, tmp_path):
+def test_a_removed_film_is_reported_and_plays_once_restored(match, chromium, tmp_path):
     media = open_media(str(film_at(tmp_path)), 12.0 - 4050.0)
     with (
         served(match, plays=False, media=media) as server,
@@ -296,9 +296,9 @@ def test_a_film_that_is_gone_says_so_and_plays_once_it_is_back(match, chromium, 
     ):
         until(tab, "p.view && p.film")
         (tmp_path / "match.wav").rename(tmp_path / "elsewhere.wav")
-        tab.evaluate("(place) => overview.walk.to(place)", GOAL)
+        tab.evaluate("(position) => overview.navigation.to(position)", GOAL)
         tab.click("#play")
-        says(tab, "fault", "the film is gone: put it back")
+        says(tab, "fault", "the media file was removed: restore it")
         assert not tab.is_visible("#film")
         (tmp_path / "elsewhere.wav").rename(tmp_path / "match.wav")
         tab.click("#play")

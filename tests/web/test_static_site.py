@@ -20,7 +20,7 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
 from overview_dsp.web.site_data import site_windows
 from overview_dsp.web.static_site import write_site
-from tools.bundle_page import BUNDLE, MADE_OF, bundle, made_of
+from tools.bundle_page import BUILD_INFO, BUNDLE, build_info, bundle
 
 
 def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
@@ -51,7 +51,7 @@ def test_a_phone_gets_few_scripts_whose_imports_are_there():
 
 
 def test_the_bundle_is_made_of_the_sources_as_they_are():
-    assert (BUNDLE / MADE_OF).read_text() == made_of()
+    assert (BUNDLE / BUILD_INFO).read_text() == build_info()
 
 
 @pytest.mark.skipif(shutil.which("npm") is None, reason="needs npm: apt-get install npm")

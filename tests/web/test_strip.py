@@ -54,7 +54,7 @@ def test_the_strip_tells_the_score_and_where_the_window_lies_and_moves_it(chromi
         page.mouse.up()
         last = surface.position_of(match.duration_s * 2 / 3)
         assert window()[0] == pytest.approx(last, abs=0.01)
-        assert page.evaluate("overview.hand.holder") is None  # the disk isn't touched by it
+        assert page.evaluate("overview.input.active") is None  # the disk isn't touched by it
         page.click("#out")
         until(page, "p.view.zoom === 0")
         assert not page.is_visible("#strip-window")
@@ -68,8 +68,8 @@ def pinch(page, factor, steps=24):
     client = page.context.new_cdp_session(page)
     lengths = []
 
-    def touch(kind, *places):
-        points = [{"x": place, "y": y, "id": i} for i, place in enumerate(places)]
+    def touch(kind, *positions):
+        points = [{"x": position, "y": y, "id": i} for i, position in enumerate(positions)]
         client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
     touch("touchStart", x - apart)
@@ -102,8 +102,11 @@ def test_a_pinch_on_a_server_ends_where_the_fingers_do(match, chromium):
         until(page, "p.view && p.sound.node")
         page.evaluate("""() => {
             window.under = [overview.view.end_s];
-            const take = overview.shown.take.bind(overview.shown);
-            overview.shown.take = (view) => { under.push(view.end_s - view.start_s); take(view); };
+            const take = overview.viewState.setView.bind(overview.viewState);
+            overview.viewState.setView = (view) => {
+                under.push(view.end_s - view.start_s);
+                take(view);
+            };
         }""")
         pinch(page, 2.0)
         until(

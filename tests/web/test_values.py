@@ -19,10 +19,10 @@ from tests.web.exported import opened_host
 
 AT = 0.004  # of a window: as near is at an event
 
-SAID_AT = """(place) => {
+SAID_AT = """(position) => {
     const p = window.overview;
-    p.walk.to(place);
-    p.slider.shown = -Infinity;
+    p.navigation.to(position);
+    p.slider.updatedAt = -Infinity;
     p.draw();
     return document.getElementById("slider").getAttribute("aria-valuetext");
 }"""
@@ -55,19 +55,19 @@ def shared(name, **given):
         ("weather/seattle-weather-hourly-normals.csv", {"value": "temperature"}, "weather", 1),
     ],
 )
-def test_the_value_text_is_the_datas_own_at_every_place(
+def test_the_value_text_is_the_datas_own_at_every_position(
     chromium, tmp_path, name, given, preset, decimals
 ):
     timeline = shared(name, **given)
     times = np.asarray(timeline.intensity.time_s)
     with page_of(chromium, timeline, preset, tmp_path / "site") as page:
-        for place in np.random.default_rng(1).random(60):
-            moment = place * timeline.duration_s
+        for position in np.random.default_rng(1).random(60):
+            moment = position * timeline.duration_s
             event = min(timeline.events, key=lambda one: abs(one.time_s - moment))
             if abs(event.time_s - moment) <= AT * timeline.duration_s:
                 moment = event.time_s  # its own value is told
             nearest = int(np.abs(times - moment).argmin())
-            said = page.evaluate(SAID_AT, place).split(", ")
+            said = page.evaluate(SAID_AT, position).split(", ")
             day = timeline.start + timedelta(seconds=float(times[nearest]))
             assert said[1] == f"{day.day} {day:%B %Y}"
             if "hourly" in name:
@@ -130,17 +130,17 @@ def test_the_highest_of_a_part_is_that_parts(chromium, tmp_path):
 
 
 def test_a_long_series_has_points_of_its_own_at_even_moments_and_events():
-    n = 5 * values.MOST
+    n = 5 * values.MAX_POINTS
     signal = np.sin(np.arange(n) / 500.0) + np.arange(n) * 1e-6
     events = (ov.Event(777.0, "note"), ov.Event(54_321.0, "note"))
     timeline = ov.Timeline("long", float(n), events, ov.Intensity(np.arange(n) * 1.0, signal))
     told = values.points_json(timeline, 0.0, float(n))
-    assert values.MOST <= len(told["value"]) <= values.MOST + 2
+    assert values.MAX_POINTS <= len(told["value"]) <= values.MAX_POINTS + 2
     assert {777, 54_321} <= set(told["time_s"])
     assert np.array_equal(signal[np.array(told["time_s"])], told["value"])
     part = values.points_json(timeline, 1000.0, 1100.0)
     assert part["time_s"] == list(range(1000, 1101))
-    assert values.series_json(timeline)["whole"] is False
+    assert values.series_json(timeline)["complete"] is False
 
 
 def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
@@ -157,14 +157,14 @@ def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
 
 
 @pytest.mark.parametrize(
-    ("every_s", "says", "ticks"),
+    ("interval_s", "says", "ticks"),
     [(3600.0, r"9 Mar 2024, 1[345]:\\d\\d", "1 Mar 2024"), (86_400.0, "9 Mar 2024", "1 Mar 2024")],
     ids=["hourly", "daily"],
 )
 def test_the_hour_is_told_where_a_date_alone_doesnt_say_which(
-    chromium, tmp_path, every_s, says, ticks
+    chromium, tmp_path, interval_s, says, ticks
 ):
-    times = np.arange(int(20 * 86_400 / every_s)) * every_s
+    times = np.arange(int(20 * 86_400 / interval_s)) * interval_s
     curve = ov.Intensity(times, np.sin(times / 1e5))
     timeline = ov.Timeline("t", times[-1], intensity=curve, start=datetime(2024, 3, 1))
     with page_of(chromium, timeline, "stocks", tmp_path / "site") as page:
@@ -173,8 +173,12 @@ def test_the_hour_is_told_where_a_date_alone_doesnt_say_which(
         assert all(":" not in label for label in labels)  # a day apart, or more
         # nothing was touched yet, and a page that began before the first evaluation is still
         page.evaluate("overview.sound.start()")
-        page.evaluate("(place) => overview.walk.to(place)", (8 * 86_400 + 14 * 3600) / times[-1])
+        page.evaluate(
+            "(position) => overview.navigation.to(position)", (8 * 86_400 + 14 * 3600) / times[-1]
+        )
         told = "document.getElementById('clock').textContent"
         until(page, f"RegExp('^{says}$').test({told})")  # where the disk has come to
         spoken = page.get_attribute("#slider", "aria-valuetext").split(", ")
-        assert spoken[1:] == (["9 March 2024", "14:00"] if every_s < 86_400 else ["10 March 2024"])
+        assert spoken[1:] == (
+            ["9 March 2024", "14:00"] if interval_s < 86_400 else ["10 March 2024"]
+        )

@@ -69,9 +69,9 @@ def _switch(text: str) -> bool:
 
 
 def _channels(text: str) -> int | tuple[int, ...]:
-    from overview_dsp.live.output.settings import channels_in
+    from overview_dsp.live.output.settings import parse_channels
 
-    return channels_in(text)
+    return parse_channels(text)
 
 
 def _number(text: str) -> float:

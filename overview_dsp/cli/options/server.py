@@ -100,30 +100,30 @@ def open_server(
     """
     from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app
-    from overview_dsp.web.certificate import fingerprint, own_certificate, secure_context
-    from overview_dsp.web.security.auth_token import Access, kept_token
+    from overview_dsp.web.certificate import fingerprint, secure_context, user_certificate
+    from overview_dsp.web.security.auth_token import Access, load_token
     from overview_dsp.web.server import WebServer, listen
 
     host = server.host
     near = address.is_loopback(host)
-    reached = address.reached_at(host)
+    reached = address.public_host(host)
     if server.key is not None and server.cert is None:
         raise InputError("--key needs --cert; add it")
     secure, certificate = None, None
     if server.cert is not None:
         certificate = Path(server.cert)
     elif not near:
-        own = sorted(address.own_names())
-        certificate = own_certificate([reached, "localhost", "127.0.0.1", "::1", *own])
+        own = sorted(address.machine_names())
+        certificate = user_certificate([reached, "localhost", "127.0.0.1", "::1", *own])
     if certificate is not None:
         secure = secure_context(certificate, None if server.key is None else Path(server.key))
-    names = address.own_names() | ({host.lower()} if reached == host else set())
+    names = address.machine_names() | ({host.lower()} if reached == host else set())
     token_file = server.token_file
-    access = Access() if token_file is None else Access(token=kept_token(token_file))
+    access = Access() if token_file is None else Access(token=load_token(token_file))
     app = make_app(access, names, note, session, more, public)
     socket = listen(host, server.port)
     scheme = "http" if secure is None else "https"
-    where = address.page_address(scheme, reached, socket.getsockname()[1], access.token)
+    where = address.page_url(scheme, reached, socket.getsockname()[1], access.token)
     running = WebServer(app, [socket], secure, note, crowd)
     try:
         opened = ServerAddress(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
-from overview_dsp.data.readers.cardiac.build import About, heart_timeline
+from overview_dsp.data.readers.cardiac.build import Description, heart_timeline
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline import Event, Timeline
 
@@ -75,7 +75,7 @@ def random_heart(seed: int) -> Timeline:
     time_s = time_s[time_s < length]
     others = _others(rng, length)
     beats = Beats(time_s, tuple(kinds[: len(time_s)]), ("",) * len(time_s), annotated=True)
-    about = About(f"random heart {seed}", length, "", ())
+    about = Description(f"random heart {seed}", length, "", ())
     return heart_timeline(about, beats, ((), ()), others, LoadOptions())
 
 

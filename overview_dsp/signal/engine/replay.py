@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.data.feeds.difference import applied, pattern_of
+from overview_dsp.data.feeds.timeline_diff import announcement_of, apply_diff
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.dicts import preset_from_dict
 from overview_dsp.design.presets.validation import migrated_values
@@ -40,7 +40,7 @@ def apply_change(
         elif "pattern" in what:
             set_pattern(engine, what, sample_time)
         elif "timeline" in what:
-            grown = applied(whole, what["timeline"])
+            grown = apply_diff(whole, what["timeline"])
             window = what["timeline"].get("window")
             shown = grown if window is None else grown.window(*window)
             ahead = what["timeline"].get("ahead")
@@ -68,6 +68,6 @@ def set_pattern(engine: Engine, change: Mapping[str, Any], sample_time: int | No
 
     Errors as `Engine.set_timeline`.
     """
-    pattern = pattern_of(change["pattern"])
+    pattern = announcement_of(change["pattern"])
     surface = build_surface(pattern, without_map(engine.preset))
     engine.set_timeline(pattern, sample_time, change=change, surface=surface)

@@ -1,1 +1,1 @@
-"""The server's door: who may ask, from where, how much."""
+"""Access control of the server: token, origin, size and speed of requests."""

@@ -1,10 +1,10 @@
-"""Who may come in: whoever holds the token of this run.
+"""Access control by the token of a run.
 
-The token stands in the fragment of the printed address, which browsers never send: it is in no
-log, no referrer and, once the page has taken it out, in no history. The page hands it over once, in
-a header, and gets a cookie that scripts can't read and other sites can't use. So a `<video>` and a
-WebSocket, which can't carry headers, are let in as well. The cookie isn't the token: what it gives
-is over when this run is, unless its token is kept in a file (`kept_token`).
+The token is in the fragment of the printed URL. Browsers never send the fragment, so the token
+appears in no log and no referrer. The page removes it from the history. It sends the token once, in
+a header, and receives a cookie that scripts can't read and other sites can't use. The cookie also
+authorises `<video>` elements and WebSockets, which can't send headers. It is valid for one run,
+unless the token is stored in a file (`load_token`).
 
 Thread: the server's.
 """
@@ -24,17 +24,18 @@ from pathlib import Path
 
 from overview_dsp.errors import InputError
 
-MAX_WRONG = 10
-"""Wrong tokens of an address within `WRONG_WITHIN_S`; the next ones are told to wait. The right one
-is let in all the same: others share the address, and 128 bits aren't guessed."""
+MAX_WRONG_TOKENS = 10
+"""Wrong tokens per address within `WRONG_TOKEN_WINDOW_S`; further ones are rejected.
 
-WRONG_WITHIN_S = 60.0
+The right token is always accepted: users may share an address, and 128 bits can't be guessed."""
+
+WRONG_TOKEN_WINDOW_S = 60.0
 MAX_ADDRESSES = 1024
-"""Addresses whose wrong tokens are kept; the longest unheard of is forgotten first."""
+"""Number of addresses with stored failures; the oldest is dropped first."""
 
 
 class Verdict(enum.Enum):
-    """What becomes of a request."""
+    """Result of an access check."""
 
     ALLOWED = enum.auto()
     MISSING = enum.auto()
@@ -43,12 +44,12 @@ class Verdict(enum.Enum):
 
 
 class Access:
-    """The token of a run, its session, and the wrong tokens of each address."""
+    """Token and session of a run, and the failed attempts of each address."""
 
     def __init__(
         self, clock: Callable[[], float] = time.monotonic, token: str | None = None
     ) -> None:
-        """`token`: one that is kept over runs (`kept_token`); so is the session it gives."""
+        """Use `token` over several runs, or create one for this run."""
         if token is None:
             self.token = secrets.token_urlsafe(16)
             self.session = secrets.token_urlsafe(32)
@@ -56,13 +57,13 @@ class Access:
             self.token = token
             self.session = hashlib.sha256(f"session {token}".encode()).hexdigest()
         self._clock = clock
-        self._wrong: OrderedDict[str, deque[float]] = OrderedDict()
+        self._failures: OrderedDict[str, deque[float]] = OrderedDict()
 
     def check(self, token: str | None, session: str | None, address: str) -> Verdict:
-        """Whether a token or a session cookie lets a request of an address in.
+        """Check the token or session cookie of a request from an address.
 
-        A cookie of an earlier run is as good as none and isn't counted: it can't be guessed, and
-        who reloads an old page must not be locked out of the new one.
+        The cookie of an earlier run is ignored and not counted as a failure, so that reloading an
+        old page doesn't lock the user out.
         """
         if session is not None and _same(session, self.session):
             return Verdict.ALLOWED
@@ -70,32 +71,32 @@ class Access:
             return Verdict.MISSING
         if _same(token, self.token):
             return Verdict.ALLOWED
-        whose = _subnet(address)
-        wrong = self._recent(whose)
-        if len(wrong) >= MAX_WRONG:
+        subnet = _subnet(address)
+        failures = self._recent_failures(subnet)
+        if len(failures) >= MAX_WRONG_TOKENS:
             return Verdict.LIMITED
-        wrong.append(self._clock())
-        self._wrong[whose] = wrong
-        self._wrong.move_to_end(whose)
-        if len(self._wrong) > MAX_ADDRESSES:
-            self._wrong.popitem(last=False)
+        failures.append(self._clock())
+        self._failures[subnet] = failures
+        self._failures.move_to_end(subnet)
+        if len(self._failures) > MAX_ADDRESSES:
+            self._failures.popitem(last=False)
         return Verdict.WRONG
 
-    def _recent(self, whose: str) -> deque[float]:
-        wrong = self._wrong.get(whose, deque())
-        since = self._clock() - WRONG_WITHIN_S
-        while wrong and wrong[0] < since:
-            wrong.popleft()
-        return wrong
+    def _recent_failures(self, subnet: str) -> deque[float]:
+        failures = self._failures.get(subnet, deque())
+        since = self._clock() - WRONG_TOKEN_WINDOW_S
+        while failures and failures[0] < since:
+            failures.popleft()
+        return failures
 
 
-def kept_token(path: str) -> str:
-    """The token of a file; a new one is written where there is none, for this user alone.
+def load_token(path: str) -> str:
+    """Return the token of a file; a new file is created for this user alone.
 
     Raises
     ------
     InputError
-        The file holds something else, or can't be read or written.
+        The file contains no token, or can't be read or written.
     """
     file = Path(path)
     try:
@@ -114,17 +115,17 @@ def kept_token(path: str) -> str:
     return token
 
 
-def _same(given: str, wanted: str) -> bool:
-    # bytes: texts must be ASCII to be compared in constant time
-    return secrets.compare_digest(given.encode("utf-8", "surrogatepass"), wanted.encode())
+def _same(value: str, expected: str) -> bool:
+    # bytes: only ASCII text can be compared in constant time
+    return secrets.compare_digest(value.encode("utf-8", "surrogatepass"), expected.encode())
 
 
 def _subnet(address: str) -> str:
-    """An IPv4 address, or the /64 of an IPv6 one: a household has all of that."""
+    """Return an IPv4 address, or the /64 network of an IPv6 address (one household)."""
     try:
-        found = ipaddress.ip_address(address.partition("%")[0])
+        parsed = ipaddress.ip_address(address.partition("%")[0])
     except ValueError:
         return address
-    if found.version == 6:
-        return str(ipaddress.ip_network((found, 64), strict=False))
-    return str(found)
+    if parsed.version == 6:
+        return str(ipaddress.ip_network((parsed, 64), strict=False))
+    return str(parsed)

@@ -1,4 +1,4 @@
-"""The answer to a request that takes its time: in a thread, with one clear line for bad input."""
+"""Endpoints that run in a thread and report invalid input in one line."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from overview_dsp.errors import InputError, OverviewError
 Answer = Callable[[Request, bytes], Response]
 
 
-def answering(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
-    """An endpoint of a function that takes its time: in a thread; bad input is 400 and a line."""
+def threaded_endpoint(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
+    """Return an endpoint that runs `answer` in a thread; invalid input is status 400."""
 
     async def endpoint(request: Request) -> Response:
         body = await request.body()

@@ -1,29 +1,29 @@
-// The page's state in the address: #at=goal:5&play=sweep:10&window=1200:3000&preset=stadium.
+// Page state in the URL fragment: #at=goal:5&play=sweep:10&window=1200:3000&preset=stadium.
 
-/** What the fragment says: at, play, window, preset, each a text or null. */
+/** Return at, play, window and preset of the fragment; each is a string or null. */
 export function readAddress() {
-  const given = new URLSearchParams(location.hash.slice(1));
-  const [at, play, window, preset] = ["at", "play", "window", "preset"].map((key) => given.get(key));
+  const parameters = new URLSearchParams(location.hash.slice(1));
+  const [at, play, window, preset] = ["at", "play", "window", "preset"].map((key) => parameters.get(key));
   return { at, play, window, preset };
 }
 
 /**
- * An address with these, where they are given.
+ * Return the page's URL with these fields in its fragment.
  * @param {Record<string, string | null>} state
  */
-export function addressOf(state) {
+export function linkTo(state) {
   const address = new URL(location.href);
-  const given = Object.entries(state).filter(([, value]) => value);
-  address.hash = given.map(([key, value]) => `${key}=${encodeURI(value)}`).join("&");
+  const parameters = Object.entries(state).filter(([, value]) => value);
+  address.hash = parameters.map(([key, value]) => `${key}=${encodeURI(value)}`).join("&");
   return address.href;
 }
 
 /**
- * The moment (s) that `at` names: an event ("goal:5", the fifth), seconds, 67:30; null if none.
+ * Return the time (s) of an event ("goal:5": the fifth), of seconds, or of 67:30; null if unknown.
  * @param {string | null} at
  * @param {{ kind: string, time_s: number }[]} events
  */
-export function momentOf(at, events) {
+export function momentAt(at, events) {
   if (at === null) return null;
   const clock = at.match(/^(?:(\d+):)?(\d+):(\d+(?:\.\d+)?)$/);
   if (clock) return 3600 * Number(clock[1] ?? 0) + 60 * Number(clock[2]) + Number(clock[3]);
@@ -33,11 +33,11 @@ export function momentOf(at, events) {
 }
 
 /**
- * `at` for an event of a window: its kind and which one of that kind it is.
+ * Return the `at` field of an event: its kind and its number within that kind.
  * @param {{ kind: string, time_s: number }} event
  * @param {{ kind: string, time_s: number }[]} events
  */
-export function nameOf(event, events) {
+export function eventName(event, events) {
   const same = events.filter(({ kind }) => kind === event.kind);
   const number = 1 + same.findIndex(({ time_s }) => time_s === event.time_s);
   return number > 0 ? `${event.kind}:${number}` : String(Math.round(event.time_s));

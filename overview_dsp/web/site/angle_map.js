@@ -1,59 +1,59 @@
-// A window's map between moments and places: the same points and the same lines as in Python.
+// Map between time and position of a window, with the same points as in Python.
 
-/** @import { AngleMap, Ends, View } from "../types" */
+/** @import { AngleMap, TimeRange, View } from "../types" */
 
-/** @typedef {Ends & { map?: AngleMap | null }} Mapped */
+/** @typedef {TimeRange & { angle_map?: AngleMap | null }} Mapped */
 
 /**
- * The moment (s) at a place of a window.
+ * Return the time (s) at a position of a window.
  * @param {Mapped} view
- * @param {number} place
+ * @param {number} position
  */
-export function secondsAt({ map, start_s, end_s }, place) {
-  if (!map) return start_s + (end_s - start_s) * place;
-  return between(map.place, map.time_s, place);
+export function secondsAt({ angle_map: map, start_s, end_s }, position) {
+  if (!map) return start_s + (end_s - start_s) * position;
+  return between(map.position, map.time_s, position);
 }
 
 /**
- * The place (0 to 1) of a moment (s) of a window; beyond an end the end's.
+ * Return the position (0 to 1) of a time (s), clamped to the window.
  * @param {Mapped} view
  * @param {number} moment
  */
-export function placeAt({ map, start_s, end_s }, moment) {
-  if (map) return between(map.time_s, map.place, moment);
+export function positionAt({ angle_map: map, start_s, end_s }, moment) {
+  if (map) return between(map.time_s, map.position, moment);
   return Math.min(Math.max((moment - start_s) / (end_s - start_s), 0), 1);
 }
 
 /**
- * The map of what lies between two places of a window, or null where it is linear.
+ * Return the map between two positions of a window; null if it is linear.
  * @param {View} view
  * @param {number} from
  * @param {number} to
  * @returns {AngleMap | null}
  */
 export function croppedMap(view, from, to) {
-  if (!view.map) return null;
-  const { time_s, place } = view.map;
-  const inside = place.map((_, i) => i).filter((i) => place[i] > from && place[i] < to);
+  if (!view.angle_map) return null;
+  const { time_s, position } = view.angle_map;
+  const inside = position.map((_, i) => i).filter((i) => position[i] > from && position[i] < to);
   return {
     time_s: [secondsAt(view, from), ...inside.map((i) => time_s[i]), secondsAt(view, to)],
-    place: [0, ...inside.map((i) => (place[i] - from) / (to - from)), 1],
+    position: [0, ...inside.map((i) => (position[i] - from) / (to - from)), 1],
   };
 }
 
 /**
- * The parts of a window that the map makes at least half as wide again as time is.
+ * Return the ranges that the map makes at least 1.5 times as wide as a linear map.
  * @param {View} view
  * @returns {[number, number][]}
  */
-export function stretched({ map, start_s, end_s }) {
+export function stretched({ angle_map: map, start_s, end_s }) {
   if (!map) return [];
-  const { time_s, place } = map;
+  const { time_s, position } = map;
   /** @type {[number, number][]} */
   const parts = [];
-  for (let i = 1; i < place.length; i += 1) {
+  for (let i = 1; i < position.length; i += 1) {
     const even = (time_s[i] - time_s[i - 1]) / (end_s - start_s);
-    if (place[i] - place[i - 1] >= 1.5 * even) parts.push([place[i - 1], place[i]]);
+    if (position[i] - position[i - 1] >= 1.5 * even) parts.push([position[i - 1], position[i]]);
   }
   return parts;
 }

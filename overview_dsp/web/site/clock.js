@@ -1,12 +1,12 @@
-// When, in the kernel's samples, something happened that the page's clock stamped.
+// Conversion from the page's clock to the kernel's samples.
 //
-// The audio thread is asked for its sample count again and again; its answers come in bursts, so
-// their mean is taken. A moment is a little ahead of its sample, so that a move can be drawn out
-// between the two events it was seen at: `LEAD_S` is the price, and only moves pay it.
+// The audio thread reports its sample count once per frame, at irregular times, so the offset is
+// averaged. Movements are delayed by `LEAD_S`, which leaves time to interpolate between two pointer
+// events. Touches and releases aren't delayed.
 
-// a frame, since pointers are told once a frame, and one more less what the first one left
+// browsers report pointers once per frame; the margin covers a second frame
 export const LEAD_S = 0.03;
-const JUMP_S = 0.1; // a suspended output: begin again
+const JUMP_S = 0.1; // after a suspended output the offset is measured again
 const WEIGHT = 0.05;
 
 export class SampleClock {
@@ -17,11 +17,11 @@ export class SampleClock {
   }
 
   /**
-   * The kernel had rendered `samples` at `now` (ms of performance.now).
+   * Note that the kernel had rendered `samples` at `now` (ms of performance.now).
    * @param {number} samples
    * @param {number} now
    */
-  heard(samples, now) {
+  addReading(samples, now) {
     const offset = samples - (now / 1e3) * this.rate;
     const error = offset - this.offset;
     if (!(Math.abs(error) < JUMP_S * this.rate)) this.offset = offset;
@@ -29,7 +29,7 @@ export class SampleClock {
   }
 
   /**
-   * The sample at which what happened at `time` (ms) shall act; -1, at once, while unknown.
+   * Return the sample for an event at `time` (ms); -1 (at once) before the first measurement.
    * @param {number} time
    */
   sampleAt(time) {
@@ -38,7 +38,7 @@ export class SampleClock {
   }
 
   /**
-   * The sample that is rendered at `time`.
+   * Return the sample that is rendered at `time`.
    * @param {number} time
    */
   rendering(time) {

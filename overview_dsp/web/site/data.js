@@ -1,62 +1,62 @@
-// The timeline's files: what is drawn (JSON) and what sounds (bytes for the kernel). A folder has
-// them for some windows and one preset; a server makes them for any (`info.server`).
+// The timeline's files: JSON for the picture, bytes for the kernel. A static folder has files of some
+// windows and one preset. A server makes them for any window and preset (`info.server`).
 
-import { ask, enter, post } from "./session.js";
+import { request, openSession, post } from "./session.js";
 import { inflated, unpacked } from "./unpack.js";
 
 /** @import { Info, Part, Points, Preset, View } from "../types" */
 
 /** @param {string} path */
-const json = async (path) => (await ask(path)).json();
+const json = async (path) => (await request(path)).json();
 /** @param {string} path */
-const bytes = async (path) => (await ask(path)).arrayBuffer();
+const bytes = async (path) => (await request(path)).arrayBuffer();
 
 export class Data {
   /** @param {Info} info */
   constructor(info) {
     this.info = info;
-    /** What it is felt by, where that isn't the preset of the files. */
+    /** The active preset, if it isn't that of the files. */
     this.preset = /** @type {Preset | null} */ (null);
-    /** Whether the files are what is felt: not of a timeline that has grown. */
-    this.files = true;
-    /** Where all values of a timeline that grows are. */
+    /** Whether the files are current; false for a live timeline. */
+    this.usesFiles = true;
+    /** The file with all values of a live timeline. */
     this.pointsFile = "data/points-0.json";
-    /** The values of all windows, once they are there. */
-    this.whole = /** @type {Points | null} */ (null);
+    /** The values of all windows, once they are loaded. */
+    this.allPoints = /** @type {Points | null} */ (null);
   }
 
   static async open() {
-    await enter();
+    await openSession();
     return new Data(await json("data/timeline.json"));
   }
 
   /**
-   * What is drawn of a part.
+   * Return the contents of a part.
    * @param {Part} part
    * @returns {Promise<View>}
    */
   async view(part) {
-    const drawn = this.hasFile(part)
+    const content = this.hasFile(part)
       ? await json(`data/window-${part.number}.json`)
-      : await (await post("data/window", { window: ends(part), ...this.by("preset") })).json();
-    return { points: this.whole, ...drawn, ...part };
+      : await (await post("data/window", { window: ends(part), ...this.presetField("preset") })).json();
+    return { points: this.allPoints, ...content, ...part };
   }
 
   /**
-   * The values of a part, where it has some that it hasn't got yet (`values.js`).
+   * Return the data values of a part; null for data without values.
    * @param {View} view
    * @returns {Promise<Points | null>}
    */
   async points(view) {
     const { series } = this.info;
     if (!series || view.points) return view.points ?? null;
-    if (!series.whole && this.files) return json(`data/points-${view.number}.json`);
-    this.whole ??= await json(this.pointsFile);
-    return this.whole;
+    if (!series.complete && this.usesFiles) return json(`data/points-${view.number}.json`);
+    this.allPoints ??= await json(this.pointsFile);
+    return this.allPoints;
   }
 
   /**
-   * The kernel's memory at a sample rate, over the whole timeline.
+   * Return the kernel's memory for a sample rate, with the whole timeline.
    * @param {number} rate
    */
   memory(rate) {
@@ -64,41 +64,41 @@ export class Data {
   }
 
   /**
-   * A change to a part.
+   * Return the change to a part's surface.
    * @param {Part} part
    * @param {number} rate
    */
   change(part, rate) {
     if (!this.hasFile(part)) {
-      const presets = { ...this.by("before"), ...this.by("after") };
-      return changed({ sample_rate: rate, window: ends(part), ...presets });
+      const presets = { ...this.presetField("before"), ...this.presetField("after") };
+      return fetchChange({ sample_rate: rate, window: ends(part), ...presets });
     }
     return this.sound(part.number === 0 ? "back" : String(part.number), rate);
   }
 
   /**
-   * A change from one preset to another, with a part's surface or (null) without.
+   * Return the change between two presets, with a part's surface or (null) without.
    * @param {Preset} before
    * @param {Preset} after
    * @param {Part | null} part
    * @param {number} rate
    */
-  feel(before, after, part, rate) {
+  presetChange(before, after, part, rate) {
     const surface = part === null ? {} : { window: ends(part) };
-    return changed({ sample_rate: rate, before, after, ...surface });
+    return fetchChange({ sample_rate: rate, before, after, ...surface });
   }
 
   /** @param {Part} part */
   hasFile({ number }) {
-    return this.files && number >= 0 && this.preset === null;
+    return this.usesFiles && number >= 0 && this.preset === null;
   }
 
   /** @param {string} key */
-  by(key) {
+  presetField(key) {
     return this.preset === null ? {} : { [key]: this.preset };
   }
 
-  /** `kernel.wasm`. */
+  /** Return the bytes of `kernel.wasm`. */
   kernel() {
     return bytes("kernel.deflated").then(inflated);
   }
@@ -118,24 +118,24 @@ export class Data {
 /** @param {Part} part */
 const ends = ({ start_s, end_s }) => [start_s, end_s];
 
-/** @param {object} asked */
-const changed = async (asked) => (await post("sound/change", asked)).arrayBuffer();
+/** @param {object} query */
+const fetchChange = async (query) => (await post("sound/change", query)).arrayBuffer();
 
 /**
- * Bytes with some columns replaced (sound_data.py says how).
+ * Return the bytes with some columns replaced (sound_data.py documents the format).
  * @param {ArrayBuffer} base
  * @param {ArrayBuffer} patch
  */
 export function patched(base, patch) {
   const words = new Uint32Array(patch);
   if (words[0] === 1) return patch.slice(8);
-  const made = new Uint32Array(base.slice(0));
+  const result = new Uint32Array(base.slice(0));
   let at = 2;
   for (let run = 0; run < words[1]; run += 1) {
     const column = words[at];
     const count = words[at + 1];
-    made.set(words.subarray(at + 2, at + 2 + 2 * count), 2 * column);
+    result.set(words.subarray(at + 2, at + 2 + 2 * count), 2 * column);
     at += 2 + 2 * count;
   }
-  return made.buffer;
+  return result.buffer;
 }

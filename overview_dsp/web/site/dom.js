@@ -1,6 +1,6 @@
 /**
- * The element of an id, as whatever it is.
+ * Return the element with an id.
  * @param {string} id
  * @returns {any}
  */
-export const by = (id) => document.getElementById(id);
+export const byId = (id) => document.getElementById(id);

@@ -1,33 +1,33 @@
-// The events of a window as a list of buttons: each is gone to, and watched where there is a film.
+// The events of a window as a list of buttons, which move the disk or play the film.
 
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { isDetail } from "./layer.js";
-import { eventText, momentText, summaryText } from "./words.js";
+import { eventText, momentText, summaryText } from "./descriptions.js";
 
 /** @import { Info, TimelineEvent, View } from "../types" */
-/** @import { Walk } from "./walk.js" */
+/** @import { Navigation } from "./navigation.js" */
 
 const MOST = 500;
 
 export class EventList {
   /**
-   * `go(event)`, `watch(event)` (or null without a film); `walk` has first, highest, ...
+   * `go(event)` and `watch(event)` handle the buttons; `watch` is null without a film.
    * @param {Info} info
-   * @param {Walk} walk
+   * @param {Navigation} navigation
    * @param {(event: TimelineEvent) => void} go
    * @param {((event: TimelineEvent) => void) | null} watch
    */
-  constructor(info, walk, go, watch) {
+  constructor(info, navigation, go, watch) {
     this.info = info;
     this.go = go;
     this.watch = watch;
-    for (const button of [...by("events").querySelectorAll("[data-go]")]) {
+    for (const button of [...byId("events").querySelectorAll("[data-go]")]) {
       /** @type {"first" | "highest" | "lowest" | "last"} */
-      const where = button.dataset.go;
+      const target = button.dataset.go;
       button.addEventListener("click", () => {
-        by("events").close();
-        by("slider").focus();
-        walk[where]();
+        byId("events").close();
+        byId("slider").focus();
+        navigation[target]();
       });
     }
   }
@@ -35,20 +35,20 @@ export class EventList {
   /** @param {View} view */
   open(view) {
     const events = view.events.filter(({ kind }) => !isDetail(this.info, kind));
-    by("events-summary").textContent = summaryText(view, this.info);
-    by("events-list").replaceChildren(...events.slice(0, MOST).map((event) => this.item(event)));
-    by("events").showModal();
-    by("events-title").focus();
+    byId("events-summary").textContent = summaryText(view, this.info);
+    byId("events-list").replaceChildren(...events.slice(0, MOST).map((event) => this.item(event)));
+    byId("events").showModal();
+    byId("events-title").focus();
   }
 
   /** @param {TimelineEvent} event */
   item(event) {
     const item = document.createElement("li");
-    const told = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
-    item.append(this.button(told, "go", () => this.go(event)));
+    const description = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
+    item.append(this.button(description, "go", () => this.go(event)));
     if (this.watch !== null) {
       const button = this.button("Watch", "watch", () => this.watch(event));
-      button.setAttribute("aria-label", `Watch ${told}`);
+      button.setAttribute("aria-label", `Watch ${description}`);
       item.append(button);
     }
     return item;
@@ -65,7 +65,7 @@ export class EventList {
     button.className = name;
     button.textContent = text;
     button.addEventListener("click", () => {
-      by("events").close();
+      byId("events").close();
       act();
     });
     return button;

@@ -1,53 +1,53 @@
-// Every frame: asks the sound how the disk is and has it drawn; stops when nothing moves.
+// The frame loop: reads the disk's state and draws it; stops when nothing moves.
 
-const QUIET_FRAMES = 40; // after which an unheld disk at rest is looked at no more
+const QUIET_FRAMES = 40; // frames at rest after which the loop stops
 
-/** @import { SoundFace, Told } from "../types" */
+/** @import { AudioBackend, DiskState } from "../types" */
 
 export class Frames {
   /**
-   * `draw()` is called every frame, `take(told)` with what the sound told.
-   * @param {SoundFace} sound
+   * `draw()` is called every frame, `onState(state)` with each state of the disk.
+   * @param {AudioBackend} sound
    * @param {() => void} draw
-   * @param {(told: Told) => void} take
+   * @param {(state: DiskState) => void} onState
    */
-  constructor(sound, draw, take) {
+  constructor(sound, draw, onState) {
     this.sound = sound;
     this.draw = draw;
-    this.take = take;
-    this.quiet = 0;
+    this.onState = onState;
+    this.quietFrames = 0;
     this.running = false;
-    this.looking = false;
+    this.isReading = false;
   }
 
   wake() {
-    this.quiet = 0;
+    this.quietFrames = 0;
     if (this.running) return;
     this.running = true;
     requestAnimationFrame(() => this.frame());
   }
 
   /**
-   * Say of each look whether the disk rests.
-   * @param {boolean} rests
+   * Note whether the disk is at rest.
+   * @param {boolean} isAtRest
    */
-  rests(rests) {
-    this.quiet = rests ? this.quiet + 1 : 0;
+  setAtRest(isAtRest) {
+    this.quietFrames = isAtRest ? this.quietFrames + 1 : 0;
   }
 
   frame() {
-    if (!this.sound.running) this.quiet += 1;
+    if (!this.sound.running) this.quietFrames += 1;
     this.draw();
-    this.look();
-    if (this.quiet > QUIET_FRAMES || document.hidden) this.running = false;
+    this.read();
+    if (this.quietFrames > QUIET_FRAMES || document.hidden) this.running = false;
     else requestAnimationFrame(() => this.frame());
   }
 
-  /** Ask how the disk is, for the next frame. */
-  async look() {
-    if (!this.sound.running || this.looking) return;
-    this.looking = true;
-    this.take(await this.sound.look());
-    this.looking = false;
+  /** Request the state of the disk for the next frame. */
+  async read() {
+    if (!this.sound.running || this.isReading) return;
+    this.isReading = true;
+    this.onState(await this.sound.readState());
+    this.isReading = false;
   }
 }

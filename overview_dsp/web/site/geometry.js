@@ -1,17 +1,17 @@
-// Where everything lies in the picture, in CSS pixels.
+// Layout of the picture, in CSS pixels.
 
 const LEAST_DISK = 0.4; // of the screen's shorter side
 const MOST_DISK = 0.3; // of a wide picture's width
 const LEAST_PLOT = 48;
-const RIM = 16; // about the disk: the events on it
-const TRACE = 84; // a trace with its label
+const RIM = 16; // space around the disk for its event marks
+const TRACE = 84; // height of the trace with its label
 
 /** @import { Disk, Geometry } from "../types" */
 
 /**
- * Boxes of the curve, the disk and the trace in a picture of `width` by `height`: the disk below
- * the curve, or beside it where the picture is wide. `short`: the screen's shorter side; `em`: how much
- * larger than usual text is; `still`: without what moves.
+ * Return the boxes of curve, disk and trace in a picture of `width` by `height`. The disk is below the
+ * curve, or beside it in a wide picture. `short` is the screen's shorter side; `em` scales the text;
+ * `still` leaves out disk and trace.
  * @param {{ width: number, height: number, short: number, em: number, still: boolean }} picture
  * @returns {Geometry}
  */
@@ -19,19 +19,19 @@ export function geometryOf({ width, height, short, em, still }) {
   const side = width >= 760 ? 26 : 18;
   const axis = Math.round(26 * em);
   /** @type {Geometry} */
-  const made = {
+  const geometry = {
     width, height, em, left: side, right: width - side, top: 26, bottom: height - axis - 6,
     axis, disk: null, trace: null,
-    x: (place) => made.left + (made.right - made.left) * place,
-    y: (level) => made.bottom - (made.bottom - made.top) * level * 0.92,
-    place: (x) => Math.min(Math.max((x - made.left) / (made.right - made.left), 0), 1),
+    x: (position) => geometry.left + (geometry.right - geometry.left) * position,
+    y: (level) => geometry.bottom - (geometry.bottom - geometry.top) * level * 0.92,
+    position: (x) => Math.min(Math.max((x - geometry.left) / (geometry.right - geometry.left), 0), 1),
   };
-  if (still) return made;
+  if (still) return geometry;
   const least = LEAST_DISK * short;
-  const below = height - made.top - LEAST_PLOT - axis - least - 2 * RIM;
-  if (width > 1.2 * height || below < 0) beside(made, least, side);
-  else under(made, least);
-  return made;
+  const below = height - geometry.top - LEAST_PLOT - axis - least - 2 * RIM;
+  if (width > 1.2 * height || below < 0) placeDiskBeside(geometry, least, side);
+  else placeDiskBelow(geometry, least);
+  return geometry;
 }
 
 /**
@@ -39,7 +39,7 @@ export function geometryOf({ width, height, short, em, still }) {
  * @param {number} least
  * @param {number} side
  */
-function beside(g, least, side) {
+function placeDiskBeside(g, least, side) {
   const { width, height } = g;
   const most = height - 2 * RIM - 8;
   const radius = Math.min(Math.max(least, Math.min(most, MOST_DISK * width)), most) / 2;
@@ -55,9 +55,9 @@ function beside(g, least, side) {
  * @param {Geometry} g
  * @param {number} least
  */
-function under(g, least) {
+function placeDiskBelow(g, least) {
   const { width, height, axis } = g;
-  // half for the curve, as far as the disk leaves it
+  // half of the height for the curve, if the disk leaves enough space
   const free = height - g.top - axis - least - 2 * RIM;
   const traced = free > LEAST_PLOT + TRACE + 10 ? TRACE : 0;
   const plot = Math.max(LEAST_PLOT, Math.min(free - traced, height * 0.36));
@@ -70,21 +70,21 @@ function under(g, least) {
 }
 
 /**
- * The angle on the disk of a place: the start at nine o'clock, over the top, the end at three.
- * @param {number} place
+ * Return the disk's angle for a position: start at nine o'clock, end at three, clockwise.
+ * @param {number} position
  */
-export function angleOf(place) {
-  return Math.PI * (1 + place);
+export function angleOf(position) {
+  return Math.PI * (1 + position);
 }
 
 /**
- * The place at which the disk is turned by a finger there; below it, the end it was nearer to.
+ * Return the position for a pointer on the disk; below the centre, the nearer end.
  * @param {Disk} disk
  * @param {number} x
  * @param {number} y
  * @param {number} last
  */
-export function placeTurned(disk, x, y, last) {
+export function positionTurned(disk, x, y, last) {
   const dx = x - disk.x;
   const dy = y - disk.y;
   if (dy >= 0) return last < 0.5 ? 0 : 1;
@@ -92,7 +92,7 @@ export function placeTurned(disk, x, y, last) {
 }
 
 /**
- * Whether the drawn disk is there.
+ * Return whether a point lies on the disk.
  * @param {Geometry} geometry
  * @param {number} x
  * @param {number} y

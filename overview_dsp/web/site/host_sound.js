@@ -1,11 +1,11 @@
-// The sound of a host: its disk under this page's hand, with the face of `Sound`.
+// The sound of a host that this page controls, with the interface of `Sound`.
 
 import { Link } from "./link.js";
 import { post } from "./session.js";
 
-/** @import { Clock, OtherHand, Part, Preset, Status, Told } from "../types" */
+/** @import { Clock, OtherInput, Part, Preset, Status, DiskState } from "../types" */
 
-// the host waits until events are as old as the latest was: moves may be drawn out backwards
+// the host delays events to the oldest age, so movements may be interpolated backwards
 /** @type {Clock} */
 const PAGE_CLOCK = { rate: 1e3, sampleAt: (time) => time, rendering: () => -Infinity };
 
@@ -14,42 +14,42 @@ export class HostSound {
     this.clock = PAGE_CLOCK;
     /** @type {Status | null} */
     this.status = null;
-    this.shown = ""; // the window that the host has
-    const nobody = /** @type {(told: any) => void} */ (() => {});
-    /** Called with a line on the connection, with one on latency, with [start, end] in s. */
-    this.onlink = this.onlatency = this.onshown = this.onstatus = nobody;
-    /** Called with the other hands that touch: [{ name, place, holding }]. */
-    this.onothers = nobody;
-    this.onstate = nobody;
+    this.lastWindow = ""; // the window that the host shows
+    const ignore = /** @type {(value: any) => void} */ (() => {});
+    /** Called with a text on the connection, a text on latency, and [start, end] in s. */
+    this.onlink = this.onlatency = this.onwindow = this.onstatus = ignore;
+    /** Called with the other inputs that touch: [{ name, position, active }]. */
+    this.onothers = ignore;
+    this.onstate = ignore;
     this.others = "[]";
-    this.linked = "connecting";
+    this.linkText = "connecting";
     this.link = new Link({
       onstate: (connected, reason) => {
-        this.say(connected ? "at the host" : reason || "not connected: the disk is free");
+        this.showMessage(connected ? "connected to the host" : reason || "not connected; the disk was released");
         if (!connected) this.onlatency("");
       },
-      onreleased: (why) => this.say(why),
-      onstatus: (status) => this.take(status),
+      onreleased: (why) => this.showMessage(why),
+      onstatus: (status) => this.onStatus(status),
     });
   }
 
-  /** Tell it all again, to who listens now. */
-  tell() {
-    this.onlink(this.linked);
-    if (this.status !== null) this.onshown(this.status.window);
+  /** Report the connection and the window to new handlers. */
+  report() {
+    this.onlink(this.linkText);
+    if (this.status !== null) this.onwindow(this.status.window);
   }
 
   /**
-   * Whose hand this is.
+   * Set the name that other inputs see.
    * @param {string} name
    */
-  call(name) {
-    this.link.call(name);
+  setName(name) {
+    this.link.setName(name);
   }
 
   /** @param {string} text */
-  say(text) {
-    this.linked = text;
+  showMessage(text) {
+    this.linkText = text;
     this.onlink(text);
   }
 
@@ -64,13 +64,13 @@ export class HostSound {
   volume() {}
 
   /**
-   * `time`: ms of the page's clock, -1 for now.
-   * @param {number} place
+   * Send a control event; `time` is in ms of the page's clock, -1 for now.
+   * @param {number} position
    * @param {boolean} touching
    * @param {number} time
    */
-  control(place, touching, time) {
-    this.link.push(time < 0 ? performance.now() : time, place * Math.PI, touching);
+  control(position, touching, time) {
+    this.link.push(time < 0 ? performance.now() : time, position * Math.PI, touching);
   }
 
   /** @param {Part} part */
@@ -82,21 +82,21 @@ export class HostSound {
    * @param {Preset} before
    * @param {Preset} after
    */
-  async feel(before, after) {
+  async changePreset(before, after) {
     await post("host/preset", { preset: after });
   }
 
   /**
-   * The host's disk as it was told last.
-   * @returns {Promise<Told>}
+   * Return the host's last reported state.
+   * @returns {Promise<DiskState>}
    */
-  async look() {
+  async readState() {
     const { cursor, touching, torque_nm: torque, envelope } = this.status;
-    return { cursor, touching: touching ? 1 : 0, torque, envelope, struck: [] };
+    return { cursor, touching: touching ? 1 : 0, torque, envelope, newStrikes: [] };
   }
 
   /** @param {Status} status */
-  take(status) {
+  onStatus(status) {
     this.status = status;
     const { round_trip_ms: trip, event_to_sample_ms: sample, output_ms: output } = status;
     this.onlatency(
@@ -108,13 +108,13 @@ export class HostSound {
     const others = JSON.stringify(status.others);
     if (others !== this.others) {
       this.others = others;
-      const holder = status.others.find(({ holding }) => holding);
-      this.say(holder ? `${holder.name || "another hand"} holds the disk` : "at the host");
+      const other = status.others.find(({ active }) => active);
+      this.showMessage(other ? `${other.name || "another input"} controls the disk` : "connected to the host");
       this.onothers(status.others);
     }
-    if (status.window.join() !== this.shown) {
-      this.shown = status.window.join();
-      this.onshown(status.window);
+    if (status.window.join() !== this.lastWindow) {
+      this.lastWindow = status.window.join();
+      this.onwindow(status.window);
     }
     this.onstatus(status);
   }

@@ -1,52 +1,51 @@
-// Keys on the slider: all that a finger can do, and a table of them for a person.
+// Keys of the slider and their list in the help.
 
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** @import { Shown } from "./shown.js" */
-/** @import { Walk } from "./walk.js" */
+/** @import { ViewState } from "./view_state.js" */
+/** @import { Navigation } from "./navigation.js" */
 
 export const HELP = [
-  ["Arrows, Page keys", "move, move further"],
+  ["Arrows, Page keys", "move, in small or large steps"],
   ["[ and ]", "previous and next event"],
   ["Home, End", "first, last"],
   ["X, N", "highest, lowest"],
-  ["Space", "tap: to here, and let go"],
-  ["Escape", "let go"],
-  ["P", "play it by itself, or pause"],
+  ["Space", "tap: touch and release"],
+  ["Escape", "release"],
+  ["P", "play or pause"],
   ["+ and \u2212", "zoom"],
   ["E", "list of events"],
-  ["V", "watch the film, where there is one"],
+  ["V", "watch the film, if there is one"],
   ["H", "this help"],
 ];
 
 /**
- * `walk`: a Walk; `shown`: a Shown; `open(name)`: events, run, help or film; `onfirst()` comes before
- * each.
+ * `open(name)` opens events, run, help or film; `onfirst()` is called before each key.
  * @param {HTMLElement} element
- * @param {{ walk: Walk, shown: Shown, open: (name: string) => void }} parts
+ * @param {{ navigation: Navigation, viewState: ViewState, open: (name: string) => void }} parts
  * @param {() => void} onfirst
  */
-export function listenToKeys(element, { walk, shown, open }, onfirst) {
+export function listenToKeys(element, { navigation, viewState, open }, onfirst) {
   /** @type {Record<string, (event: KeyboardEvent) => unknown>} */
   const keys = {
-    ArrowRight: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),
-    ArrowUp: ({ shiftKey }) => walk.move(shiftKey ? PAGE : STEP),
-    ArrowLeft: ({ shiftKey }) => walk.move(shiftKey ? -PAGE : -STEP),
-    ArrowDown: ({ shiftKey }) => walk.move(shiftKey ? -PAGE : -STEP),
-    PageUp: () => walk.move(PAGE),
-    PageDown: () => walk.move(-PAGE),
-    Home: () => walk.first(),
-    End: () => walk.last(),
-    x: () => walk.highest(),
-    n: () => walk.lowest(),
-    "[": () => walk.event(-1),
-    "]": () => walk.event(1),
-    " ": ({ repeat }) => repeat || walk.tap(),
-    Escape: () => walk.letGo(),
-    "+": () => shown.zoom(1),
-    "=": () => shown.zoom(1),
-    "-": () => shown.zoom(-1),
+    ArrowRight: ({ shiftKey }) => navigation.move(shiftKey ? PAGE : STEP),
+    ArrowUp: ({ shiftKey }) => navigation.move(shiftKey ? PAGE : STEP),
+    ArrowLeft: ({ shiftKey }) => navigation.move(shiftKey ? -PAGE : -STEP),
+    ArrowDown: ({ shiftKey }) => navigation.move(shiftKey ? -PAGE : -STEP),
+    PageUp: () => navigation.move(PAGE),
+    PageDown: () => navigation.move(-PAGE),
+    Home: () => navigation.first(),
+    End: () => navigation.last(),
+    x: () => navigation.highest(),
+    n: () => navigation.lowest(),
+    "[": () => navigation.toEvent(-1),
+    "]": () => navigation.toEvent(1),
+    " ": ({ repeat }) => repeat || navigation.tap(),
+    Escape: () => navigation.release(),
+    "+": () => viewState.zoom(1),
+    "=": () => viewState.zoom(1),
+    "-": () => viewState.zoom(-1),
     e: () => open("events"),
     p: () => open("run"),
     h: () => open("help"),

@@ -1,71 +1,78 @@
-// What stands still: the curve, its axis, the events, the disk's scale. Drawn once into a layer of
-// its own, and again when the window, the size or the colours change.
+// The static picture: curve, axis, events and the disk's scale. It is drawn again only if the window,
+// the size or the colours change.
 
-import { placeAt, stretched } from "./angle_map.js";
+import { positionAt, stretched } from "./angle_map.js";
 import { angleOf } from "./geometry.js";
 import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
-import { momentText, tickText } from "./words.js";
+import { momentText, tickText } from "./descriptions.js";
 
-/** @import { Colours, Disk, Geometry, Info, TimelineEvent, View } from "../types" */
+/** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
 
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
 /** @param {Geometry} g */
 const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
-const VALUE_PX = 34; // at least from one line of a value to the next
-const MOST_DETAILS = 400; // more than that are a smear: fewer are drawn
+const VALUE_PX = 34; // minimum distance of two value lines
+const MOST_DETAILS = 400; // maximum number of details that are drawn
 const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
   86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
-const BETWEEN = 30; // px at least from one label to the next
+const BETWEEN = 30; // minimum distance (px) of two labels
 
 /**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
+ * @typedef {object} Scene
+ * @property {SvgContext} c
+ * @property {Geometry} g
+ * @property {View} view
+ * @property {Info} info
+ * @property {Colours} colours
  */
-export function drawLayer(c, g, view, info, colours) {
-  drawGaps(c, g, view, colours);
-  drawCurve(c, g, view, colours);
-  if (info.series) drawValues(c, g, view, colours);
-  drawAxis(c, g, view, info, colours);
-  drawEvents(c, g, view, info, colours);
-  drawLabels(c, g, view, colours);
-  if (typeof view.now === "number") drawNow(c, g, view, colours);
-  if (g.disk) drawScale(c, g.disk, view, info, colours);
-  if (g.trace) drawTraceAxis(c, g, colours);
+
+/** @param {Scene} scene */
+export function drawLayer(scene) {
+  const { g, view, info } = scene;
+  drawGaps(scene);
+  drawCurve(scene);
+  if (info.series) drawValues(scene);
+  drawAxis(scene);
+  drawStretched(scene);
+  drawEvents(scene);
+  drawLabels(scene);
+  if (typeof view.now === "number") drawNow(scene);
+  if (g.disk) drawScale(scene);
+  if (g.trace) drawTraceAxis(scene);
 }
 
 /**
  * @param {SvgContext} c
- * @param {Geometry} g
- * @param {Colours} colours
+ * @param {[number, number]} from
+ * @param {[number, number]} to
  */
-function drawTraceAxis(c, g, colours) {
+function drawLine(c, from, to) {
+  c.beginPath();
+  c.moveTo(...from);
+  c.lineTo(...to);
+  c.stroke();
+}
+
+/** @param {Scene} scene */
+function drawTraceAxis({ c, g, colours }) {
   const { left, right, y, half } = g.trace;
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
-  c.beginPath();
-  c.moveTo(left, y + 0.5);
-  c.lineTo(right, y + 0.5);
-  c.stroke();
+  drawLine(c, [left, y + 0.5], [right, y + 0.5]);
   c.font = fontOf(g);
   c.fillStyle = colours.soft;
   c.textAlign = "left";
   c.textBaseline = "bottom";
-  c.fillText("torque, the last seconds", left, y - half + 2);
+  c.fillText("torque of the last seconds", left, y - half + 2);
 }
 
 /**
- * A line for each of a few round values, with the value at its left.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * Draw one line for each of a few round values, with the value at its left.
+ * @param {Scene} scene
  */
-function drawValues(c, g, view, colours) {
+function drawValues({ c, g, view, colours }) {
   const most = Math.max(2, Math.floor((g.bottom - g.top) / (VALUE_PX * g.em)));
   c.font = fontOf(g);
   c.textAlign = "left";
@@ -74,10 +81,7 @@ function drawValues(c, g, view, colours) {
   for (const { text, level } of linesOf(view.scale, most)) {
     const y = Math.round(g.y(level)) + 0.5;
     c.strokeStyle = colours.line;
-    c.beginPath();
-    c.moveTo(g.left, y);
-    c.lineTo(g.right, y);
-    c.stroke();
+    drawLine(c, [g.left, y], [g.right, y]);
     c.lineWidth = 3;
     c.strokeStyle = colours.paper;
     c.strokeText(text, g.left + 2, y - 1);
@@ -88,30 +92,25 @@ function drawValues(c, g, view, colours) {
 }
 
 /**
- * The curve's level at a place, 0 to 1.
+ * Return the curve's level at a position, 0 to 1.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  */
-export function levelAt(view, place) {
-  return view.level[Math.round(place * (view.level.length - 1))];
+export function levelAt(view, position) {
+  return view.level[Math.round(position * (view.level.length - 1))];
 }
 
 /**
- * What the disk is held with there, N m s/rad.
+ * Return the friction at a position, N m s/rad.
  * @param {View} view
- * @param {number} place
+ * @param {number} position
  */
-export function resistanceAt(view, place) {
-  return view.resistance[Math.round(place * (view.resistance.length - 1))];
+export function resistanceAt(view, position) {
+  return view.resistance[Math.round(position * (view.resistance.length - 1))];
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
- */
-function drawCurve(c, g, view, colours) {
+/** @param {Scene} scene */
+function drawCurve({ c, g, view, colours }) {
   const last = view.level.length - 1;
   const course = () => {
     c.beginPath();
@@ -129,13 +128,10 @@ function drawCurve(c, g, view, colours) {
 }
 
 /**
- * Hatched, each line cut at the gap's sides.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * Draw hatched gaps, each line clipped to its gap.
+ * @param {Scene} scene
  */
-function drawGaps(c, g, view, colours) {
+function drawGaps({ c, g, view, colours }) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   c.beginPath();
@@ -152,20 +148,14 @@ function drawGaps(c, g, view, colours) {
 }
 
 /**
- * Up to where it has happened: a line, and the word beside it.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * Draw a line and a label where the known data end.
+ * @param {Scene} scene
  */
-function drawNow(c, g, view, colours) {
+function drawNow({ c, g, view, colours }) {
   const x = g.x(view.now);
   c.strokeStyle = colours.ink;
   c.lineWidth = 1.5;
-  c.beginPath();
-  c.moveTo(x, g.top);
-  c.lineTo(x, g.bottom);
-  c.stroke();
+  drawLine(c, [x, g.top], [x, g.bottom]);
   c.font = fontOf(g, 600);
   const before = x + 4 + c.measureText("now").width > g.right;
   c.textAlign = before ? "right" : "left";
@@ -177,14 +167,8 @@ function drawNow(c, g, view, colours) {
   c.fillText("now", before ? x - 4 : x + 4, g.bottom - 4);
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
- */
-function drawAxis(c, g, view, info, colours) {
+/** @param {Scene} scene */
+function drawAxis({ c, g, view, info, colours }) {
   const length = view.end_s - view.start_s;
   c.font = fontOf(g);
   const { width } = c.measureText(momentText(view.end_s, info));
@@ -197,9 +181,9 @@ function drawAxis(c, g, view, info, colours) {
   c.lineTo(g.right, g.bottom + 0.5);
   c.fillStyle = colours.soft;
   c.textBaseline = "top";
-  let free = g.left; // from where on there is room for a label
+  let free = g.left; // x from which there is room for a label
   for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
-    const x = g.x(placeAt(view, at));
+    const x = g.x(positionAt(view, at));
     c.moveTo(x, g.bottom + 0.5);
     c.lineTo(x, g.bottom + 6);
     const text = tickText(at, info, step);
@@ -211,17 +195,13 @@ function drawAxis(c, g, view, info, colours) {
     free = left + 2 * half + BETWEEN / 3;
   }
   c.stroke();
-  drawStretched(c, g, view, colours);
 }
 
 /**
- * The axis is bold where time is stretched, so that close events lie apart (`about.js`).
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * Draw a bold axis where time is stretched to separate close events (`about.js`).
+ * @param {Scene} scene
  */
-function drawStretched(c, g, view, colours) {
+function drawStretched({ c, g, view, colours }) {
   c.strokeStyle = colours.soft;
   c.lineWidth = 3;
   c.beginPath();
@@ -232,31 +212,26 @@ function drawStretched(c, g, view, colours) {
   c.stroke();
 }
 
-/**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
- */
-function drawEvents(c, g, view, info, colours) {
-  // a detail, of which there may be hundreds: a row of their own
+/** @param {Scene} scene */
+function drawEvents(scene) {
+  const { c, g, view, info, colours } = scene;
+  // details have a row of their own: there may be hundreds
   const details = view.events.filter(({ kind }) => isDetail(info, kind));
   const every = Math.ceil(details.length / MOST_DETAILS);
   details.forEach((event, i) => {
     if (i % every > 0) return;
     const { shape, colour } = info.kinds[event.kind];
-    drawMark(c, shape, g.x(event.place), g.bottom - 8, 3.5, colours[colour], colours.rim);
+    drawMark(c, shape, g.x(event.position), g.bottom - 8, 3.5, colours[colour], colours.rim);
   });
   for (const event of view.events) {
-    if (!isDetail(info, event.kind)) drawEvent(c, g, view, event, info, colours);
+    if (!isDetail(info, event.kind)) drawEvent(scene, event);
   }
 }
 
-const MANY = 200; // of a kind bury the curve: a recording's heartbeats
+const MANY = 200; // events of a kind that would hide the curve, such as heartbeats
 
 /**
- * Whether events of a kind are drawn in the row at the bottom.
+ * Return whether events of a kind are drawn in the row at the bottom.
  * @param {Info} info
  * @param {string} kind
  */
@@ -265,34 +240,24 @@ export function isDetail(info, kind) {
 }
 
 /**
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
+ * @param {Scene} scene
  * @param {TimelineEvent} event
- * @param {Info} info
- * @param {Colours} colours
  */
-function drawEvent(c, g, view, event, info, colours) {
+function drawEvent({ c, g, view, info, colours }, event) {
   const { shape, colour } = info.kinds[event.kind];
-  const x = g.x(event.place);
-  const y = g.y(levelAt(view, event.place));
+  const x = g.x(event.position);
+  const y = g.y(levelAt(view, event.position));
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
-  c.beginPath();
-  c.moveTo(x, y);
-  c.lineTo(x, g.bottom);
-  c.stroke();
+  drawLine(c, [x, y], [x, g.bottom]);
   drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
 }
 
 /**
- * The first word of a goal's label, its score, above it: the last first, where there is room.
- * @param {SvgContext} c
- * @param {Geometry} g
- * @param {View} view
- * @param {Colours} colours
+ * Draw the score of each goal above it; the last goals first, where there is room.
+ * @param {Scene} scene
  */
-function drawLabels(c, g, view, colours) {
+function drawLabels({ c, g, view, colours }) {
   c.font = fontOf(g, 600);
   c.fillStyle = colours.ink;
   c.textAlign = "center";
@@ -303,23 +268,19 @@ function drawLabels(c, g, view, colours) {
     if (event.kind !== "goal" && event.kind !== "own_goal") continue;
     const text = event.label.split(" ")[0];
     const half = c.measureText(text).width / 2;
-    const x = Math.min(Math.max(g.x(event.place), half), g.width - half);
+    const x = Math.min(Math.max(g.x(event.position), half), g.width - half);
     if (!text || taken.some(([from, to]) => x + half + 6 > from && x - half - 6 < to)) continue;
-    c.fillText(text, x, Math.max(g.y(levelAt(view, event.place)) - 15, 13 * g.em));
+    c.fillText(text, x, Math.max(g.y(levelAt(view, event.position)) - 15, 13 * g.em));
     taken.push([x - half, x + half]);
   }
 }
 
 /**
- * Half a turn about the disk, and where the events are on it.
- * @param {SvgContext} c
- * @param {Disk} disk
- * @param {View} view
- * @param {Info} info
- * @param {Colours} colours
+ * Draw the disk's scale with the events on it.
+ * @param {Scene} scene
  */
-function drawScale(c, disk, view, info, colours) {
-  const { x, y, radius } = disk;
+function drawScale({ c, g, view, info, colours }) {
+  const { x, y, radius } = g.disk;
   c.strokeStyle = colours.line;
   c.lineWidth = 2;
   c.beginPath();
@@ -328,14 +289,11 @@ function drawScale(c, disk, view, info, colours) {
   for (const event of view.events) {
     const { colour } = info.kinds[event.kind];
     if (isDetail(info, event.kind)) continue;
-    const angle = angleOf(event.place);
+    const angle = angleOf(event.position);
     const light = colour === "grey";
     const out = light ? 7 : 12;
     c.strokeStyle = colours[colour];
     c.lineWidth = light ? 1.5 : 3;
-    c.beginPath();
-    c.moveTo(x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle));
-    c.lineTo(x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle));
-    c.stroke();
+    drawLine(c, [x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle)], [x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle)]);
   }
 }

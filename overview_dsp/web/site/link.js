@@ -1,18 +1,18 @@
-// The WebSocket to the host that plays: events out, how the disk is in. It answers pings at once,
-// so that the host knows this page's clock, and repeats a touching hand's last event, so that the
-// host knows that the hand is still there.
+// The WebSocket to the host: it sends control events and receives the disk's status. It answers pings,
+// from which the host measures this page's clock. While the input touches, it repeats the last event:
+// the host releases an input that stays silent.
 
 const REPEAT_MS = 100;
 const RETRY_MS = 500;
-// Safari opens a page whose certificate one has let pass, but no WebSocket of it
-const REFUSED_TIMES = 3;
-const REFUSED = "this browser can't connect; an iPhone needs a certificate it trusts (--cert)";
-const AT_MOST = 64; // events of a message
+// Safari opens a page with an accepted certificate, but no WebSocket
+const MAX_FAILURES = 3;
+const REFUSED = "this browser can't connect; an iPhone needs a trusted certificate (--cert)";
+const MAX_EVENTS = 64; // events per message
 
 /** @import { Status } from "../types" */
 
 /**
- * @typedef {object} LinkTold
+ * @typedef {object} LinkHandlers
  * @property {(connected: boolean, reason: string) => void} onstate
  * @property {(status: Status) => void} onstatus
  * @property {(why: string) => void} onreleased
@@ -24,17 +24,17 @@ export class Link {
   /** @type {[number, number, number][]} */
   #waiting = [];
   /** @type {[number, boolean] | null} */
-  #last = null; // theta2, touching
+  #lastEvent = null; // theta2, touching
   #sentAt = 0;
-  #refused = 0; // attempts since the start, while none has succeeded
+  #failures = 0; // failed attempts since the start; negative after a success
 
   /**
-   * `onstate(connected, reason)`, `onstatus(status)` and `onreleased(why)` are called.
-   * @param {LinkTold} told
+   * The handlers are called as the connection changes and as messages arrive.
+   * @param {LinkHandlers} handlers
    */
   constructor({ onstate, onstatus, onreleased }) {
     this.name = "";
-    this.told = { onstate, onstatus, onreleased };
+    this.handlers = { onstate, onstatus, onreleased };
     this.#open();
     setInterval(() => this.#repeat(), REPEAT_MS / 2);
   }
@@ -44,14 +44,14 @@ export class Link {
   }
 
   /**
-   * One event of the hand: `timeMs` of performance.now(), theta2 in rad.
+   * Queue one control event: `timeMs` of performance.now(), theta2 in rad.
    * @param {number} timeMs
    * @param {number} theta2
    * @param {boolean} touching
    */
   push(timeMs, theta2, touching) {
-    this.#last = [theta2, touching];
-    if (!this.connected) return; // a movement that comes late is none
+    this.#lastEvent = [theta2, touching];
+    if (!this.connected) return; // a late movement is useless
     if (this.#waiting.length === 0) queueMicrotask(() => this.#flush());
     this.#waiting.push([Math.max(timeMs, 0), theta2, touching ? 1 : 0]);
   }
@@ -65,26 +65,26 @@ export class Link {
   }
 
   /**
-   * Say whose hand this is, now and whenever it connects.
+   * Send the input's name, now and after each connection.
    * @param {string} name
    */
-  call(name) {
+  setName(name) {
     this.name = name;
     this.#send({ name });
   }
 
   #repeat() {
-    if (this.#last?.[1] && performance.now() - this.#sentAt >= REPEAT_MS) {
-      this.push(performance.now(), ...this.#last);
+    if (this.#lastEvent?.[1] && performance.now() - this.#sentAt >= REPEAT_MS) {
+      this.push(performance.now(), ...this.#lastEvent);
     }
   }
 
   #flush() {
-    // the host refuses events out of order
+    // the host rejects events out of order
     const events = this.#waiting.sort((a, b) => a[0] - b[0]);
     this.#waiting = [];
-    for (let i = 0; i < events.length; i += AT_MOST) {
-      this.#send({ events: events.slice(i, i + AT_MOST) });
+    for (let i = 0; i < events.length; i += MAX_EVENTS) {
+      this.#send({ events: events.slice(i, i + MAX_EVENTS) });
     }
     this.#sentAt = performance.now();
   }
@@ -98,24 +98,24 @@ export class Link {
     const socket = new WebSocket(`${location.origin.replace(/^http/, "ws")}/control`);
     this.#socket = socket;
     socket.onopen = () => {
-      this.#refused = -Infinity;
+      this.#failures = -Infinity;
       if (this.name) this.#send({ name: this.name });
-      this.told.onstate(true, "");
+      this.handlers.onstate(true, "");
     };
     socket.onmessage = ({ data }) => {
       const message = JSON.parse(data);
       if ("ping" in message) {
         this.#send({ pong: message.ping, time_ms: performance.now() });
       } else if ("status" in message) {
-        this.told.onstatus(message.status);
+        this.handlers.onstatus(message.status);
       } else if ("released" in message) {
-        this.told.onreleased(message.released);
+        this.handlers.onreleased(message.released);
       }
     };
     socket.onclose = ({ reason }) => {
       this.#waiting = [];
-      this.#refused += 1;
-      this.told.onstate(false, this.#refused >= REFUSED_TIMES ? REFUSED : reason);
+      this.#failures += 1;
+      this.handlers.onstate(false, this.#failures >= MAX_FAILURES ? REFUSED : reason);
       setTimeout(() => this.#open(), RETRY_MS);
     };
   }

@@ -1,79 +1,79 @@
-// What the page listens to: finger, keys, buttons, settings, and the browser's own changes.
+// Event listeners of the page: pointers, keys, buttons, settings and browser changes.
 
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { EventList } from "./event_list.js";
 import { HELP, listenToKeys } from "./keys.js";
 import { bindSettings } from "./settings.js";
 import { listenToTouch } from "./touch.js";
-import { eventAt } from "./words.js";
+import { eventAt } from "./descriptions.js";
 
 /** @import { TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
 
 /**
- * Listen for a page; its list of events.
+ * Add the listeners of a page and return its list of events.
  * @param {Page} page
  */
 export function listen(page) {
-  const element = by("slider");
-  const { hand, shown, walk } = page;
+  const element = byId("slider");
+  const { input, viewState, navigation } = page;
   const onfirst = () => page.start();
-  listenToTouch(element, hand, {
-    placeOf: (event, first) => page.picture.placeUnder(event, first),
-    ontap: (x, y) => page.tapped(x, y),
+  listenToTouch(element, input, {
+    positionOf: (event, first) => page.picture.positionUnder(event, first),
+    ontap: (x, y) => page.onTap(x, y),
     onpinch: (factor, x, over) => page.pinch.to(factor, x, over),
     onfirst,
   });
   /** @type {((event: TimelineEvent) => void) | null} */
   const watch = page.film === null ? null : (event) => page.served.watch(event);
-  listenToKeys(element, { walk, shown, open: (name) => page.open(name) }, onfirst);
-  element.addEventListener("focus", () => walk.summary());
+  listenToKeys(element, { navigation, viewState, open: (name) => page.open(name) }, onfirst);
+  element.addEventListener("focus", () => navigation.speakSummary());
   element.addEventListener("wheel", (/** @type {WheelEvent} */ event) => {
     event.preventDefault();
-    shown.wheel(event);
+    viewState.wheel(event);
   }, { passive: false });
-  hand.onchange = () => {
-    if (hand.holder === "keys") page.last = eventAt(page.view, page.place) ?? page.last;
+  input.onchange = () => {
+    if (input.active === "keys") page.lastEvent = eventAt(page.view, page.position) ?? page.lastEvent;
     page.wake();
   };
   /** @type {(id: string, act: () => void) => void} */
-  const click = (id, act) => by(id).addEventListener("click", () => {
+  const click = (id, act) => byId(id).addEventListener("click", () => {
     page.start();
     act();
   });
-  click("previous", () => walk.event(-1));
-  click("next", () => walk.event(1));
-  click("tap", () => walk.tap());
+  click("previous", () => navigation.toEvent(-1));
+  click("next", () => navigation.toEvent(1));
+  click("tap", () => navigation.tap());
   click("run", () => page.playback.toggle());
   click("list", () => page.open("events"));
-  by("twist").addEventListener("click", () => page.toggleTwist());
-  by("in").addEventListener("click", () => shown.zoom(1));
-  by("out").addEventListener("click", () => shown.zoom(-1));
-  by("earlier").addEventListener("click", () => shown.beside(-1));
-  by("later").addEventListener("click", () => shown.beside(1));
-  by("settings").addEventListener("click", () => by("dialog").showModal());
+  byId("twist").addEventListener("click", () => page.toggleTwist());
+  byId("in").addEventListener("click", () => viewState.zoom(1));
+  byId("out").addEventListener("click", () => viewState.zoom(-1));
+  byId("earlier").addEventListener("click", () => viewState.shift(-1));
+  byId("later").addEventListener("click", () => viewState.shift(1));
+  byId("settings").addEventListener("click", () => byId("dialog").showModal());
   const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
-  by("keys").replaceChildren(...terms);
-  by("calibrate").addEventListener("click", () => page.calibrate());
-  bindSettings(by("dialog").querySelector("form"), page.settings, () => page.apply());
+  byId("keys").replaceChildren(...terms);
+  byId("calibrate").addEventListener("click", () => page.calibrate());
+  bindSettings(byId("dialog").querySelector("form"), page.settings, () => page.apply());
   document.addEventListener("visibilitychange", () => {
-    if (!document.hidden) page.comeBack();
-    else if (!page.twist.on) page.leave();
+    if (!document.hidden) page.resume();
+    else if (!page.twist.on) page.pause();
   });
-  window.addEventListener("pagehide", () => page.leave());
+  window.addEventListener("pagehide", () => page.pause());
   new ResizeObserver(() => {
     page.picture.resize();
     page.wake();
-  }).observe(by("canvas"));
-  // large text scrolls the page under a finger that is about to come
+  }).observe(byId("canvas"));
+  // with large text the page may scroll before a touch
   document.addEventListener("scroll", () => page.picture.locate(), { passive: true });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     page.picture.redraw();
     page.strip.draw();
-    page.tellAbout();
+    page.showAbout();
     page.wake();
   });
-  return new EventList(page.info, walk, (event) => page.goTo(event.place, event), watch);
+  return new EventList(page.info, navigation, (event) => page.goTo(event.position, event), watch);
 }
 
 /**

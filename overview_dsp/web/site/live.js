@@ -1,37 +1,37 @@
-// A timeline that grows: told by the server in a line, fetched when no hand is on the disk.
+// A live timeline: the server sends notices, and the page updates while the disk isn't touched.
 
 import { patched } from "./data.js";
-import { ask } from "./session.js";
-import { eventText } from "./words.js";
+import { request } from "./session.js";
+import { eventText } from "./descriptions.js";
 
 /** @import { LiveInfo, Notice, Update, Window } from "../types" */
 /** @import { Page } from "./page.js" */
 
-const RATIO = 3; // site_windows.py
+const RATIO = 3; // as in site_data.py
 const NARROWEST_S = 0.5;
 
 /**
- * The parts of a timeline of some length, as the server cuts them.
+ * Return the windows of a timeline of a given duration, as the server makes them.
  * @param {number} duration
  * @param {number} levels
  * @returns {Window[]}
  */
-export function partsOf(duration, levels) {
-  const parts = [{ level: 0, start_s: 0, end_s: duration }];
+export function windowsOf(duration, levels) {
+  const windows = [{ level: 0, start_s: 0, end_s: duration }];
   for (let level = 1; level <= levels; level += 1) {
     const width = duration / RATIO ** level;
     if (width < NARROWEST_S) break;
     const count = 2 * RATIO ** level - 1;
     for (let i = 0; i < count; i += 1) {
       const start_s = Math.min((i * width) / 2, duration - width);
-      parts.push({ level, start_s, end_s: i === count - 1 ? duration : start_s + width });
+      windows.push({ level, start_s, end_s: i === count - 1 ? duration : start_s + width });
     }
   }
-  return parts;
+  return windows;
 }
 
 /**
- * An update's JSON and its patch.
+ * Return an update's JSON fields and its patch.
  * @param {ArrayBuffer} bytes
  */
 export function parsed(bytes) {
@@ -41,14 +41,14 @@ export function parsed(bytes) {
 }
 
 /**
- * Bytes cut, or filled up with 0, to a length.
+ * Return the bytes cut, or padded with 0, to a length.
  * @param {ArrayBuffer | null} bytes
  * @param {number} length
  */
 export function resized(bytes, length) {
-  const made = new Uint8Array(length);
-  if (bytes !== null) made.set(new Uint8Array(bytes, 0, Math.min(bytes.byteLength, length)));
-  return made.buffer;
+  const result = new Uint8Array(length);
+  if (bytes !== null) result.set(new Uint8Array(bytes, 0, Math.min(bytes.byteLength, length)));
+  return result.buffer;
 }
 
 /** @param {string} base64 */
@@ -62,28 +62,28 @@ export class Live {
   constructor(page, { levels, version, poll_s }) {
     this.page = page;
     this.levels = levels;
-    this.have = -1; // the version of `bytes`
+    this.loadedVersion = -1; // version of `bytes`
     /** @type {ArrayBuffer | null} */
-    this.bytes = null; // the change to the whole's surface
+    this.bytes = null; // change to the surface of the whole timeline
     /** @type {{ info: any, view: any } | null} */
-    this.fresh = null; // what of that isn't drawn and felt yet
+    this.pending = null; // update that isn't applied yet
     /** @type {Notice | null} */
-    this.told = null; // the notice that is newest
+    this.notice = null; // newest notice
     this.busy = false;
-    page.data.files = false; // those are of a version that has gone
+    page.data.usesFiles = false; // the files are of an earlier version
     this.line = document.createElement("p");
     this.line.id = "live";
     this.line.setAttribute("role", "status");
     document.getElementById("window").after(this.line);
-    const { hand } = page;
-    const { onchange } = hand;
-    hand.onchange = () => {
+    const { input } = page;
+    const { onchange } = input;
+    input.onchange = () => {
       onchange?.();
-      if (hand.holder === null) this.update();
+      if (input.active === null) this.update();
     };
-    this.known = version; // of the news
-    this.rate = page.atHost ? 0 : null; // null: not known yet, the page is silent
-    this.polls = poll_s !== undefined; // a folder: nobody there to ask for a window or a patch
+    this.seenVersion = version; // newest version whose changes were announced
+    this.rate = page.atHost ? 0 : null; // null: unknown while the page is silent
+    this.polls = poll_s !== undefined; // a static folder: no server makes windows or patches
     if (this.polls) this.poll(poll_s);
     else this.listen();
     document.addEventListener("visibilitychange", () => {
@@ -92,25 +92,25 @@ export class Live {
     });
   }
 
-  /** Hear of what is new, and, once there is a use for it, have it at once. */
+  /** Receive notices, with their updates once the sample rate is known. */
   listen() {
     this.source?.close();
     this.pushed = this.rate !== null && !document.hidden;
-    const asked = this.pushed ? `&rate=${this.rate}&have=${this.have}` : "";
-    const path = `live/events?since=${this.known}${asked}`;
+    const query = this.pushed ? `&rate=${this.rate}&have=${this.loadedVersion}` : "";
+    const path = `live/events?since=${this.seenVersion}${query}`;
     this.source = new EventSource(new URL(path, import.meta.url));
-    this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
+    this.source.onmessage = ({ data }) => this.onNotice(JSON.parse(data));
   }
 
   /**
-   * Ask a host for the file that it replaces.
+   * Request the notice of a static folder at a regular interval.
    * @param {number} seconds
    */
   async poll(seconds) {
     try {
       if (!document.hidden) {
-        const told = await (await ask("live/now.json", { cache: "no-cache" })).json();
-        if (told.version !== this.told?.version) this.take(told);
+        const notice = await (await request("live/now.json", { cache: "no-cache" })).json();
+        if (notice.version !== this.notice?.version) this.onNotice(notice);
       }
     } catch (error) {
       this.page.fault(error.message);
@@ -118,39 +118,39 @@ export class Live {
     setTimeout(() => this.poll(seconds), seconds * 1000);
   }
 
-  /** @param {Notice} told */
-  take(told) {
-    this.told = told;
+  /** @param {Notice} notice */
+  onNotice(notice) {
+    this.notice = notice;
     const { page } = this;
     /** @type {string[]} */
     const lines = [];
-    for (const { what, kind, label, time_s, pulse } of told.news.filter((one) => one.version > this.known)) {
+    for (const { action, kind, label, time_s, pattern } of notice.changes.filter((one) => one.version > this.seenVersion)) {
       const event = { kind, label, time_s };
-      const known = page.info.kinds[kind] !== undefined;
-      const words = known ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
-      lines.push(what === "added" ? `new: ${words}` : `taken back: ${words}`);
-      const { felt, vibration } = page.settings;
-      if (what === "added" && felt === "motor" && vibration && page.hand.holder === null) {
-        page.motor.feel([pulse], 0, performance.now());
+      const isKnown = page.info.kinds[kind] !== undefined;
+      const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
+      lines.push(action === "added" ? `new: ${text}` : `withdrawn: ${text}`);
+      const { output, vibration } = page.settings;
+      if (action === "added" && output === "motor" && vibration && page.input.active === null) {
+        page.motor.play([pattern], 0, performance.now());
       }
     }
-    this.known = told.version;
-    this.line.textContent = [told.words, ...lines.slice(-1)].join(" · ");
-    if (lines.length > 0) page.speech.say(lines.at(-1));
-    if (told.update) this.keep(parsed(bytesOf(told.update)));
+    this.seenVersion = notice.version;
+    this.line.textContent = [notice.status_text, ...lines.slice(-1)].join(" · ");
+    if (lines.length > 0) page.speech.speak(lines.at(-1));
+    if (notice.update) this.storeUpdate(parsed(bytesOf(notice.update)));
     this.update();
   }
 
-  /** Have what is new under the hand, unless one holds the disk: then when it lets go. */
+  /** Apply the newest version, unless the disk is touched; then after the release. */
   async update() {
     const { page } = this;
-    const lacks = () => !this.pushed && this.told !== null && this.told.version !== this.have;
-    const wanted = () => this.fresh !== null || lacks();
-    if (this.busy || document.hidden || !wanted() || page.hand.holder !== null) return;
+    const isBehind = () => !this.pushed && this.notice !== null && this.notice.version !== this.loadedVersion;
+    const hasUpdate = () => this.pending !== null || isBehind();
+    if (this.busy || document.hidden || !hasUpdate() || page.input.active !== null) return;
     this.busy = true;
     try {
-      while (wanted() && page.hand.holder === null) {
-        if (this.fresh === null) await this.fetch();
+      while (hasUpdate() && page.input.active === null) {
+        if (this.pending === null) await this.fetch();
         await this.show();
       }
       page.fault("");
@@ -164,49 +164,49 @@ export class Live {
   async fetch() {
     const { page } = this;
     const { sound } = page;
-    if (!page.atHost) await sound.load(); // the change is to what it begins with
+    if (!page.atHost) await sound.load(); // the change applies to the initial memory
     const rate = page.atHost ? 0 : sound.context.sampleRate;
     const path = this.polls
-      ? `live/${this.told.version}-${rate}.update`
-      : `live/update?since=${this.have}&rate=${rate}`;
-    this.keep(parsed(await (await ask(path)).arrayBuffer()));
+      ? `live/${this.notice.version}-${rate}.update`
+      : `live/update?since=${this.loadedVersion}&rate=${rate}`;
+    this.storeUpdate(parsed(await (await request(path)).arrayBuffer()));
     if (this.polls || this.rate === rate) return;
     this.rate = rate;
     this.listen();
   }
 
   /**
-   * What came: the bytes are changed at once, the picture and the disk when no hand is there.
+   * Store an update; picture and disk change once the disk isn't touched.
    * @param {Update} update
    */
-  keep({ version, info, view, rate, bytes, patch }) {
+  storeUpdate({ version, info, view, rate, bytes, patch }) {
     if (rate > 0) this.bytes = patched(resized(this.bytes, bytes), patch);
-    this.have = version;
-    this.fresh = { info, view };
+    this.loadedVersion = version;
+    this.pending = { info, view };
   }
 
   async show() {
-    const { page, fresh } = this;
-    const { data, shown, sound } = page;
-    const { info, view } = fresh;
-    const windows = partsOf(info.duration_s, this.levels);
+    const { page, pending } = this;
+    const { data, viewState, sound } = page;
+    const { info, view } = pending;
+    const windows = windowsOf(info.duration_s, this.levels);
     const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
-    const wasWhole = shown.view.zoom === 0 || shown.view.end_s > info.duration_s;
-    const part = wasWhole ? whole : { ...shown.view, number: -1 };
-    const [drawn, put] =
+    const wasWhole = viewState.view.zoom === 0 || viewState.view.end_s > info.duration_s;
+    const part = wasWhole ? whole : { ...viewState.view, number: -1 };
+    const [drawn, apply] =
       wasWhole && data.preset === null
         ? [{ points: null, ...view, ...whole }, () => sound.node?.change(this.bytes.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
-    if (page.hand.holder !== null) return; // a hand has come: it keeps what it touched
-    if (this.fresh === fresh) this.fresh = null;
-    data.whole = null; // the values of the version before
-    if (this.polls) data.pointsFile = `live/${this.have}-points.json`;
+    if (page.input.active !== null) return; // a touched disk keeps its data
+    if (this.pending === pending) this.pending = null;
+    data.allPoints = null; // values of the earlier version
+    if (this.polls) data.pointsFile = `live/${this.loadedVersion}-points.json`;
     Object.assign(page.info, info, { windows });
-    shown.windows = windows;
-    if (!page.atHost) put();
-    shown.under = part;
-    shown.take(drawn);
-    shown.tell();
-    page.tellAbout();
+    viewState.windows = windows;
+    if (!page.atHost) apply();
+    viewState.soundingPart = part;
+    viewState.setView(drawn);
+    viewState.updateControls();
+    page.showAbout();
   }
 }

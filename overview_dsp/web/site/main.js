@@ -1,21 +1,21 @@
-// First the picture and its words, then everything that it is felt with.
+// Start of the page: first the picture, then sound and input.
 
 import { Data } from "./data.js";
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { Picture } from "./picture.js";
 import { firstPart } from "./windows.js";
 
-// not awaited: what is imported later imports this file's bundle, which has to have ended
+// not awaited: later imports need this script to have ended
 start().catch((error) => {
-  by("fault").textContent = `The page can't begin: ${error.message}`;
+  byId("fault").textContent = `The page can't start: ${error.message}`;
 });
 
 async function start() {
   const data = await Data.open();
   const { info } = data;
-  by("title").textContent = info.title;
+  byId("title").textContent = info.title;
   document.title = `${info.title}: overView`;
-  const picture = new Picture(by("canvas"), by("trace"), info);
+  const picture = new Picture(byId("canvas"), byId("trace"), info);
   const view = await data.view(firstPart(info));
   picture.show(view);
   const { begin } = await import("./page.js");

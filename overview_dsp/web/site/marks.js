@@ -1,7 +1,7 @@
-// The shapes of event kinds: told apart without colour.
+// Marks of the event kinds, which differ in shape as well as colour.
 
-/** @import { Drawn } from "../types" */
-/** @typedef {(path: Drawn, x: number, y: number, r: number) => void} Shape */
+/** @import { PathContext } from "../types" */
+/** @typedef {(path: PathContext, x: number, y: number, r: number) => void} Shape */
 
 /** @type {(corners: number, turn?: number, inner?: number) => Shape} */
 const polygon = (corners, turn = -Math.PI / 2, inner = 1) => (path, x, y, r) => {
@@ -41,7 +41,7 @@ const OPEN = new Set(["cross", "plus", "bar"]);
 const LARGE = new Set(["circle", "hexagon"]);
 
 /**
- * Radius (px) of a shape where an ordinary one has `size`.
+ * Return the radius (px) of a shape; `size` is that of a common one.
  * @param {string} shape
  * @param {number} size
  */
@@ -51,8 +51,8 @@ export function sizeOf(shape, size) {
 }
 
 /**
- * Draw one, filled with `colour` and rimmed with `rim`.
- * @param {Drawn} path
+ * Draw a mark, filled with `colour` and outlined with `rim`.
+ * @param {PathContext} path
  * @param {string} shape
  * @param {number} x
  * @param {number} y

@@ -1,30 +1,30 @@
-// What moves, as elements that the browser's compositor moves: the cursor that sticks, the finger
-// ahead of it, the disk's needle and its two shafts. Nothing is painted again when they do.
+// Moving parts of the picture: cursor, finger, and the disk's needle. They are elements that the
+// browser's compositor moves without painting.
 
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { angleOf } from "./geometry.js";
 import { levelAt, resistanceAt } from "./layer.js";
 
 /** @import { Geometry, Info, View } from "../types" */
 
 const NAMES = ["cursor", "dot", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
-const STEPS = 20; // of a size
+const STEPS = 20; // size steps of the friction marks
 
-/** @param {number} place */
-const degrees = (place) => `${((angleOf(place) * 180) / Math.PI).toFixed(2)}deg`;
+/** @param {number} position */
+const degrees = (position) => `${((angleOf(position) * 180) / Math.PI).toFixed(2)}deg`;
 
 export class Moving {
   constructor() {
-    this.parts = Object.fromEntries(NAMES.map((name) => [name, by(name)]));
+    this.parts = Object.fromEntries(NAMES.map((name) => [name, byId(name)]));
     /** @type {Map<string, unknown>} */
-    this.set = new Map(); // what was set last, so that nothing is set twice
+    this.set = new Map(); // last values, to set only changes
   }
 
   /**
-   * Lay it out: another size.
+   * Lay out the parts for a new geometry.
    * @param {Geometry} geometry
    */
-  place({ disk, top, bottom }) {
+  layOut({ disk, top, bottom }) {
     const { cursor, disk: plate } = this.parts;
     cursor.style.top = `${top - 14}px`;
     cursor.style.height = `${bottom - top + 14}px`;
@@ -39,26 +39,26 @@ export class Moving {
   }
 
   /**
-   * `state`: cursor and hand (0 to 1), touching.
+   * `state` has cursor and input (0 to 1) and touching.
    * @param {Geometry} g
    * @param {View} view
-   * @param {{ cursor: number, hand: number, touching: boolean }} state
+   * @param {{ cursor: number, input: number, touching: boolean }} state
    * @param {Info} info
    */
-  show(g, view, { cursor, hand, touching }, info) {
+  show(g, view, { cursor, input, touching }, info) {
     const x = g.x(cursor);
     const y = g.y(levelAt(view, cursor));
-    const held = Math.log10(Math.max(1, resistanceAt(view, cursor) / info.bare_friction)) / 2;
-    const grip = Math.min(held, 1);
+    const friction = Math.log10(Math.max(1, resistanceAt(view, cursor) / info.base_friction)) / 2;
+    const grip = Math.min(friction, 1);
     this.put("cursor", `translateX(${x.toFixed(1)}px)`);
     this.put("dot", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`);
-    // as large as the friction under it, in steps that an eye takes for none
+    // sized by the friction, in steps too small to see
     const size = Math.ceil(STEPS * grip) / STEPS;
     this.put("halo", `scale(${0.4 + 0.6 * size})`);
-    this.visible("finger", touching);
-    this.visible("pull", touching);
+    this.setVisible("finger", touching);
+    this.setVisible("pull", touching);
     if (touching) {
-      const to = g.x(hand);
+      const to = g.x(input);
       this.put("finger", `translateX(${to.toFixed(1)}px)`);
       const width = Math.abs(to - x).toFixed(1);
       this.put("pull", `translateX(${Math.min(x, to).toFixed(1)}px) scaleX(${width})`);
@@ -66,8 +66,8 @@ export class Moving {
     if (g.disk === null) return;
     this.put("needle", `rotate(${degrees(cursor)})`);
     this.put("rub", `scale(${0.35 + 0.65 * size})`);
-    this.visible("grip", touching);
-    if (touching) this.put("grip", `rotate(${degrees(hand)})`);
+    this.setVisible("grip", touching);
+    if (touching) this.put("grip", `rotate(${degrees(input)})`);
   }
 
   /**
@@ -82,12 +82,12 @@ export class Moving {
 
   /**
    * @param {string} name
-   * @param {boolean} shown
+   * @param {boolean} isVisible
    */
-  visible(name, shown) {
-    const key = `${name} shown`;
-    if (this.set.get(key) === shown) return;
-    this.set.set(key, shown);
-    this.parts[name].style.visibility = shown ? "visible" : "hidden";
+  setVisible(name, isVisible) {
+    const key = `${name} visible`;
+    if (this.set.get(key) === isVisible) return;
+    this.set.set(key, isVisible);
+    this.parts[name].style.visibility = isVisible ? "visible" : "hidden";
   }
 }

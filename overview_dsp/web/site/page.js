@@ -1,17 +1,17 @@
-// The page: data, sound, hand and picture put together, and what a person does with them.
+// The page: it connects data, sound, input and picture.
 
-import { tellAbout } from "./about.js";
+import { showAbout } from "./about.js";
 import { readAddress } from "./address.js";
-import { placeAt } from "./angle_map.js";
-import { by } from "./dom.js";
+import { positionAt } from "./angle_map.js";
+import { byId } from "./dom.js";
 import { Frames } from "./frames.js";
-import { Hand } from "./hand.js";
+import { CombinedInput } from "./combined_input.js";
 import { listen } from "./listening.js";
 import { keepOffline } from "./offline.js";
 import { Pinch } from "./pinch.js";
 import { Playback } from "./playback.js";
-import { keepSettings, loadSettings } from "./settings.js";
-import { Shown } from "./shown.js";
+import { saveSettings, loadSettings } from "./settings.js";
+import { ViewState } from "./view_state.js";
 import { Slider } from "./slider.js";
 import { Sound } from "./sound.js";
 import { Speech } from "./speech.js";
@@ -19,21 +19,21 @@ import { Strip } from "./strip.js";
 import { Strokes } from "./strokes.js";
 import { Twist } from "./twist.js";
 import { Motor } from "./vibration.js";
-import { Walk } from "./walk.js";
+import { Navigation } from "./navigation.js";
 import { partBetween } from "./windows.js";
-import { eventAt, eventPassed, eventText } from "./words.js";
+import { eventAt, eventPassed, eventText } from "./descriptions.js";
 
-/** @import { Info, Preset, Server, Settings, SoundFace, TimelineEvent, Told, View } from "../types" */
+/** @import { Info, Preset, Server, Settings, AudioBackend, TimelineEvent, DiskState, View } from "../types" */
 /** @import { Data } from "./data.js" */
 /** @import { Picture } from "./picture.js" */
 /** @import { Served } from "./served.js" */
 
 export class Page {
   /**
-   * `served` makes, of a page and `info.server`, what only a server gives; null in a folder.
+   * `served(page, server)` creates the features that need a server; null in a static folder.
    * @param {Data} data
    * @param {Picture} picture
-   * @param {SoundFace} sound
+   * @param {AudioBackend} sound
    * @param {((page: Page, server: Server) => Served) | null} served
    */
   constructor(data, picture, sound, served) {
@@ -43,38 +43,38 @@ export class Page {
     this.atHost = this.info.server?.audio === "host";
     this.makeServed = served;
     this.settings = loadSettings();
-    this.hand = new Hand(
-      new Strokes(sound.clock, (place, touching, sample) => sound.control(place, touching, sample)),
+    this.input = new CombinedInput(
+      new Strokes(sound.clock, (position, touching, sample) => sound.control(position, touching, sample)),
     );
     this.picture = picture;
-    const told = ["slider", "clock", "value", "event", "summary"];
-    this.slider = new Slider(Object.fromEntries(told.map((id) => [id, by(id)])));
+    const ids = ["slider", "clock", "value", "event", "summary"];
+    this.slider = new Slider(Object.fromEntries(ids.map((id) => [id, byId(id)])));
     this.speech = new Speech();
     this.motor = new Motor();
-    this.twist = new Twist(this.hand, this.settings.start);
+    this.twist = new Twist(this.input, this.settings.start);
     this.twist.onsilent = (line) => {
       this.toggleTwist();
       this.fault(line);
     };
-    this.shown = new Shown({
-      data, sound, hand: this.hand, picture: this.picture,
-      onshow: () => this.seen(), onfault: (line) => this.fault(line),
+    this.viewState = new ViewState({
+      data, sound, input: this.input, picture: this.picture,
+      onshow: () => this.onViewChange(), onfault: (line) => this.fault(line),
     });
-    this.strip = new Strip(data, this.shown);
-    this.pinch = new Pinch(this.shown, picture, () => this.strip.whole);
-    this.walk = new Walk(this.hand, this.shown, this.speech, this.info);
-    this.frames = new Frames(sound, () => this.draw(), (meters) => this.take(meters));
+    this.strip = new Strip(data, this.viewState);
+    this.pinch = new Pinch(this.viewState, picture, () => this.strip.whole);
+    this.navigation = new Navigation(this.input, this.viewState, this.speech, this.info);
+    this.frames = new Frames(sound, () => this.draw(), (meters) => this.update(meters));
     this.playback = new Playback(this);
     /** @type {Served | null} */
     this.served = null;
-    /** @type {Told | null} */
+    /** @type {DiskState | null} */
     this.meters = null;
     this.cursor = 0;
     /** @type {TimelineEvent | null} */
-    this.last = null; // the event that was felt last under a hand
-    this.begun = false;
-    this.sounded = this.interrupted = false;
-    sound.onstate = (sounds) => this.heard(sounds);
+    this.lastEvent = null; // last event that the disk met
+    this.isStarted = false;
+    this.hasSounded = this.interrupted = false;
+    sound.onstate = (isRunning) => this.onSoundState(isRunning);
   }
 
   /** @param {View} view */
@@ -82,21 +82,21 @@ export class Page {
     document.documentElement.classList.toggle("host", this.atHost);
     const { windows, duration_s, server } = this.info;
     const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
-    this.shown.begin(view, under).catch((error) => this.fault(error.message));
+    this.viewState.begin(view, under).catch((error) => this.fault(error.message));
     this.apply();
     if (server) this.served = this.makeServed(this, server);
     this.list = listen(this);
     this.wake();
   }
 
-  /** Fetch the sound, saying so; then what the address asks for. */
+  /** Load the sound, show that it loads, then follow the URL. */
   async load() {
-    const hint = by("hint").textContent;
+    const hint = byId("hint").textContent;
     if (!this.atHost) {
-      by("hint").textContent = "The sound is loading…";
+      byId("hint").textContent = "The sound is loading…";
       await this.sound.load();
     }
-    by("hint").textContent = hint;
+    byId("hint").textContent = hint;
     if (this.info.live) {
       const { Live } = await import("./live.js");
       this.live = new Live(this, this.info.live);
@@ -106,51 +106,51 @@ export class Page {
   }
 
   get view() {
-    return this.shown.view;
+    return this.viewState.view;
   }
 
-  get place() {
-    return this.hand.place;
+  get position() {
+    return this.input.position;
   }
 
   get moment() {
-    return this.shown.moment;
+    return this.viewState.moment;
   }
 
   get film() {
     return this.served?.film ?? null;
   }
 
-  get bench() {
-    return this.served?.bench ?? null;
+  get editor() {
+    return this.served?.editor ?? null;
   }
 
-  /** The event a person means: under the disk while it is held, else the one felt last. */
-  get felt() {
-    return this.hand.holder === null ? this.last : eventAt(this.view, this.meant);
+  /** The event at the touched disk, or else the last one that the disk met. */
+  get currentEvent() {
+    return this.input.active === null ? this.lastEvent : eventAt(this.view, this.userPosition);
   }
 
-  /** Where a person is: the disk under a finger comes after it, keys say where they go. */
-  get meant() {
-    return this.hand.holder === "keys" ? this.place : this.cursor;
+  /** The position that the user feels; keys move the input first. */
+  get userPosition() {
+    return this.input.active === "keys" ? this.position : this.cursor;
   }
 
   /**
-   * The place of a moment (s) in the window that is shown, 0 to 1.
+   * Return the position (0 to 1) of a time (s) in the visible window.
    * @param {number} moment
    */
-  placeAt(moment) {
-    return placeAt(this.view, moment);
+  positionAt(moment) {
+    return positionAt(this.view, moment);
   }
 
   /**
-   * @param {number} place
-   * @param {TimelineEvent | null} event what is there
+   * @param {number} position
+   * @param {TimelineEvent | null} event
    */
-  goTo(place, event) {
-    by("slider").focus();
-    this.last = event;
-    this.walk.to(place);
+  goTo(position, event) {
+    byId("slider").focus();
+    this.lastEvent = event;
+    this.navigation.to(position);
   }
 
   /**
@@ -160,68 +160,68 @@ export class Page {
   open(name) {
     if (name === "run") this.playback.toggle();
     else if (name === "events") this.list.open(this.view);
-    else if (name === "help") by("help").showModal();
-    else this.served?.watch(this.felt);
+    else if (name === "help") byId("help").showModal();
+    else this.served?.watch(this.currentEvent);
   }
 
   /** @param {string} message */
   fault(message) {
-    by("fault").textContent = message;
+    byId("fault").textContent = message;
   }
 
-  // --- the hand ---------------------------------------------------------------------------------
+  // --- the input ---------------------------------------------------------------------------------
 
   /**
-   * A short touch on an event's mark watches it, where there is a film; whether it did.
+   * Play the film from an event whose mark was tapped.
    * @param {number} x
    * @param {number} y
    */
-  tapped(x, y) {
+  onTap(x, y) {
     const event = this.film === null ? null : this.picture.markAt(x, y);
     if (event === null) return;
-    this.last = event;
+    this.lastEvent = event;
     this.served.watch(event);
   }
 
-  /** In a touch, a key or a click. */
+  /** Start the sound; browsers allow that only in a touch, a key press or a click. */
   start() {
     this.sound.start();
-    if (!this.begun) {
-      // not of the sound, which some browsers let run before a touch
-      this.begun = true;
+    if (!this.isStarted) {
+      // here, since some browsers start the sound before a touch
+      this.isStarted = true;
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
-    if (this.sound.running || this.sound.node) by("hint").classList.add("gone");
+    if (this.sound.running || this.sound.node) byId("hint").classList.add("gone");
     this.wake();
   }
 
-  /** What stopped while nobody looked goes on. */
-  comeBack() {
-    if (this.begun) this.sound.start();
+  /** Continue after the page was hidden. */
+  resume() {
+    if (this.isStarted) this.sound.start();
     this.wake();
   }
 
   /**
-   * A call came, or went: whoever held lets go, and another touch goes on.
-   * @param {boolean} sounds
+   * Release the disk if another program, such as a call, takes the sound.
+   * @param {boolean} isRunning
    */
-  heard(sounds) {
-    if (sounds) {
+  onSoundState(isRunning) {
+    if (isRunning) {
       if (this.interrupted) this.fault("");
-    } else if (this.sounded) {
-      this.leave();
-      this.fault("the sound was interrupted: touch to go on");
+    } else if (this.hasSounded) {
+      this.pause();
+      this.fault("the sound was interrupted: touch to continue");
     }
-    this.interrupted = this.sounded && !sounds;
-    this.sounded ||= sounds;
+    this.interrupted = this.hasSounded && !isRunning;
+    this.hasSounded ||= isRunning;
     this.wake();
   }
 
-  leave() {
+  pause() {
     this.playback.player.pause();
-    this.hand.releaseAll();
-    this.motor.rest();
-    this.speech.still();
+    this.input.releaseAll();
+    this.motor.stop();
+    this.speech.stop();
   }
 
   async toggleTwist() {
@@ -234,54 +234,54 @@ export class Page {
         this.fault(error.message);
       }
     }
-    by("twist").setAttribute("aria-pressed", String(this.twist.on));
+    byId("twist").setAttribute("aria-pressed", String(this.twist.on));
   }
 
   calibrate() {
     this.settings.start = this.twist.calibrate();
-    keepSettings(this.settings);
+    saveSettings(this.settings);
   }
 
-  // --- how it is felt ---------------------------------------------------------------------------
+  // --- settings and presets ----------------------------------------------------------------------
 
   /**
-   * Go over to another preset: its sound at once, its friction's picture when it rests.
+   * Change to another preset; `surface`: whether the friction is drawn again.
    * @param {Preset} before
    * @param {Preset} after
    * @param {boolean} surface
    */
-  async feel(before, after, surface) {
-    await this.sound.feel(before, after, surface ? this.view : null);
+  async changePreset(before, after, surface) {
+    await this.sound.changePreset(before, after, surface ? this.view : null);
     this.data.preset = after;
-    if (surface) this.shown.drawAgain();
+    if (surface) this.viewState.drawAgain();
   }
 
   apply() {
-    const { felt, clicks, vibration, volume, speech, contrast, still } = this.settings;
+    const { output, clicks, vibration, volume, speech, contrast, still } = this.settings;
     this.gain = 10 ** (volume / 20);
-    this.sound.route(felt);
+    this.sound.route(output);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
-    if (!vibration || felt !== "motor") this.motor.rest();
-    if (this.atHost) this.sound.call(this.settings.name.slice(0, 40));
+    if (!vibration || output !== "motor") this.motor.stop();
+    if (this.atHost) this.sound.setName(this.settings.name.slice(0, 40));
     this.playback.player.loop = this.settings.loop;
     this.speech.on = speech;
-    if (!speech) this.speech.still();
+    if (!speech) this.speech.stop();
     document.documentElement.classList.toggle("contrast", contrast);
     this.picture.still = still;
     this.picture.resize();
     this.strip.draw();
-    this.tellAbout();
+    this.showAbout();
     this.wake();
   }
 
-  tellAbout() {
-    tellAbout(by("about"), [...document.querySelectorAll(".kinds")], this.info, this.view);
+  showAbout() {
+    showAbout(byId("about"), [...document.querySelectorAll(".kinds")], this.info, this.view);
   }
 
   // --- every frame ------------------------------------------------------------------------------
 
-  /** Another window is shown. */
-  seen() {
+  /** Update the strip after a change of the window. */
+  onViewChange() {
     this.strip.show(this.view);
     this.wake();
   }
@@ -291,49 +291,49 @@ export class Page {
   }
 
   /**
-   * What the sound told of the disk.
-   * @param {Told} told
+   * Handle a new state of the disk.
+   * @param {DiskState} state
    */
-  take(told) {
+  update(state) {
     const before = this.cursor;
-    this.meters = told;
-    // an end may be overrun by a hair: there is no time before the start
-    this.cursor = Math.min(Math.max(told.cursor, 0), 1);
-    this.picture.trace.push(told.torque, told.struck);
-    this.frames.rests(this.hand.holder === null && told.cursor < 1e-4 && told.envelope < 1e-4);
-    if (this.hand.holder !== null) this.last = eventAt(this.view, this.meant) ?? this.last;
-    const { events, struck } = this.view;
+    this.meters = state;
+    // the disk may overrun an end slightly
+    this.cursor = Math.min(Math.max(state.cursor, 0), 1);
+    this.picture.trace.push(state.torque, state.newStrikes);
+    this.frames.setAtRest(this.input.active === null && state.cursor < 1e-4 && state.envelope < 1e-4);
+    if (this.input.active !== null) this.lastEvent = eventAt(this.view, this.userPosition) ?? this.lastEvent;
+    const { events, strike_events: strikeEvents } = this.view;
     const passed = this.atHost
       ? [eventPassed(this.view, before, this.cursor)]
-      : told.struck.map(({ event }) => events[struck[event] ?? -1]);
-    this.tell(passed.filter(Boolean), told.peakTactor);
+      : state.newStrikes.map(({ event }) => events[strikeEvents[event] ?? -1]);
+    this.announce(passed.filter(Boolean), state.peakTactor);
   }
 
   /**
-   * What was struck or passed goes to the motor and, unless the keys hold, to speech.
+   * Announce passed events by the motor and, unless keys move the disk, by speech.
    * @param {TimelineEvent[]} passed
    * @param {number} peak
    */
-  tell(passed, peak) {
-    const { felt, vibration } = this.settings;
-    if (!this.atHost && felt === "motor" && vibration) {
-      const codes = passed.map(({ kind }) => this.info.kinds[kind].pulse);
-      this.motor.feel(codes, peak / this.gain, performance.now());
+  announce(passed, peak) {
+    const { output, vibration } = this.settings;
+    if (!this.atHost && output === "motor" && vibration) {
+      const patterns = passed.map(({ kind }) => this.info.kinds[kind].pattern);
+      this.motor.play(patterns, peak / this.gain, performance.now());
     }
     const last = passed.at(-1);
-    if (last && ![null, "keys"].includes(this.hand.holder)) this.last = last;
-    if (last && this.hand.holder !== "keys") this.speech.say(eventText(last, this.info));
+    if (last && ![null, "keys"].includes(this.input.active)) this.lastEvent = last;
+    if (last && this.input.active !== "keys") this.speech.speak(eventText(last, this.info));
   }
 
   draw() {
-    const touching = this.hand.holder !== null;
-    this.picture.draw({ cursor: this.cursor, hand: this.place, touching });
-    this.slider.show(this.view, this.place, this.cursor, this.info);
+    const touching = this.input.active !== null;
+    this.picture.draw({ cursor: this.cursor, input: this.position, touching });
+    this.slider.show(this.view, this.position, this.cursor, this.info);
   }
 }
 
 /**
- * The page over a picture that is there already, as `window.overview`.
+ * Start the page over an existing picture, as `window.overview`.
  * @param {Data} data
  * @param {Picture} picture
  * @param {View} view

@@ -1,6 +1,6 @@
-// The picture: a layer that stands still, what moves over it, and the trace on a canvas of its own.
+// The picture: a static layer, moving parts over it, and the trace on its own canvas.
 
-import { geometryOf, isOnDisk, placeTurned } from "./geometry.js";
+import { geometryOf, isOnDisk, positionTurned } from "./geometry.js";
 import { drawLayer, isDetail, levelAt } from "./layer.js";
 import { Moving } from "./moving.js";
 import { SvgContext } from "./svg.js";
@@ -8,11 +8,11 @@ import { Trace } from "./trace.js";
 
 /** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 
-const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "hand",
+const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "accent",
   "cursor", "trace", "blue", "sky", "green", "yellow", "orange", "vermilion", "purple", "grey",
   "rim"];
 
-const FINGER_PX = 20; // a mark is hit as near as that
+const FINGER_PX = 20; // maximum distance from a pointer to a mark
 
 /**
  * @param {Element} element
@@ -36,16 +36,16 @@ export class Picture {
     this.layer = layer;
     this.info = info;
     this.moving = new Moving();
-    this.trace = new Trace(trace, info.full_torque);
+    this.trace = new Trace(trace, info.reference_torque);
     this.still = false;
-    this.turning = false; // whether a finger turns the disk
-    this.turned = 0;
+    this.isTurningDisk = false; // whether a finger turns the disk
+    this.diskPosition = 0;
     /** @type {View | null} */
     this.view = null;
     this.resize();
   }
 
-  /** Where it is on the screen: asked for now, since at every move it would cost a layout. */
+  /** Read the picture's position on the screen; at every move that would be slow. */
   locate() {
     const { left, top, width, height } = this.layer.getBoundingClientRect();
     this.left = left;
@@ -59,17 +59,18 @@ export class Picture {
     const short = Math.min(window.innerWidth, window.innerHeight);
     /** @type {Geometry} */
     this.geometry = geometryOf({ width, height, short, em, still: this.still });
-    this.moving.place(this.geometry);
-    this.trace.place(this.geometry.trace, window.devicePixelRatio || 1);
+    this.moving.layOut(this.geometry);
+    this.trace.layOut(this.geometry.trace, window.devicePixelRatio || 1);
     this.redraw();
   }
 
-  /** The layer again: another window, size or colours. */
+  /** Draw the layer for another window, size or colours. */
   redraw() {
     this.colours = coloursOf(this.layer);
     if (!this.view || this.geometry.width === 0) return;
     const c = new SvgContext(this.layer);
-    drawLayer(c, this.geometry, this.view, this.info, this.colours);
+    const { geometry: g, view, info, colours } = this;
+    drawLayer({ c, g, view, info, colours });
     c.show();
   }
 
@@ -80,8 +81,8 @@ export class Picture {
   }
 
   /**
-   * A frame.
-   * @param {{ cursor: number, hand: number, touching: boolean }} state
+   * Draw one frame.
+   * @param {{ cursor: number, input: number, touching: boolean }} state
    */
   draw(state) {
     if (!this.view || this.geometry.width === 0) return;
@@ -90,26 +91,26 @@ export class Picture {
   }
 
   /**
-   * The place that a pointer means: over the curve, or turning the disk if it came down there.
+   * Return the position under a pointer: on the curve, or on the disk if the touch began there.
    * @param {{ clientX: number, clientY: number }} pointer
    */
-  placeUnder({ clientX, clientY }, first = false) {
+  positionUnder({ clientX, clientY }, first = false) {
     const x = clientX - this.left;
     const y = clientY - this.top;
-    if (first) this.turning = isOnDisk(this.geometry, x, y);
-    if (!this.turning) return this.geometry.place(x);
-    const last = first ? (x < this.geometry.disk.x ? 0 : 1) : this.turned;
-    this.turned = placeTurned(this.geometry.disk, x, y, last);
-    return this.turned;
+    if (first) this.isTurningDisk = isOnDisk(this.geometry, x, y);
+    if (!this.isTurningDisk) return this.geometry.position(x);
+    const last = first ? (x < this.geometry.disk.x ? 0 : 1) : this.diskPosition;
+    this.diskPosition = positionTurned(this.geometry.disk, x, y, last);
+    return this.diskPosition;
   }
 
   /** @param {number} clientX */
-  placeOf(clientX) {
-    return this.geometry.place(clientX - this.left);
+  positionOf(clientX) {
+    return this.geometry.position(clientX - this.left);
   }
 
   /**
-   * The event whose mark is there (clientX, clientY), or null.
+   * Return the event whose mark is at (clientX, clientY), or null.
    * @param {number} clientX
    * @param {number} clientY
    * @returns {TimelineEvent | null}
@@ -122,8 +123,8 @@ export class Picture {
     let least = FINGER_PX;
     for (const event of view.events) {
       if (isDetail(this.info, event.kind)) continue;
-      const up = geometry.y(levelAt(view, event.place));
-      const away = Math.hypot(geometry.x(event.place) - x, up - y);
+      const up = geometry.y(levelAt(view, event.position));
+      const away = Math.hypot(geometry.x(event.position) - x, up - y);
       if (away < least) [nearest, least] = [event, away];
     }
     return nearest;

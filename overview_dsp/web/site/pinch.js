@@ -1,65 +1,65 @@
-// Two fingers zoom: the picture follows them at once; what is under the hand goes along in gentle
-// steps where a server makes any window, else to the nearest of the folder's windows.
+// Zoom by two fingers. The picture follows at once; the surface follows in steps. A server makes any
+// window; a static folder offers the nearest of its windows.
 
 import { croppedTo, partBetween, partNearest } from "./windows.js";
 import { secondsAt } from "./angle_map.js";
 
 /** @import { View } from "../types" */
 /** @import { Picture } from "./picture.js" */
-/** @import { Shown } from "./shown.js" */
+/** @import { ViewState } from "./view_state.js" */
 
-const STEP = 1.25; // as much closer or farther is another window
+const STEP = 1.25; // change of scale that loads another window
 
 export class Pinch {
   /**
-   * `whole()` is the view of the whole timeline, or null.
-   * @param {Shown} shown
+   * `whole()` returns the view of the whole timeline, or null.
+   * @param {ViewState} viewState
    * @param {Picture} picture
    * @param {() => View | null} whole
    */
-  constructor(shown, picture, whole) {
-    this.shown = shown;
+  constructor(viewState, picture, whole) {
+    this.viewState = viewState;
     this.picture = picture;
     this.whole = whole;
     /** @type {{ length: number, moment: number } | null} */
-    this.from = null; // what was under the fingers as they came down
+    this.origin = null; // length and time under the fingers at the start
   }
 
   /**
-   * The fingers have spread by `factor` since they came down, about x; `over`: they have gone.
+   * Zoom by `factor` since the start, around x; `over`: the fingers were lifted.
    * @param {number} factor
    * @param {number} x
    * @param {boolean} over
    */
   to(factor, x, over) {
-    const { shown, picture } = this;
-    const { windows } = shown;
-    const { view } = shown;
-    const place = picture.placeOf(x);
-    this.from ??= { length: view.end_s - view.start_s, moment: secondsAt(view, place) };
+    const { viewState, picture } = this;
+    const { windows } = viewState;
+    const { view } = viewState;
+    const position = picture.positionOf(x);
+    this.origin ??= { length: view.end_s - view.start_s, moment: secondsAt(view, position) };
     const whole = windows[0].end_s;
     const closest = windows.at(-1).end_s - windows.at(-1).start_s;
-    const length = Math.min(Math.max(this.from.length / factor, closest), whole);
-    const start = Math.min(Math.max(this.from.moment - place * length, 0), whole - length);
+    const length = Math.min(Math.max(this.origin.length / factor, closest), whole);
+    const start = Math.min(Math.max(this.origin.moment - position * length, 0), whole - length);
     /** @type {[number, number]} */
-    const wanted = [start, start + length];
-    if (over) this.from = null;
+    const target = [start, start + length];
+    if (over) this.origin = null;
     const now = view.end_s - view.start_s;
-    if (!shown.anywhere) shown.toward(partNearest(windows, wanted));
+    if (!viewState.canShowAnyWindow) viewState.goToLatest(partNearest(windows, target));
     else if (over || now / length > STEP || length / now > STEP) {
-      shown.toward(partBetween(windows, wanted));
+      viewState.goToLatest(partBetween(windows, target));
     }
-    this.preview(over ? null : wanted);
+    this.preview(over ? null : target);
   }
 
   /**
-   * Draw what is known of a window before it is there; null: what is under the hand.
+   * Draw the known part of a window before it is loaded; null: the active window.
    * @param {[number, number] | null} window
    */
   preview(window) {
-    const { view } = this.shown;
+    const { view } = this.viewState;
     const inside = window && window[0] >= view.start_s && window[1] <= view.end_s;
-    const known = inside ? view : this.whole();
-    this.picture.show(window && known ? croppedTo(known, window) : view);
+    const source = inside ? view : this.whole();
+    this.picture.show(window && source ? croppedTo(source, window) : view);
   }
 }

@@ -1,101 +1,101 @@
-// Plays by itself: a sweep or a tap, as a hand of its own that any other may take over.
+// Playback of a sweep or a tap, as a source that any other may take over.
 
-const AGAIN_MS = 1500; // between two rounds
+const AGAIN_MS = 1500; // between two repeats
 
 /** @import { Gesture } from "../types" */
-/** @import { Hand } from "./hand.js" */
+/** @import { CombinedInput } from "./combined_input.js" */
 
 /**
- * A gesture from words as the command line's: "sweep:SECONDS[:FROM:TO]", "tap:PLACE"; or null.
- * @param {string | null} words
+ * Return the gesture of a text such as "sweep:SECONDS[:FROM:TO]" or "tap:POSITION"; null if invalid.
+ * @param {string | null} text
  * @returns {Gesture | null}
  */
-export function gestureOf(words) {
-  const [name, ...given] = (words ?? "").split(":");
-  const numbers = given.map(Number);
+export function gestureOf(text) {
+  const [name, ...fields] = (text ?? "").split(":");
+  const numbers = fields.map(Number);
   if (numbers.some((one) => !Number.isFinite(one))) return null;
-  const inside = (/** @type {number} */ place) => place >= 0 && place <= 1;
+  const inside = (/** @type {number} */ position) => position >= 0 && position <= 1;
   if (name === "sweep") {
     const [seconds = 10, from = 0, to = 1] = numbers;
-    const known = seconds >= 0.2 && seconds <= 600 && inside(from) && inside(to);
-    return known ? { name, seconds, from, to } : null;
+    const isValid = seconds >= 0.2 && seconds <= 600 && inside(from) && inside(to);
+    return isValid ? { name, seconds, from, to } : null;
   }
-  const [place = NaN] = numbers;
-  return name === "tap" && inside(place) ? { name, place } : null;
+  const [position = NaN] = numbers;
+  return name === "tap" && inside(position) ? { name, position } : null;
 }
 
-/** The words of a gesture. @param {any} gesture */
-export const wordsOf = ({ name, seconds, from, to, place }) => {
-  if (name === "tap") return `tap:${place}`;
+/** Return the text of a gesture. @param {any} gesture */
+export const gestureText = ({ name, seconds, from, to, position }) => {
+  if (name === "tap") return `tap:${position}`;
   return from === 0 && to === 1 ? `sweep:${seconds}` : `sweep:${seconds}:${from}:${to}`;
 };
 
 export class Player {
   /**
-   * `onchange(playing)` is told when it begins and ends.
-   * @param {Hand} hand
+   * `onchange(playing)` is called at start and end.
+   * @param {CombinedInput} input
    * @param {(playing: boolean) => void} onchange
    */
-  constructor(hand, onchange) {
-    this.hand = hand;
+  constructor(input, onchange) {
+    this.input = input;
     this.onchange = onchange;
     this.loop = false;
     /** @type {Gesture | null} */
     this.gesture = null;
-    this.done = 0; // s of it that were played
+    this.done = 0; // s of the gesture that were played
     this.playing = false;
-    this.waits = 0; // timer of the next round
+    this.timer = 0; // of the next repeat
   }
 
   /**
-   * From its start, or (the same gesture) from where it was paused.
+   * Play a gesture from its start, or from where the same gesture was paused.
    * @param {Gesture} gesture
    */
   play(gesture) {
-    const same = this.gesture !== null && wordsOf(gesture) === wordsOf(this.gesture);
+    const same = this.gesture !== null && gestureText(gesture) === gestureText(this.gesture);
     if (!same) this.done = 0;
     this.gesture = gesture;
-    this.hand.releaseAll(); // what keys hold would be taken over where it is
+    this.input.releaseAll(); // keys that hold the disk would take over at their position
     if (gesture.name === "tap") {
-      this.hand.tap("play", gesture.place);
+      this.input.tap("play", gesture.position);
       return;
     }
     this.playing = true;
-    this.begun = false;
+    this.started = false;
     this.last = performance.now();
     this.onchange(true);
     requestAnimationFrame(() => this.step());
   }
 
   pause() {
-    clearTimeout(this.waits);
+    clearTimeout(this.timer);
     if (!this.playing) return;
     this.playing = false;
-    this.hand.release("play");
+    this.input.release("play");
     this.onchange(false);
   }
 
   step() {
     if (!this.playing) return;
-    const { hand, gesture } = this;
-    if (this.begun && hand.holder !== "play") {
-      this.pause(); // another hand has taken it, or it was let go
+    const { input, gesture } = this;
+    if (this.started && input.active !== "play") {
+      this.pause(); // another source took over, or the disk was released
       return;
     }
     const now = performance.now();
-    this.done += this.begun ? (now - this.last) / 1e3 : 0;
+    this.done += this.started ? (now - this.last) / 1e3 : 0;
     this.last = now;
-    this.begun = true;
-    const part = Math.min(this.done / gesture.seconds, 1);
-    hand.hold("play", gesture.from + (gesture.to - gesture.from) * part, now);
-    if (part === 1) this.end();
+    this.started = true;
+    const share = Math.min(this.done / gesture.seconds, 1);
+    input.moveTo("play", gesture.from + (gesture.to - gesture.from) * share, now);
+    if (share === 1) this.end();
     else requestAnimationFrame(() => this.step());
   }
 
   end() {
     this.pause();
     this.done = 0;
-    if (!this.loop || this.hand.holder !== null) return;
-    this.waits = setTimeout(() => this.play(this.gesture), AGAIN_MS);
+    if (!this.loop || this.input.active !== null) return;
+    this.timer = setTimeout(() => this.play(this.gesture), AGAIN_MS);
   }
 }

@@ -1,55 +1,55 @@
-// The served preset's file: saved on the desk, felt here. The browser connects again by itself.
+// The served preset: the page applies each change of its file. The browser reconnects by itself.
 
 /** @import { Preset } from "../types" */
 /** @import { Page } from "./page.js" */
 
 /** @param {Preset | null} preset */
-const known = (preset) => JSON.stringify(preset);
+const keyOf = (preset) => JSON.stringify(preset);
 
 export class PresetLink {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
     /** @type {Preset | null} */
-    this.sounding = null; // the preset of the files, as it was told last
+    this.preset = null; // the last preset that the server sent
     this.source = new EventSource(new URL("preset/changes", import.meta.url));
-    this.source.onmessage = ({ data }) => this.take(JSON.parse(data));
-    this.gone = false;
-    this.source.onerror = () => this.lost();
-    this.source.onopen = () => this.found();
+    this.source.onmessage = ({ data }) => this.onPreset(JSON.parse(data));
+    this.isLost = false;
+    this.source.onerror = () => this.onLost();
+    this.source.onopen = () => this.onReconnect();
     this.source.addEventListener("refused", ({ data }) => page.fault(JSON.parse(data)));
   }
 
-  /** The server is gone, said once; the browser looks for it again by itself. */
-  lost() {
-    if (this.gone) return;
-    this.gone = true;
+  /** Report once that the server can't be reached. */
+  onLost() {
+    if (this.isLost) return;
+    this.isLost = true;
     this.page.fault(this.source.readyState === EventSource.CLOSED
-      ? "the server lets this page in no more: open the address printed last"
-      : "the server is gone: what is here goes on, and the rest when it is back");
+      ? "the server no longer accepts this page: open the URL printed last"
+      : "the server can't be reached: this page keeps working and reconnects");
   }
 
-  found() {
-    if (this.gone) this.page.fault("");
-    this.gone = false;
+  onReconnect() {
+    if (this.isLost) this.page.fault("");
+    this.isLost = false;
   }
 
   /** @param {Preset} after */
-  async take(after) {
-    const before = this.sounding;
-    this.sounding = after;
-    if (before === null || known(before) === known(after)) return;
+  async onPreset(after) {
+    const before = this.preset;
+    this.preset = after;
+    if (before === null || keyOf(before) === keyOf(after)) return;
     const { page } = this;
     try {
       if (page.atHost) {
         page.data.preset = after;
-        page.shown.drawAgain();
+        page.viewState.drawAgain();
       }
-      if (page.bench.open) {
-        await page.bench.take(after, page.atHost);
+      if (page.editor.open) {
+        await page.editor.addSavedPreset(after, page.atHost);
       } else {
-        if (!page.atHost) await page.feel(page.data.preset ?? before, after, true);
-        page.bench.forget();
+        if (!page.atHost) await page.changePreset(page.data.preset ?? before, after, true);
+        page.editor.reset();
       }
       page.fault("");
     } catch (error) {

@@ -1,18 +1,18 @@
-// What only a server gives: the film, the bench, and the disk of a host.
+// Features that need a server: film, preset editor, and control of a host's disk.
 
 import { secondsAt } from "./angle_map.js";
-import { Bench } from "./bench.js";
-import { by } from "./dom.js";
-import { Film } from "./film.js";
+import { PresetEditor } from "./preset_editor.js";
+import { byId } from "./dom.js";
+import { MediaPlayer } from "./media_player.js";
 import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
-import { eventText, momentText } from "./words.js";
+import { eventText, momentText } from "./descriptions.js";
 
-/** @import { OtherHand, Server, TimelineEvent } from "../types" */
+/** @import { OtherInput, Server, TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
 
 /**
- * The sound of a server that sounds itself, or null.
+ * Return the sound backend of a host that plays; null if the page plays.
  * @param {Server} server
  */
 export const hostSound = ({ audio }) => (audio === "host" ? new HostSound() : null);
@@ -25,20 +25,20 @@ export const serve = (page, server) => new Served(page, server);
 
 export class Served {
   /**
-   * `page`: what it is added to; `server`: of `info`.
+   * `page` gets the features; `server` is that of `info`.
    * @param {Page} page
    * @param {Server} server
    */
   constructor(page, server) {
     this.page = page;
-    this.film = server.media ? new Film(by("film"), server.media) : null;
-    this.bench = new Bench((before, after, surface) => page.feel(before, after, surface), page.hand);
-    by("play").hidden = this.film === null;
-    by("play").addEventListener("click", () => this.watch(page.felt));
-    by("tune").hidden = false;
-    by("tune").addEventListener("click", () => {
-      by("dialog").close();
-      this.bench.toggle(true);
+    this.film = server.media ? new MediaPlayer(byId("film"), server.media) : null;
+    this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
+    byId("play").hidden = this.film === null;
+    byId("play").addEventListener("click", () => this.watch(page.currentEvent));
+    byId("tune").hidden = false;
+    byId("tune").addEventListener("click", () => {
+      byId("dialog").close();
+      this.editor.toggle(true);
     });
     this.presets = new PresetLink(page);
     if (page.atHost) this.listenToHost();
@@ -47,35 +47,35 @@ export class Served {
   listenToHost() {
     const { page } = this;
     const sound = /** @type {HostSound} */ (page.sound);
-    sound.onlink = (text) => (by("link").textContent = text);
-    sound.onlatency = (text) => (by("latency").textContent = text);
-    sound.onshown = (window) => page.shown.follow(window);
+    sound.onlink = (text) => (byId("link").textContent = text);
+    sound.onlatency = (text) => (byId("latency").textContent = text);
+    sound.onwindow = (window) => page.viewState.follow(window);
     sound.onstatus = ({ cursor }) => {
       if (Math.abs(cursor - page.cursor) > 1e-4) page.wake();
     };
     sound.onothers = (others) => this.showOthers(others);
-    sound.call(page.settings.name);
-    sound.tell();
+    sound.setName(page.settings.name);
+    sound.report();
   }
 
   /**
-   * The other hands' fingers over the curve, each with its name.
-   * @param {OtherHand[]} others
+   * Show the other inputs above the curve, each with its name.
+   * @param {OtherInput[]} others
    */
   showOthers(others) {
     const { geometry } = this.page.picture;
-    by("others").replaceChildren(...others.map(({ name, place, holding }) => {
+    byId("others").replaceChildren(...others.map(({ name, position, active }) => {
       const finger = document.createElement("b");
       finger.textContent = name || "another";
-      finger.className = holding ? "holding" : "";
-      finger.style.transform = `translateX(${geometry.x(place).toFixed(1)}px)`;
+      finger.className = active ? "active" : "";
+      finger.style.transform = `translateX(${geometry.x(position).toFixed(1)}px)`;
       finger.style.top = `${geometry.top - 6}px`;
       return finger;
     }));
   }
 
   /**
-   * Play the film from a little before an event, or where the disk is.
+   * Play the film from a little before an event or the cursor.
    * @param {TimelineEvent | null} event
    */
   watch(event) {
@@ -84,7 +84,7 @@ export class Served {
     const { view, info, cursor } = page;
     const moment = event?.time_s ?? secondsAt(view, cursor);
     const title = event ? eventText(event, info) : momentText(moment, info);
-    page.leave();
+    page.pause();
     film.play(moment, title).catch((error) => page.fault(error.message));
   }
 }

@@ -1,32 +1,32 @@
-// Let in by a server: the token of the address becomes a cookie, and leaves the address.
+// Requests to the server. The token of the URL is exchanged for a cookie and removed from the URL.
 
-export async function enter() {
-  const given = location.hash.slice(1).split("&");
+export async function openSession() {
+  const fields = location.hash.slice(1).split("&");
   const token = new URLSearchParams(location.hash.slice(1)).get("token");
   if (!token) return;
-  await ask("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
-  const rest = given.filter((one) => !one.startsWith("token=")).join("&");
+  await request("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
+  const rest = fields.filter((one) => !one.startsWith("token=")).join("&");
   history.replaceState(null, "", location.pathname + (rest ? `#${rest}` : ""));
 }
 
 /**
- * An answer; an Error with the server's own line if it refuses.
+ * Return a response; throw an Error with the server's message if it fails.
  * @param {string} path
  * @param {RequestInit} [options]
  */
-export async function ask(path, options) {
+export async function request(path, options) {
   const answer = await fetch(new URL(path, import.meta.url), options).catch(() => {
-    throw new Error("nothing answers there: is the network on, and `overview` still running?");
+    throw new Error("the server doesn't answer: check the network and that `overview` is running");
   });
   if (answer.ok) return answer;
-  const told = answer.headers.get("content-type")?.startsWith("text/plain");
-  const line = told ? (await answer.text()).trim() : "";
+  const isText = answer.headers.get("content-type")?.startsWith("text/plain");
+  const line = isText ? (await answer.text()).trim() : "";
   throw new Error(line || `${path}: ${answer.status} ${answer.statusText}`);
 }
 
 /**
- * The answer to an object that is posted as JSON.
+ * Return the response to an object that is posted as JSON.
  * @param {string} path
- * @param {object} given
+ * @param {object} body
  */
-export const post = (path, given) => ask(path, { method: "POST", body: JSON.stringify(given) });
+export const post = (path, body) => request(path, { method: "POST", body: JSON.stringify(body) });

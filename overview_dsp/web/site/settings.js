@@ -1,4 +1,4 @@
-// What a person has chosen, kept in this browser.
+// Settings of the user, stored in this browser.
 
 /** @import { Settings } from "../types" */
 
@@ -7,13 +7,13 @@ const KEY = "overview";
 const motor = "vibrate" in navigator && matchMedia("(pointer: coarse)").matches;
 
 /** @type {Settings} */
-const FIRST = {
-  felt: motor ? "motor" : "ears",
+const DEFAULTS = {
+  output: motor ? "motor" : "ears",
   clicks: true,
   vibration: true,
   speech: false,
   volume: 0, // dB
-  sweep: 10, // s that Play takes
+  sweep: 10, // duration of Play, s
   loop: false,
   name: navigator.userAgent.match(/iPhone|iPad|Android|Windows|Macintosh|Linux/)?.[0] ?? "",
   contrast: matchMedia("(prefers-contrast: more)").matches,
@@ -24,28 +24,28 @@ const FIRST = {
 /** @returns {Settings} */
 export function loadSettings() {
   try {
-    const kept = JSON.parse(localStorage.getItem(KEY) ?? "{}");
-    const known = Object.entries(FIRST).map(([name, first]) => [
+    const stored = JSON.parse(localStorage.getItem(KEY) ?? "{}");
+    const entries = Object.entries(DEFAULTS).map(([name, first]) => [
       name,
-      typeof kept[name] === typeof first ? kept[name] : first,
+      typeof stored[name] === typeof first ? stored[name] : first,
     ]);
-    return Object.fromEntries(known);
+    return Object.fromEntries(entries);
   } catch {
-    return { ...FIRST }; // no storage here, or not ours
+    return { ...DEFAULTS }; // no storage, or invalid content
   }
 }
 
 /** @param {Settings} settings */
-export function keepSettings(settings) {
+export function saveSettings(settings) {
   try {
     localStorage.setItem(KEY, JSON.stringify(settings));
   } catch {
-    // a private window: they hold until it is closed
+    // a private window: the settings last until it is closed
   }
 }
 
 /**
- * Show settings in a form and tell of each change.
+ * Show the settings in a form and report each change.
  * @param {HTMLFormElement} form
  * @param {Settings} settings
  * @param {(name: string) => void} onchange
@@ -64,7 +64,7 @@ export function bindSettings(form, settings, onchange) {
     const chosen = /** @type {Record<string, any>} */ (settings);
     if (target.type === "checkbox") chosen[name] = target.checked;
     else chosen[name] = typeof chosen[name] === "number" ? Number(target.value) : target.value;
-    keepSettings(settings);
+    saveSettings(settings);
     onchange(name);
   });
 }

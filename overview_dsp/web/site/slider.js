@@ -1,16 +1,15 @@
-// What the picture shows, in words: the timeline as a slider for assistive technology, whose value
-// says what is there, and a line of text above the picture.
+// Texts of the picture: the slider's value for assistive technology, and a line above the picture.
 
 import { secondsAt } from "./angle_map.js";
 import {
-  eventAt, eventText, momentText, placeText, scoreAt, summaryText, valueAt,
-} from "./words.js";
+  eventAt, eventText, momentText, positionText, scoreAt, summaryText, valueAt,
+} from "./descriptions.js";
 
 /** @import { Info, View } from "../types" */
 
-const EVERY_MS = 100; // text is laid out anew each time; nobody reads faster
-const EVERY_FRAMES = 6; // nor is it laid out more often where frames are slow,
-const LATE_MS = 400; // but no later than this
+const EVERY_MS = 100; // minimum time between two layouts of text
+const EVERY_FRAMES = 6; // minimum number of frames between them on a slow device
+const LATE_MS = 400; // maximum delay of a text
 const MOST = 14; // characters in large type beside a value
 
 export class Slider {
@@ -22,31 +21,31 @@ export class Slider {
     this.parts = parts;
     /** @type {any[]} */
     this.at = [];
-    this.shown = -Infinity;
-    this.frames = 0; // since then
+    this.updatedAt = -Infinity;
+    this.frames = 0; // since the last update
   }
 
   /**
-   * The finger is at `place` of a window; the disk at `cursor`.
+   * Update the texts for an input at `position` and a disk at `cursor`.
    * @param {View} view
-   * @param {number} place
+   * @param {number} position
    * @param {number} cursor
    * @param {Info} info
    */
-  show(view, place, cursor, info, now = performance.now()) {
+  show(view, position, cursor, info, now = performance.now()) {
     this.frames += 1;
-    const since = now - this.shown;
+    const since = now - this.updatedAt;
     if (since < EVERY_MS || (since < LATE_MS && this.frames < EVERY_FRAMES)) return;
-    this.shown = now;
+    this.updatedAt = now;
     this.frames = 0;
     const { slider, clock, value, event } = this.parts;
     const [oldView, oldPlace, oldCursor, oldPoints] = this.at;
     const other = view !== oldView || view.points !== oldPoints;
-    this.at = [view, place, cursor, view.points];
+    this.at = [view, position, cursor, view.points];
     if (other) this.parts.summary.textContent = summaryText(view, info);
-    if (other || place !== oldPlace) {
-      slider.setAttribute("aria-valuenow", (100 * place).toFixed(1));
-      slider.setAttribute("aria-valuetext", placeText(view, place, info));
+    if (other || position !== oldPlace) {
+      slider.setAttribute("aria-valuenow", (100 * position).toFixed(1));
+      slider.setAttribute("aria-valuetext", positionText(view, position, info));
     }
     if (other || cursor !== oldCursor) {
       const here = eventAt(view, cursor);

@@ -1,16 +1,16 @@
-// The page's sound: an audio context with the kernel in it, and where its two signals go.
-// `host_sound.js` has the same face.
+// The page's own sound: an audio context with the kernel, and the routing of its two signals.
+// `host_sound.js` has the same interface.
 
 import { SampleClock } from "./clock.js";
 import { openKernel } from "./kernel_node.js";
 
-/** @import { Part, Preset, Told } from "../types" */
+/** @import { Part, Preset, DiskState } from "../types" */
 /** @import { KernelNode } from "../kernel_node" */
 /** @import { Data } from "./data.js" */
 
 const GLIDE_S = 0.02;
 
-// of each way to feel: how much of click and tactor goes to left and right
+// per output: gains of click and tactor to the left and right channel
 /** @type {Record<string, Record<string, [number, number]>>} */
 const ROUTES = {
   tactor: { click: [1, 0], tactor: [0, 1] },
@@ -20,12 +20,12 @@ const ROUTES = {
 
 export class Sound {
   /**
-   * Silent until `load` has fetched the kernel and `start` was called; what comes first is kept.
+   * The sound is silent until `load` has loaded the kernel and `start` was called.
    * @param {Data} data
    */
   constructor(data) {
     this.data = data;
-    // iPhones: as music, so that the silent switch doesn't still it
+    // on iPhones the silent switch doesn't mute music
     const { audioSession } = /** @type {any} */ (navigator);
     if (audioSession) audioSession.type = "playback";
     const { rates } = data.info;
@@ -34,7 +34,7 @@ export class Sound {
       this.context.close();
       this.context = new AudioContext({ latencyHint: "interactive", sampleRate: rates[0] });
     }
-    /** Called where it begins to sound, and where something else takes the output from it. */
+    /** Called when the sound starts, and when another program interrupts it. */
     this.onstate = /** @type {(sounds: boolean) => void} */ (() => {});
     this.context.addEventListener("statechange", () => {
       this.onstate(this.context.state === "running");
@@ -42,16 +42,16 @@ export class Sound {
     this.clock = new SampleClock(this.context.sampleRate);
     /** @type {KernelNode | null} */
     this.node = null;
-    this.felt = "ears";
+    this.output = "ears";
     /** @type {[number, number]} */
     this.gain = [1, 1]; // of click and tactor
     /** @type {number | null} */
-    this.held = null; // where a finger holds already
+    this.heldPosition = null; // position of a touch before the kernel is loaded
     /** @type {Promise<void> | null} */
-    this.loaded = null; // a promise, once it loads
+    this.loaded = null; // set once loading has begun
   }
 
-  /** Fetch the kernel and its memory; the promise is of when they are there. */
+  /** Load the kernel and its memory. */
   load() {
     this.loaded ??= this.open();
     return this.loaded;
@@ -74,14 +74,14 @@ export class Sound {
       }
     });
     merge.connect(context.destination);
-    this.end = merge;
+
     this.node = node;
-    this.route(this.felt, true);
+    this.route(this.output, true);
     this.volume(...this.gain);
-    if (this.held !== null) this.control(this.held, true, -1);
+    if (this.heldPosition !== null) this.control(this.heldPosition, true, -1);
   }
 
-  /** In a touch or a key: only then a browser lets a page sound. */
+  /** Start the sound; browsers allow that only in a touch, a key press or a click. */
   start() {
     if (this.context.state !== "running") this.context.resume();
   }
@@ -91,23 +91,23 @@ export class Sound {
   }
 
   /**
-   * @param {number} place
+   * @param {number} position
    * @param {boolean} touching
    * @param {number} sample
    */
-  control(place, touching, sample) {
-    if (this.node === null) this.held = touching ? place : null;
-    else this.node.control(place * Math.PI, touching, "touch", sample);
+  control(position, touching, sample) {
+    if (this.node === null) this.heldPosition = touching ? position : null;
+    else this.node.control(position * Math.PI, touching, "touch", sample);
   }
 
   /**
-   * Where the signals go: tactor, motor or ears.
-   * @param {string} felt
+   * Route the signals to tactor, motor or ears.
+   * @param {string} output
    */
-  route(felt, atOnce = false) {
-    this.felt = felt;
+  route(output, atOnce = false) {
+    this.output = output;
     if (this.node === null) return;
-    for (const [signal, levels] of Object.entries(ROUTES[felt])) {
+    for (const [signal, levels] of Object.entries(ROUTES[output])) {
       levels.forEach((level, side) => {
         const { gain } = this.gains[signal][side];
         if (atOnce) gain.value = level;
@@ -117,7 +117,7 @@ export class Sound {
   }
 
   /**
-   * Gains of both, linear.
+   * Set the gains of click and tactor, linear.
    * @param {number} click
    * @param {number} tactor
    */
@@ -127,7 +127,7 @@ export class Sound {
   }
 
   /**
-   * Fetch what it takes to put a part under the hand; call the answer to do so.
+   * Load the surface of a part; the returned function applies it.
    * @param {Part} part
    */
   async show(part) {
@@ -137,23 +137,23 @@ export class Sound {
   }
 
   /**
-   * Go from one preset to another; `part` has the surface, null if it stays.
+   * Change from one preset to another; `part` has the surface, null if it stays.
    * @param {Preset} before
    * @param {Preset} after
    * @param {Part | null} part
    */
-  async feel(before, after, part) {
+  async changePreset(before, after, part) {
     await this.load();
-    this.node.change(await this.data.feel(before, after, part, this.context.sampleRate));
+    this.node.change(await this.data.presetChange(before, after, part, this.context.sampleRate));
   }
 
   /**
-   * The kernel's meters and strikes.
-   * @returns {Promise<Told>}
+   * Return the kernel's meters and strikes.
+   * @returns {Promise<DiskState>}
    */
-  async look() {
-    const told = await this.node.look();
-    this.clock.heard(told.clock, performance.now());
-    return told;
+  async readState() {
+    const state = await this.node.readState();
+    this.clock.addReading(state.clock, performance.now());
+    return state;
   }
 }

@@ -1,4 +1,4 @@
-// What happened, said aloud: the latest only, since a sentence lasts longer than a sweep.
+// Speech output. Only the latest text is spoken: a sentence may last longer than a sweep.
 
 const SETTLE_MS = 180;
 
@@ -9,7 +9,7 @@ export class Speech {
   }
 
   /** @param {string} text */
-  say(text) {
+  speak(text) {
     if (!this.on || !("speechSynthesis" in window)) return;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
@@ -18,7 +18,7 @@ export class Speech {
     }, SETTLE_MS);
   }
 
-  still() {
+  stop() {
     clearTimeout(this.timer);
     window.speechSynthesis?.cancel();
   }

@@ -1,33 +1,33 @@
-// The whole timeline as a strip: where the shown window lies in it, and how the score went. A finger
-// moves the window; keys and screen readers have the buttons "earlier" and "later" for that.
+// The whole timeline as a strip with the visible window and the scores of a match. A pointer moves
+// the window; for keys and screen readers there are the buttons "Earlier" and "Later".
 
-import { placeAt, secondsAt } from "./angle_map.js";
-import { by } from "./dom.js";
+import { positionAt, secondsAt } from "./angle_map.js";
+import { byId } from "./dom.js";
 import { coloursOf } from "./picture.js";
 import { SvgContext } from "./svg.js";
-import { partAbout, partOf } from "./windows.js";
-import { scoresOf } from "./words.js";
+import { partAround, partOf } from "./windows.js";
+import { scoresOf } from "./descriptions.js";
 
 /** @import { View } from "../types" */
 /** @import { Data } from "./data.js" */
-/** @import { Shown } from "./shown.js" */
+/** @import { ViewState } from "./view_state.js" */
 
 const FONT_PX = 13;
 
 export class Strip {
   /**
    * @param {Data} data
-   * @param {Shown} shown
+   * @param {ViewState} viewState
    */
-  constructor(data, shown) {
+  constructor(data, viewState) {
     this.data = data;
-    this.shown = shown;
-    this.element = by("strip");
-    this.box = by("strip-window");
+    this.viewState = viewState;
+    this.element = byId("strip");
+    this.box = byId("strip-window");
     /** @type {View | null} */
-    this.whole = null; // the view of the whole
+    this.whole = null; // view of the whole timeline
     /** @type {number | null} */
-    this.held = null; // how far (s) a finger is from the window's middle
+    this.dragOffset = null; // distance (s) from the window's middle to the pointer
     this.element.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => this.down(event));
     this.element.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => this.move(event));
     for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
@@ -37,7 +37,7 @@ export class Strip {
   }
 
   /**
-   * Another window is shown, or the same.
+   * Update the strip for a view.
    * @param {View} view
    */
   show(view) {
@@ -49,28 +49,28 @@ export class Strip {
     this.element.classList.toggle("whole", view.zoom === 0);
     if (view.zoom === 0) this.draw();
     else if (stale) this.fetch();
-    if (this.held === null) this.place(view.start_s, view.end_s);
+    if (this.dragOffset === null) this.placeWindow(view.start_s, view.end_s);
   }
 
-  /** What the strip shows: until it has come, its length alone. */
+  /** The view of the strip; before it is loaded, its duration alone. */
   get drawn() {
     return this.whole ?? { start_s: 0, end_s: this.data.info.duration_s };
   }
 
   async fetch() {
-    this.whole = await this.data.view(partOf(this.shown.windows, 0)).catch(() => /** @type {View | null} */ (null));
+    this.whole = await this.data.view(partOf(this.viewState.windows, 0)).catch(() => /** @type {View | null} */ (null));
     this.draw();
-    const { start_s, end_s } = this.shown.view;
-    if (this.held === null) this.place(start_s, end_s);
+    const { start_s, end_s } = this.viewState.view;
+    if (this.dragOffset === null) this.placeWindow(start_s, end_s);
   }
 
   /**
-   * Put the window's frame there (s).
+   * Set the window's frame (s).
    * @param {number} start
    * @param {number} end
    */
-  place(start, end) {
-    const [from, to] = [start, end].map((moment) => placeAt(this.drawn, moment));
+  placeWindow(start, end) {
+    const [from, to] = [start, end].map((moment) => positionAt(this.drawn, moment));
     this.box.style.left = `${100 * from}%`;
     this.box.style.width = `${100 * (to - from)}%`;
   }
@@ -79,7 +79,7 @@ export class Strip {
     const { width, height } = this.element.getBoundingClientRect();
     if (this.whole === null || width === 0) return;
     const colours = coloursOf(this.element);
-    const c = new SvgContext(by("strip-curve"));
+    const c = new SvgContext(byId("strip-curve"));
     const { level } = this.whole;
     c.beginPath();
     c.moveTo(0, height);
@@ -95,56 +95,56 @@ export class Strip {
     c.textAlign = "left";
     c.textBaseline = "top";
     const scores = scoresOf(this.whole);
-    scores.forEach(({ place, text }, i) => {
-      const room = width * ((scores[i + 1]?.place ?? 1) - place) - 6;
-      if (c.measureText(text).width < room) c.fillText(text, width * place + 4, 4);
+    scores.forEach(({ position, text }, i) => {
+      const room = width * ((scores[i + 1]?.position ?? 1) - position) - 6;
+      if (c.measureText(text).width < room) c.fillText(text, width * position + 4, 4);
       if (i === 0) return;
       c.beginPath();
-      c.moveTo(width * place, 0);
-      c.lineTo(width * place, height);
+      c.moveTo(width * position, 0);
+      c.lineTo(width * position, height);
       c.strokeStyle = colours.soft;
       c.stroke();
     });
     c.show();
   }
 
-  // --- a finger ---------------------------------------------------------------------------------
+  // --- pointer -----------------------------------------------------------------------------------
 
   /**
-   * The moment (s) under a pointer.
+   * Return the time (s) under a pointer.
    * @param {PointerEvent} event
    */
-  under({ clientX }) {
+  momentUnder({ clientX }) {
     const { left, width } = this.element.getBoundingClientRect();
     return secondsAt(this.drawn, (clientX - left) / width);
   }
 
   /** @param {PointerEvent} event */
   down(event) {
-    const { view } = this.shown;
+    const { view } = this.viewState;
     if (event.button !== 0 || view.zoom === 0) return;
     this.element.setPointerCapture(event.pointerId);
-    const moment = this.under(event);
+    const moment = this.momentUnder(event);
     const inside = moment > view.start_s && moment < view.end_s;
-    this.held = inside ? moment - (view.start_s + view.end_s) / 2 : 0;
+    this.dragOffset = inside ? moment - (view.start_s + view.end_s) / 2 : 0;
     this.move(event);
   }
 
   /** @param {PointerEvent} event */
   move(event) {
-    if (this.held === null) return;
-    const { windows, view } = this.shown;
+    if (this.dragOffset === null) return;
+    const { windows, view } = this.viewState;
     const { duration_s } = this.data.info;
     const half = (view.end_s - view.start_s) / 2;
-    const middle = Math.min(Math.max(this.under(event) - this.held, half), duration_s - half);
-    this.place(middle - half, middle + half);
-    this.shown.toward(partAbout(windows, view.zoom, middle));
+    const middle = Math.min(Math.max(this.momentUnder(event) - this.dragOffset, half), duration_s - half);
+    this.placeWindow(middle - half, middle + half);
+    this.viewState.goToLatest(partAround(windows, view.zoom, middle));
   }
 
   up() {
-    if (this.held === null) return;
-    this.held = null;
-    const { start_s, end_s } = this.shown.view;
-    this.place(start_s, end_s);
+    if (this.dragOffset === null) return;
+    this.dragOffset = null;
+    const { start_s, end_s } = this.viewState.view;
+    this.placeWindow(start_s, end_s);
   }
 }

@@ -1,19 +1,19 @@
-// What stands still is drawn into an SVG, with the few methods of a canvas that it takes: a canvas
-// of the screen's size would be handed to the compositor again with every frame.
+// An SVG with the canvas methods that the static picture needs. A canvas of that size would be passed
+// to the compositor with every frame.
 
 /** @param {number} number */
 const round = (number) => Math.round(number * 100) / 100;
 /** @type {Record<string, string>} */
 const ANCHOR = { left: "start", center: "middle", right: "end" };
 /** @type {Record<string, number>} */
-const BASELINE = { top: 0.8, alphabetic: 0, bottom: -0.22 }; // of the size, below the point
+const BASELINE = { top: 0.8, alphabetic: 0, bottom: -0.22 }; // offset below the point, in units of the size
 const measuring = document.createElement("canvas").getContext("2d");
 
 export class SvgContext {
   /** @param {SVGSVGElement} svg */
   constructor(svg) {
     this.svg = svg;
-    this.made = document.createDocumentFragment();
+    this.fragment = document.createDocumentFragment();
     this.d = "";
     this.fillStyle = this.strokeStyle = "none";
     this.lineWidth = 1;
@@ -22,9 +22,9 @@ export class SvgContext {
     this.textBaseline = "alphabetic";
   }
 
-  /** Show what was drawn since it was made, in place of what was there. */
+  /** Show the drawing and remove the earlier one. */
   show() {
-    this.svg.replaceChildren(this.made);
+    this.svg.replaceChildren(this.fragment);
   }
 
   beginPath() {
@@ -60,7 +60,7 @@ export class SvgContext {
    */
   arc(x, y, r, from, to) {
     const at = (/** @type {number} */ angle) => `${round(x + r * Math.cos(angle))} ${round(y + r * Math.sin(angle))}`;
-    const middle = (from + to) / 2; // a whole turn ends where it began
+    const middle = (from + to) / 2; // two arcs: a full circle ends at its start
     this.d += `M${at(from)}`;
     for (const end of [middle, to]) this.d += `A${round(r)} ${round(r)} 0 0 1 ${at(end)}`;
   }
@@ -92,7 +92,7 @@ export class SvgContext {
   }
 
   /**
-   * The rim of a text that is filled afterwards.
+   * Draw the outline of a text that is filled afterwards.
    * @param {string} text
    * @param {number} x
    * @param {number} y
@@ -106,14 +106,14 @@ export class SvgContext {
    * @param {string} text
    * @param {number} x
    * @param {number} y
-   * @param {Record<string, string | number>} look
+   * @param {Record<string, string | number>} attributes
    */
-  text(text, x, y, look) {
+  text(text, x, y, attributes) {
     const [, weight, size] = this.font.match(/^(\d+) ([\d.]+)px/);
     const down = BASELINE[this.textBaseline] * Number(size);
     const element = this.add("text", {
       x: round(x), y: round(y + down), "font-size": size, "font-weight": weight,
-      "text-anchor": ANCHOR[this.textAlign], ...look,
+      "text-anchor": ANCHOR[this.textAlign], ...attributes,
     });
     element.textContent = text;
   }
@@ -125,7 +125,7 @@ export class SvgContext {
   add(name, attributes) {
     const element = document.createElementNS(this.svg.namespaceURI, name);
     for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, String(value));
-    this.made.append(element);
+    this.fragment.append(element);
     return element;
   }
 }

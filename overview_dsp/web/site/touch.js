@@ -1,28 +1,27 @@
-// Finger, pen and mouse: drag, tap, release; two fingers pinch.
+// Pointers: drag, tap and release; two fingers pinch.
 
 const TAP_MS = 250;
 const TAP_PX = 10;
 
-/** @import { Hand } from "./hand.js" */
+/** @import { CombinedInput } from "./combined_input.js" */
 
 /**
- * @typedef {object} TouchMeans
- * @property {(pointer: { clientX: number, clientY: number }, first?: boolean) => number} placeOf
+ * @typedef {object} TouchHandlers
+ * @property {(pointer: { clientX: number, clientY: number }, first?: boolean) => number} positionOf
  * @property {(x: number, y: number) => void} ontap
  * @property {(factor: number, x: number, over: boolean) => void} onpinch
  * @property {() => void} onfirst
  */
 
 /**
- * `placeOf(event, first)` is the place (0 to 1) of a pointer, `first` where it came down;
- * `ontap(x, y)` is called after a short touch; `onpinch(factor, x, over)` while two fingers spread or
- * close about x, `factor` since they came down; `onfirst()` at every touch, in which sound may be
- * started.
+ * `positionOf(event, first)` returns the position (0 to 1) of a pointer, `first` at its start.
+ * `ontap(x, y)` is called after a short touch, `onpinch(factor, x, over)` while two fingers move, and
+ * `onfirst()` at every touch: browsers allow sound to start then.
  * @param {HTMLElement} element
- * @param {Pick<Hand, "hold" | "release">} hand
- * @param {TouchMeans} means
+ * @param {Pick<CombinedInput, "moveTo" | "release">} input
+ * @param {TouchHandlers} handlers
  */
-export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst }) {
+export function listenToTouch(element, input, { positionOf, ontap, onpinch, onfirst }) {
   /** @type {Map<number, PointerEvent>} */
   const fingers = new Map();
   /** @type {{ x: number, y: number, time: number, tap: boolean } | null} */
@@ -36,10 +35,10 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     fingers.set(event.pointerId, event);
     if (fingers.size === 1) {
       down = { x: event.clientX, y: event.clientY, time: event.timeStamp, tap: true };
-      hand.hold("touch", placeOf(event, true), event.timeStamp);
+      input.moveTo("touch", positionOf(event, true), event.timeStamp);
     } else if (fingers.size === 2) {
       down = null;
-      hand.release("touch", event.timeStamp);
+      input.release("touch", event.timeStamp);
       spread = distance(fingers);
     }
   });
@@ -57,7 +56,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
       if (Math.hypot(event.clientX - down.x, event.clientY - down.y) > TAP_PX) down.tap = false;
       const seen = event.getCoalescedEvents?.() ?? [];
       for (const one of seen.length > 0 ? seen : [event]) {
-        hand.hold("touch", placeOf(one), one.timeStamp);
+        input.moveTo("touch", positionOf(one), one.timeStamp);
       }
     } else if (fingers.size === 2) {
       pinched(false);
@@ -72,7 +71,7 @@ export function listenToTouch(element, hand, { placeOf, ontap, onpinch, onfirst 
     if (!down) return;
     const tapped = down.tap && event.type === "pointerup" && event.timeStamp - down.time < TAP_MS;
     if (tapped) ontap(event.clientX, event.clientY);
-    hand.release("touch", event.timeStamp);
+    input.release("touch", event.timeStamp);
     down = null;
   };
   element.addEventListener("pointerup", up);

@@ -1,4 +1,4 @@
-// The last seconds of torque, a value a frame, and where something was struck.
+// The last seconds of torque, one value per frame, with marks at the strikes.
 
 export const LENGTH = 240; // frames
 const MARK = 5; // px of a strike's mark
@@ -8,7 +8,7 @@ const MARK = 5; // px of a strike's mark
 
 export class Trace {
   /**
-   * `full` N m reach the edge.
+   * `full` is the torque (N m) at full height.
    * @param {HTMLCanvasElement} canvas
    * @param {number} full
    */
@@ -17,7 +17,7 @@ export class Trace {
     this.c = canvas.getContext("2d");
     this.full = full;
     this.height = new Float32Array(LENGTH);
-    this.struck = new Uint8Array(LENGTH);
+    this.hasStrike = new Uint8Array(LENGTH);
     this.at = 0;
     /** @type {TraceBox | null} */
     this.box = null;
@@ -26,17 +26,17 @@ export class Trace {
   }
 
   /**
-   * Lay it out in a box of the picture, or (null) not at all.
+   * Lay out the trace in a box of the picture; null hides it.
    * @param {TraceBox | null} box
    * @param {number} scale
    */
-  place(box, scale) {
+  layOut(box, scale) {
     const { canvas } = this;
     this.box = box;
     this.fresh = true;
     canvas.hidden = box === null;
     if (box === null) return;
-    this.scale = Math.min(scale, 2); // a line that moves is as sharp
+    this.scale = Math.min(scale, 2); // more pixels don't make a moving line sharper
     const width = box.right - box.left;
     const height = 2 * box.half + 8;
     canvas.style.left = `${box.left}px`;
@@ -48,35 +48,35 @@ export class Trace {
   }
 
   /**
-   * Torque (N m) now, and the strikes since the last frame, whose torque may be over by now.
+   * Add the torque (N m) and the strikes since the last frame, whose torque may be over.
    * @param {number} torque
-   * @param {Strike[]} struck
+   * @param {Strike[]} newStrikes
    */
-  push(torque, struck) {
+  push(torque, newStrikes) {
     let most = torque;
-    for (const one of struck) {
+    for (const one of newStrikes) {
       if (Math.abs(one.torque) > Math.abs(most)) most = one.torque;
     }
-    // cube root: a surface and its goals in one view
+    // cube root: shows both the surface and goals
     this.height[this.at] = Math.max(-1, Math.min(1, Math.cbrt(most / this.full)));
-    this.struck[this.at] = struck.length > 0 ? 1 : 0;
+    this.hasStrike[this.at] = newStrikes.length > 0 ? 1 : 0;
     this.at = (this.at + 1) % LENGTH;
     this.fresh = true;
   }
 
   /**
-   * Drawn the newest at the right.
+   * Draw the trace, newest at the right.
    * @param {Colours} colours
    */
   draw(colours) {
     const { c, box, canvas } = this;
-    this.turn = !this.turn; // every second frame: nobody reads a torque 60 times a second
+    this.turn = !this.turn; // every second frame is enough to read a torque
     if (box === null || !this.fresh || this.turn) return;
     this.fresh = false;
     const { width, height } = canvas;
     const half = Math.round(box.half * this.scale);
     c.clearRect(0, 0, width, height);
-    // bars on whole pixels, which nothing has to be smoothed for
+    // bars on whole pixels need no smoothing
     const step = Math.ceil(width / LENGTH);
     const count = Math.floor(width / step);
     const first = this.at + LENGTH - count;
@@ -86,9 +86,9 @@ export class Trace {
       c.fillRect(i * step, Math.min(y, half - 1), step, Math.abs(half - y) || 1);
     }
     const mark = Math.round(MARK * this.scale);
-    c.fillStyle = colours.hand;
+    c.fillStyle = colours.accent;
     for (let i = 0; i < count; i += 1) {
-      if (this.struck[(first + i) % LENGTH]) c.fillRect(i * step, 2 * half, step, mark);
+      if (this.hasStrike[(first + i) % LENGTH]) c.fillRect(i * step, 2 * half, step, mark);
     }
   }
 }

@@ -1,11 +1,11 @@
-// The data's own values: the point nearest to a place of a window, never one made up between two.
+// The data's own values at the points nearest to a position; values are never interpolated.
 
-import { placeAt } from "./angle_map.js";
+import { positionAt } from "./angle_map.js";
 
 /** @import { Info, Points, View } from "../types" */
 
 /**
- * Index of the point of a window nearest to a moment (s), -1 where there is none.
+ * Return the index of the point nearest to a time (s); -1 without points.
  * @param {{ points: Points | null }} view
  * @param {number} moment
  */
@@ -23,7 +23,7 @@ export function pointAt(view, moment) {
 }
 
 /**
- * A value with its unit, as many decimals as the data have; "" without a value.
+ * Return a value with its unit and the data's decimals; "" without a value.
  * @param {number | undefined} value
  * @param {Pick<Info, "series">} info
  */
@@ -34,21 +34,21 @@ export function valueText(value, { series }) {
 }
 
 /**
- * Where the highest (1) or lowest (-1) of a window is, 0 to 1: of its points, or of its curve.
+ * Return the position (0 to 1) of the highest (1) or lowest (-1) point of a window or its curve.
  * @param {View} view
  * @param {number} direction
  */
 export function extremeOf(view, direction) {
-  const [values, first, last, placeOf] = within(view);
+  const [values, first, last, positionOf] = within(view);
   let best = first;
   for (let i = first; i <= last; i += 1) {
     if ((values[i] - values[best]) * direction > 0) best = i;
   }
-  return Math.min(Math.max(placeOf(best), 0), 1);
+  return Math.min(Math.max(positionOf(best), 0), 1);
 }
 
 /**
- * The lowest and the highest value of a window.
+ * Return the lowest and the highest value of a window.
  * @param {View} view
  */
 export function rangeOf(view) {
@@ -58,7 +58,7 @@ export function rangeOf(view) {
 }
 
 /**
- * Values of a window, the first and the last that lie in it, and the place of each.
+ * Return a window's values, the first and last index within it, and a function for their positions.
  * @param {View} view
  * @returns {[number[], number, number, (i: number) => number]}
  */
@@ -72,12 +72,12 @@ function within(view) {
   const inside = first + (points.time_s[first] < start_s && first < last ? 1 : 0);
   return [
     points.value, inside, last - (points.time_s[last] > end_s && last > inside ? 1 : 0),
-    (i) => placeAt(view, points.time_s[i]),
+    (i) => positionAt(view, points.time_s[i]),
   ];
 }
 
 /**
- * Values at which a line is drawn, few and round, and where they are (level 0 to 1).
+ * Return a few round values for grid lines, each as text and level (0 to 1).
  * @param {[number, number]} scale
  * @param {number} most
  */

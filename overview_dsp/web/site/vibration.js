@@ -1,25 +1,25 @@
-// A phone's own motor in place of a tactor. It only knows on and off, and takes some 10 ms to move
-// at all: an event is a pulse code of its kind, what lies between events is a row of short pulses.
+// Vibration by a phone's own motor, which only knows on and off and needs about 10 ms to start. Each
+// event kind has a pattern; the surface between events is a row of short pulses.
 //
-// Events are never too weak: a motor that looked at the envelope alone would miss the one that has
-// rung off between two frames. Whatever has strength (a game pad) gets the peak since the last look.
+// Patterns are triggered by strikes: the envelope of a strike may have decayed between two frames. A
+// game pad supports strength and gets the peak since the last frame.
 
-const EVERY_MS = 50; // from one pulse of the surface to the next
-const FLOOR = 0.02; // of full scale: what a finger on a tactor wouldn't feel either
+const EVERY_MS = 50; // between two pulses of the surface
+const FLOOR = 0.02; // of full scale: too weak to feel on a tactor
 const LEAST_MS = 8;
-const MOST_MS = 22; // shorter than any event's first pulse but a tick
-const LONG_MS = 50; // as pulses.py has them: a goal's is longer, a card's shorter
-const GAP_MS = 15; // between two codes, so that they are two
-const LATE_MS = 25; // a lesser event waits so long for a greater one's code to end
+const MOST_MS = 22; // shorter than the first pulse of every event but a tick
+const LONG_MS = 50; // longer than a card's pulse, shorter than a goal's
+const GAP_MS = 15; // separates two patterns
+const LATE_MS = 25; // maximum wait of a minor event for a major one
 const PAD_MS = 60;
 
 /**
- * How long (ms) a pulse of the surface is at a level from 0 to 1; 0 where nothing is felt.
+ * Return the length (ms) of a surface pulse for a level from 0 to 1; 0 if it can't be felt.
  * @param {number} level
  */
 export function pulseOf(level) {
   if (level < FLOOR) return 0;
-  // as a tactor's amplitude is felt, so that an even hum isn't lost below a crowd
+  // square root, as amplitude is perceived: a weak hum stays noticeable
   return Math.round(LEAST_MS + (MOST_MS - LEAST_MS) * Math.sqrt(Math.min(level, 1)));
 }
 
@@ -27,7 +27,7 @@ export function pulseOf(level) {
 const lengthOf = (pattern) => pattern.reduce((sum, one) => sum + one, 0);
 
 export class Motor {
-  /** `vibrate(pattern)` of on and off times (ms), `pads()` the game pads. */
+  /** `vibrate(pattern)` takes on and off times (ms); `pads()` returns the game pads. */
   constructor(
     vibrate = (/** @type {any} */ pattern) => navigator.vibrate?.(pattern),
     pads = () => navigator.getGamepads?.() ?? [],
@@ -35,95 +35,95 @@ export class Motor {
     this.vibrate = vibrate;
     this.pads = pads;
     /** @type {number[] | null} */
-    this.code = null; // what is on: an event's, or a pulse of the surface
-    this.weight = 0; // an event's first pulse, ms; 0 for the surface
+    this.pattern = null; // active pattern of an event or the surface
+    this.weight = 0; // first pulse of the active event, ms; 0 for the surface
     this.began = -Infinity;
-    this.next = -Infinity; // when the surface may be felt again
-    this.padded = -Infinity; // until when game pads were told
-    this.moving = false;
+    this.surfaceFrom = -Infinity; // time of the next surface pulse
+    this.padsBusyUntil = -Infinity; // time of the next command to game pads
+    this.isRunning = false;
   }
 
   /**
-   * Every frame: the codes of what was struck since the last one, the tactor's peak (0 to 1).
-   * @param {number[][]} codes
+   * Update once per frame with the patterns of new strikes and the tactor's peak (0 to 1).
+   * @param {number[][]} patterns
    * @param {number} level
    * @param {number} now
    */
-  feel(codes, level, now) {
-    const heaviest = codes.reduce((/** @type {number[] | null} */ most, code) => (code[0] > (most?.[0] ?? 0) ? code : most), null);
-    if (heaviest !== null) this.strike(heaviest, now);
-    else if (now >= this.next) this.hum(level, now);
-    this.feelPads(heaviest === null ? level : Math.max(level, 0.6), heaviest !== null, now);
+  play(patterns, level, now) {
+    const heaviest = patterns.reduce((/** @type {number[] | null} */ most, pattern) => (pattern[0] > (most?.[0] ?? 0) ? pattern : most), null);
+    if (heaviest !== null) this.playEvent(heaviest, now);
+    else if (now >= this.surfaceFrom) this.playSurface(level, now);
+    this.playPads(heaviest === null ? level : Math.max(level, 0.6), heaviest !== null, now);
   }
 
   /**
-   * @param {number[]} code
+   * @param {number[]} pattern
    * @param {number} now
    */
-  strike(code, now) {
-    const left = this.code === null ? 0 : this.began + lengthOf(this.code) - now;
+  playEvent(pattern, now) {
+    const left = this.pattern === null ? 0 : this.began + lengthOf(this.pattern) - now;
     /** @type {number[]} */
-    let first = []; // how what is on ends
+    let ending = []; // rest of the active pattern
     if (left > 0) {
-      const waits = code[0] < this.weight;
-      if (waits && left + GAP_MS > LATE_MS) return; // it is behind the greater one
-      // a goal that the next one cuts short is still one
-      const owed = this.weight >= LONG_MS ? this.began + LONG_MS - now : 1;
-      const more = Math.max(1, Math.ceil(waits ? left : owed));
-      // a goal over the surface's pulse is only longer; a card would seem to be one
-      if (this.weight > 0 || code[0] < LONG_MS) first = [more, GAP_MS];
+      const isLighter = pattern[0] < this.weight;
+      if (isLighter && left + GAP_MS > LATE_MS) return; // the major event hides it
+      // a goal stays recognisable if another goal follows
+      const remaining = this.weight >= LONG_MS ? this.began + LONG_MS - now : 1;
+      const more = Math.max(1, Math.ceil(isLighter ? left : remaining));
+      // a goal may extend a surface pulse; a card would then resemble a goal
+      if (this.weight > 0 || pattern[0] < LONG_MS) ending = [more, GAP_MS];
     }
-    this.start([...first, ...code]);
-    this.code = code;
-    this.weight = code[0];
-    this.began = now + lengthOf(first);
-    this.next = this.began + lengthOf(code) + 2 * GAP_MS;
+    this.start([...ending, ...pattern]);
+    this.pattern = pattern;
+    this.weight = pattern[0];
+    this.began = now + lengthOf(ending);
+    this.surfaceFrom = this.began + lengthOf(pattern) + 2 * GAP_MS;
   }
 
   /**
    * @param {number} level
    * @param {number} now
    */
-  hum(level, now) {
+  playSurface(level, now) {
     const pulse = pulseOf(level);
-    this.code = [pulse];
+    this.pattern = [pulse];
     this.weight = 0;
     this.began = now;
     if (pulse === 0) {
-      this.rest();
+      this.stop();
       return;
     }
-    this.start(this.code);
-    this.next = now + EVERY_MS;
+    this.start(this.pattern);
+    this.surfaceFrom = now + EVERY_MS;
   }
 
   /** @param {number[]} pattern */
   start(pattern) {
     this.vibrate(pattern);
-    this.moving = true;
+    this.isRunning = true;
   }
 
   /**
-   * Game pads have strength: the heavy motor for events, the light one for the surface.
+   * Game pads use the strong motor for events and the weak one for the surface.
    * @param {number} level
-   * @param {boolean} struck
+   * @param {boolean} isEvent
    * @param {number} now
    */
-  feelPads(level, struck, now) {
-    if (now < this.padded && !struck) return;
+  playPads(level, isEvent, now) {
+    if (now < this.padsBusyUntil && !isEvent) return;
     for (const pad of this.pads()) {
       if (!pad?.vibrationActuator?.playEffect) continue;
       pad.vibrationActuator.playEffect("dual-rumble", {
         duration: 2 * PAD_MS,
-        strongMagnitude: struck ? Math.min(level, 1) : 0,
+        strongMagnitude: isEvent ? Math.min(level, 1) : 0,
         weakMagnitude: Math.min(level, 1),
       });
-      this.padded = now + PAD_MS;
+      this.padsBusyUntil = now + PAD_MS;
     }
   }
 
-  rest() {
-    if (this.moving) this.vibrate(0);
-    this.moving = false;
+  stop() {
+    if (this.isRunning) this.vibrate(0);
+    this.isRunning = false;
   }
 }

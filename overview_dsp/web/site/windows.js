@@ -1,14 +1,14 @@
-// Which part comes next: the nearest of another level about a moment, or the one beside. A part is
-// a window of the list by its number, or any other (number -1) that a host shows.
+// Choice of windows: by zoom level, by time, or adjacent. A part is a listed window by its number, or any
+// other window (number -1) that a host shows.
 
-import { croppedMap, placeAt } from "./angle_map.js";
+import { croppedMap, positionAt } from "./angle_map.js";
 
 const SAME_S = 1e-6;
 
 /** @import { Info, Part, View, Window } from "../types" */
 
 /**
- * Window `i` as a part.
+ * Return window `i` as a part.
  * @param {Window[]} windows
  * @param {number} i
  * @returns {Part}
@@ -19,7 +19,7 @@ export function partOf(windows, i) {
 }
 
 /**
- * The part from `start` to `end` (s): one of the windows, or one of its own.
+ * Return the part from `start` to `end` (s).
  * @param {Window[]} windows
  * @param {[number, number]} ends
  * @returns {Part}
@@ -30,7 +30,7 @@ export function partBetween(windows, [start, end]) {
     Math.abs(start_s - start) < SAME_S && Math.abs(end_s - end) < SAME_S;
   const number = windows.findIndex(same);
   if (number >= 0) return partOf(windows, number);
-  // of those as long or longer, the narrowest
+  // the narrowest window that is at least as long
   const wider = windows.filter((one) => one.end_s - one.start_s >= end - start - SAME_S);
   const zoom = Math.max(...wider.map(({ level }) => level));
   return { number, zoom, start_s: start, end_s: end };
@@ -40,23 +40,23 @@ export function partBetween(windows, [start, end]) {
 const anyWindow = () => true;
 
 /**
- * The part of `level` whose middle is nearest to a moment (s), of those that will do, or null.
+ * Return the allowed part of `level` whose middle is nearest to a time (s), or null.
  * @param {Window[]} windows
  * @param {number} level
  * @param {number} moment
  */
-export function partAbout(windows, level, moment, willDo = anyWindow) {
+export function partAround(windows, level, moment, isAllowed = anyWindow) {
   let best = -1;
   let least = Infinity;
   windows.forEach((window, i) => {
     const away = Math.abs((window.start_s + window.end_s) / 2 - moment);
-    if (window.level === level && away < least && willDo(window)) [best, least] = [i, away];
+    if (window.level === level && away < least && isAllowed(window)) [best, least] = [i, away];
   });
   return best < 0 ? null : partOf(windows, best);
 }
 
 /**
- * The part of a window (s) among `windows`, as long and as near as any is.
+ * Return the listed part nearest to a window (s) in length and time.
  * @param {Window[]} windows
  * @param {[number, number]} ends
  */
@@ -64,49 +64,49 @@ export function partNearest(windows, [start, end]) {
   /** @param {Window} window */
   const away = ({ start_s, end_s }) => Math.abs(Math.log((end_s - start_s) / (end - start)));
   const { level } = windows.reduce((a, b) => (away(b) < away(a) ? b : a));
-  return partAbout(windows, level, (start + end) / 2);
+  return partAround(windows, level, (start + end) / 2);
 }
 
 /**
- * What a view shows of a window (s) of it, as a view.
+ * Return a view of a window (s) within another view.
  * @param {View} view
  * @param {[number, number]} ends
  * @returns {View}
  */
 export function croppedTo(view, [start_s, end_s]) {
   const { level, resistance } = view;
-  const from = placeAt(view, start_s);
-  const part = placeAt(view, end_s) - from;
+  const from = positionAt(view, start_s);
+  const part = positionAt(view, end_s) - from;
   const last = level.length - 1;
   const columns = level.map((_, i) => Math.round((from + (part * i) / last) * last));
-  const placed = (/** @type {number} */ place) => (place - from) / part;
-  const inside = (/** @type {number} */ place) => Math.min(Math.max(placed(place), 0), 1);
+  const placed = (/** @type {number} */ position) => (position - from) / part;
+  const inside = (/** @type {number} */ position) => Math.min(Math.max(placed(position), 0), 1);
   /** @type {(a: number, b: number) => [number, number]} */
   const both = (a, b) => [a, b];
   return {
     ...view, start_s, end_s,
-    map: croppedMap(view, from, from + part),
+    angle_map: croppedMap(view, from, from + part),
     level: columns.map((i) => level[i]),
     resistance: columns.map((i) => resistance[i]),
     gaps: view.gaps.map(([a, b]) => both(inside(a), inside(b))).filter(([a, b]) => b > a),
     events: view.events
-      .map((event) => ({ ...event, place: placed(event.place) }))
-      .filter(({ place }) => place >= 0 && place <= 1),
+      .map((event) => ({ ...event, position: placed(event.position) }))
+      .filter(({ position }) => position >= 0 && position <= 1),
   };
 }
 
 /**
- * The part beside another, earlier (-1) or later (1), half of it new; null at the ends.
+ * Return the adjacent part, earlier (-1) or later (1), which overlaps by half; null at the ends.
  * @param {Window[]} windows
  * @param {Part} part
  * @param {number} direction
  * @returns {Part | null}
  */
-export function partBeside(windows, part, direction) {
+export function neighbourPart(windows, part, direction) {
   if (part.number < 0) {
     const middle = (part.start_s + part.end_s) / 2;
-    const wanted = middle + (direction * (part.end_s - part.start_s)) / 2;
-    return partAbout(windows, part.zoom, wanted, ({ start_s, end_s }) =>
+    const target = middle + (direction * (part.end_s - part.start_s)) / 2;
+    return partAround(windows, part.zoom, target, ({ start_s, end_s }) =>
       direction > 0 ? end_s > part.end_s : start_s < part.start_s,
     );
   }
@@ -120,7 +120,7 @@ export function levels(windows) {
 }
 
 /**
- * The part that is shown first: a server's, or the whole.
+ * Return the first part to show: that of the server, or the whole timeline.
  * @param {Info} info
  */
 export function firstPart({ windows, duration_s, server }) {

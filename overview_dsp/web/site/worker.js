@@ -1,6 +1,5 @@
-// The service worker: every file of the folder from this browser's own store, first the page and
-// the whole timeline, then the windows. A folder that was written again has another version, which
-// is fetched whole before it takes over.
+// The service worker: serves all files of a static folder from the browser's storage. It stores the page
+// and the whole timeline first, the windows later. A new version is stored completely before it is used.
 
 importScripts("files.js");
 
@@ -9,8 +8,8 @@ const NAME = `overview ${self.registration.scope} ${version}`;
 
 self.addEventListener("install", (event) => {
   event.waitUntil(
-    caches.open(NAME).then((kept) =>
-      kept.addAll(["./", "files.js", ...page].map(fresh)),
+    caches.open(NAME).then((cache) =>
+      cache.addAll(["./", "files.js", ...page].map(fresh)),
     ),
   );
 });
@@ -28,13 +27,13 @@ self.addEventListener("activate", (event) => {
   );
 });
 
-// the page asks for it once it sounds: ten megabytes shouldn't be in its way
+// requested once the page sounds: the windows are large
 self.addEventListener("message", (event) => {
   if (event.data !== "keep windows") return;
   event.waitUntil(
-    caches.open(NAME).then(async (kept) => {
+    caches.open(NAME).then(async (cache) => {
       for (const name of more) {
-        if (!(await kept.match(name))) await kept.add(fresh(name));
+        if (!(await cache.match(name))) await cache.add(fresh(name));
       }
     }),
   );
@@ -50,6 +49,6 @@ function fresh(name) {
 }
 
 async function answer(request) {
-  const kept = await caches.open(NAME);
-  return (await kept.match(request, { ignoreSearch: true })) ?? fetch(request);
+  const cache = await caches.open(NAME);
+  return (await cache.match(request, { ignoreSearch: true })) ?? fetch(request);
 }

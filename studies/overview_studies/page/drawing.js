@@ -37,10 +37,10 @@ export function drawTimeline(svg, view, kinds) {
   c.strokeStyle = "var(--curve)";
   c.lineWidth = 1.75;
   c.stroke();
-  for (const { place, kind } of view.events) {
+  for (const { position, kind } of view.events) {
     const { shape, colour } = kinds[kind];
-    const up = y(view.level[Math.round(place * last)]);
-    drawMark(c, shape, x(place), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
+    const up = y(view.level[Math.round(position * last)]);
+    drawMark(c, shape, x(position), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
   }
   c.show();
 }
@@ -77,13 +77,13 @@ export class View {
 
 /** Return a legend of the event kinds. */
 export function legendOf(kinds) {
-  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ words, shape, colour }) => {
+  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ name, shape, colour }) => {
     const svg = newSvg();
     svg.setAttribute("viewBox", "0 0 24 24");
     svg.setAttribute("aria-hidden", "true");
     const c = new SvgContext(svg);
     drawMark(c, shape, 12, 12, MARK, `var(--${colour})`, "var(--rim)");
     c.show();
-    return make("li", {}, svg, make("span", { text: words }));
+    return make("li", {}, svg, make("span", { text: name }));
   }));
 }

@@ -3,7 +3,7 @@
 
 import { SampleClock } from "./clock.js";
 import { boxOf, View } from "./drawing.js";
-import { Hand } from "./hand.js";
+import { CombinedInput } from "./combined_input.js";
 import { button, make } from "./make.js";
 import { Strokes } from "./strokes.js";
 import { listenToTouch } from "./touch.js";
@@ -12,7 +12,7 @@ const STEP = 0.01;
 const PAGE = 0.1;
 
 /** Receiver of twist events between trials. */
-export const NO_INPUT = { hold: () => {}, release: () => {} };
+export const NO_INPUT = { moveTo: () => {}, release: () => {} };
 
 export class Pad {
   /**
@@ -37,7 +37,7 @@ export class Pad {
       "aria-valuemax": 100, "aria-valuenow": 0, "aria-valuetext": "at the start",
     }, this.view.element, this.finger);
     this.element = make("div", { class: "felt" }, this.slider, this.hint());
-    this.left = () => document.hidden && !this.twist.on && this.hand?.releaseAll();
+    this.left = () => document.hidden && !this.twist.on && this.combined?.releaseAll();
     document.addEventListener("visibilitychange", this.left);
     this.listen();
   }
@@ -63,20 +63,20 @@ export class Pad {
     this.touched = false;
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
-    this.hand = new Hand(new Strokes(this.clock, send));
-    this.hand.onchange = () => this.moved();
-    if (this.toggle) this.twist.hand = this.hand;
+    this.combined = new CombinedInput(new Strokes(this.clock, send));
+    this.combined.onchange = () => this.moved();
+    if (this.toggle) this.twist.input = this.combined;
     this.follow(presentation);
   }
 
   /** Release; the disk springs back. */
   release() {
-    this.hand?.releaseAll();
+    this.combined?.releaseAll();
   }
 
   end() {
     this.release();
-    this.twist.hand = NO_INPUT;
+    this.twist.input = NO_INPUT;
     this.presentation = null;
     this.view.end();
     document.removeEventListener("visibilitychange", this.left);
@@ -86,7 +86,7 @@ export class Pad {
   async follow(presentation) {
     while (this.presentation === presentation && !presentation.stopped) {
       const { clock, cursor } = await presentation.readState();
-      this.clock.heard(clock, performance.now());
+      this.clock.addReading(clock, performance.now());
       this.show(cursor);
       await new Promise((resolve) => {
         requestAnimationFrame(resolve);
@@ -95,28 +95,28 @@ export class Pad {
   }
 
   moved() {
-    const { holder, place } = this.hand;
-    if (holder === null) return;
-    this.position = place;
-    this.sources.add(holder);
-    const percent = Math.round(100 * place);
+    const { active, position } = this.combined;
+    if (active === null) return;
+    this.position = position;
+    this.sources.add(active);
+    const percent = Math.round(100 * position);
     this.slider.setAttribute("aria-valuenow", percent);
-    this.slider.setAttribute("aria-valuetext", `${percent} percent${this.nearby(place)}`);
+    this.slider.setAttribute("aria-valuetext", `${percent} percent${this.nearby(position)}`);
     if (this.touched) return;
     this.touched = true;
     this.ontouched();
   }
 
   /** Return the text of an event near a position, in visual conditions. */
-  nearby(place) {
-    const near = this.view.view?.events.find((event) => Math.abs(event.place - place) < STEP / 2);
-    return near ? `, ${this.kinds[near.kind].words}` : "";
+  nearby(position) {
+    const near = this.view.view?.events.find((event) => Math.abs(event.position - position) < STEP / 2);
+    return near ? `, ${this.kinds[near.kind].name}` : "";
   }
 
   show(cursor) {
     const { x } = boxOf(this.slider.clientWidth, this.slider.clientHeight);
     this.finger.hidden = !this.touched;
-    this.finger.classList.toggle("holding", this.hand.holder !== null);
+    this.finger.classList.toggle("holding", this.combined.active !== null);
     this.finger.style.transform = `translateX(${x(this.position).toFixed(1)}px)`;
     this.view.at(cursor);
   }
@@ -127,11 +127,11 @@ export class Pad {
     const isAllowed = (input) => this.presentation !== null && [input, "any"].includes(this.input);
     // forwards to the input of the current presentation
     const touch = {
-      hold: (source, place, time) => isAllowed("touch") && this.hand.hold(source, place, time),
-      release: (source, time) => isAllowed("touch") && this.hand.release(source, time),
+      moveTo: (source, place, time) => isAllowed("touch") && this.combined.moveTo(source, place, time),
+      release: (source, time) => isAllowed("touch") && this.combined.release(source, time),
     };
     listenToTouch(this.slider, touch, {
-      placeOf: ({ clientX }) => {
+      positionOf: ({ clientX }) => {
         const { left, width, height } = this.slider.getBoundingClientRect();
         return boxOf(width, height).place(clientX - left);
       },
@@ -139,21 +139,21 @@ export class Pad {
       onpinch: () => {},
       onfirst: () => {},
     });
-    const to = (place) => this.hand.hold("keys", place);
-    const by = (step) => ({ shiftKey }) => to(this.hand.place + step * (shiftKey ? 10 : 1));
+    const to = (place) => this.combined.moveTo("keys", place);
+    const by = (step) => ({ shiftKey }) => to(this.combined.position + step * (shiftKey ? 10 : 1));
     const keys = {
       ArrowRight: by(STEP), ArrowUp: by(STEP), ArrowLeft: by(-STEP), ArrowDown: by(-STEP),
       PageUp: by(PAGE), PageDown: by(-PAGE),
       Home: () => to(0), End: () => to(1),
-      " ": ({ repeat }) => repeat || this.hand.tap("keys", this.hand.place),
-      Escape: () => this.hand.release("keys"),
+      " ": ({ repeat }) => repeat || this.combined.tap("keys", this.combined.position),
+      Escape: () => this.combined.release("keys"),
     };
     this.slider.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || !Object.hasOwn(keys, event.key)) return;
       event.preventDefault();
       if (this.presentation !== null) keys[event.key](event);
     });
-    this.slider.addEventListener("blur", () => this.hand?.release("keys"));
+    this.slider.addEventListener("blur", () => this.combined?.release("keys"));
   }
 
   async toggleTwist() {

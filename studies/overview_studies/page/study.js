@@ -17,11 +17,11 @@ import { Twist } from "./twist.js";
 const LOCK_TIMEOUT_MS = 2000;
 
 const fault = (line) => {
-  by("fault").textContent = line;
+  byId("fault").textContent = line;
 };
 
 const say = (line) => {
-  by("said").textContent = line;
+  byId("said").textContent = line;
 };
 
 /** Connect to a server or host; the token moves from the address to the store. */
@@ -56,10 +56,10 @@ function kitOf({ study, list, felt, answers, leave, file }) {
     twist: new Twist(NO_INPUT),
     progress() {
       const { done, total } = progressOf(list.steps, answers.done);
-      by("progress").max = total;
-      by("progress").value = done;
-      by("count").textContent = `${done} of ${total}`;
-      by("progress-line").hidden = false;
+      byId("progress").max = total;
+      byId("progress").value = done;
+      byId("count").textContent = `${done} of ${total}`;
+      byId("progress-line").hidden = false;
     },
     preload({ id }) {
       const next = trials[trials.findIndex((one) => id.startsWith(one.id)) + 1];
@@ -84,12 +84,12 @@ async function main() {
   }
   const sessions = new Sessions(store, study);
   const felt = new StimulusPlayer(study, file);
-  const display = by("study");
+  const display = byId("study");
   const context = {
     study, display, sessions, felt, fault, say, server: study.server === null ? null : server,
   };
   const { answers: stored, ...session } = await openSession(context);
-  by("title").textContent = study.title;
+  byId("title").textContent = study.title;
   if (!(await acquireLock(session.session))) {
     display.replaceChildren(make("h1", { text: "This session is open in another tab" }),
       make("p", { text: "Continue in that tab, or close it and reload this page." }));
@@ -115,13 +115,13 @@ async function main() {
   const kit = kitOf({ study, list, felt, answers, leave, file });
   await runSteps(context, session, list, kit);
   kit.twist.end();
-  by("progress-line").hidden = true;
+  byId("progress-line").hidden = true;
   await endSession(context, session, answers);
 }
 
 function showUnsent({ unsent }) {
   const { size } = unsent;
-  by("waiting").textContent = size > 1 ? `${size} answers are not stored yet` : "";
+  byId("waiting").textContent = size > 1 ? `${size} answers are not stored yet` : "";
 }
 
 addEventListener("unhandledrejection", ({ reason }) => fault(reason?.message ?? String(reason)));

@@ -16,9 +16,9 @@ BEFORE = [(0.0, "period"), (300.0, "foul"), (700.0, "near_miss"), (1400.0, "goal
 
 
 def match(events, now=1500.0, length=5700.0):
-    live = ov.LiveTimeline("Home - Away", expect_s=length)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=length)
     live.append(events=[ov.Event(float(at), kind) for at, kind in events], clock_s=now)
-    return live.felt()
+    return live.padded_snapshot()
 
 
 def surface(*arguments, **keywords):

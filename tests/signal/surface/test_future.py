@@ -16,7 +16,7 @@ PRESETS = ("football", "football-discreet", "series", "crowd", "heart", "ratchet
 @pytest.fixture(scope="module")
 def half(match):
     """The match as it is at half time, under its expected length."""
-    live = ov.LiveTimeline(expect_s=match.duration_s)
+    live = ov.LiveTimeline(expected_duration_s=match.duration_s)
     live.append(events=[event for event in match.events if event.time_s <= 2900.0], clock_s=2900.0)
     return live.snapshot()
 

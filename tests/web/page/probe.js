@@ -72,7 +72,7 @@ export async function renderOffline({
       for (const [sample, method, given] of loaded) {
         if (Math.ceil(sample / QUANTUM) * QUANTUM === time) node[method](...given);
       }
-      await node.look(); // answered after all of them
+      await node.readState(); // answered after all of them
       context.resume();
     });
   }
@@ -80,14 +80,14 @@ export async function renderOffline({
     context.suspend(foul / rate).then(async () => {
       node.port.postMessage({ kind: "control", events: Float64Array.of(-1, 99, 1, 1) });
       node.port.postMessage({ kind: "change", bytes: new ArrayBuffer(3) });
-      await node.look();
+      await node.readState();
       context.resume();
     });
   }
   const began = performance.now();
   const samples = interleaved(await context.startRendering());
   const seconds = (performance.now() - began) / 1e3;
-  return { samples: base64(samples), seconds, look: await node.look(), faults };
+  return { samples: base64(samples), seconds, look: await node.readState(), faults };
 }
 
 /**
@@ -104,7 +104,7 @@ export async function runKernel({ image, blocks = 0, changes = [], region = [0, 
     kernel.render(outputs);
     waited += kernel.waiting.length > 0 ? 1 : 0;
   }
-  return { loaded, region: await digest(kernel.m.subarray(...region)), waited };
+  return { loaded, region: await digest(kernel.numbers.subarray(...region)), waited };
 }
 
 /** Bytes by which the heap grows in `blocks` blocks of a session, and microseconds a block. */
@@ -147,13 +147,13 @@ export async function playInTime(image, rate, milliseconds) {
   node.connect(context.destination);
   const moment = () => new Promise((resolve) => setTimeout(resolve, milliseconds));
   await moment();
-  const first = await node.look();
+  const first = await node.readState();
   node.control(2.0, true);
   await moment();
-  const second = await node.look();
+  const second = await node.readState();
   node.stop();
   await moment();
-  const last = await node.look();
+  const last = await node.readState();
   await context.close();
   return { state: context.state, faults, first, second, last };
 }

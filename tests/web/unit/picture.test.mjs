@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { placeAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
-import { geometryOf, placeTurned } from "../../../overview_dsp/web/site/geometry.js";
+import { positionAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
+import { geometryOf, positionTurned } from "../../../overview_dsp/web/site/geometry.js";
 import { linesOf, pointAt, valueText } from "../../../overview_dsp/web/site/values.js";
 import {
-  croppedTo, partBetween, partBeside, partNearest,
+  croppedTo, partBetween, neighbourPart, partNearest,
 } from "../../../overview_dsp/web/site/windows.js";
 
 const SIZES = [
@@ -20,7 +20,7 @@ test("the disk keeps its size and lies in the picture, beside or below the curve
     const below = g.disk.y - g.disk.radius >= g.bottom;
     assert.ok(below || g.disk.x - g.disk.radius >= g.right, `${width} ${height}`);
     assert.ok(g.bottom - g.top >= 40);
-    assert.equal(g.place(g.x(0.3)).toFixed(9), "0.300000000");
+    assert.equal(g.position(g.x(0.3)).toFixed(9), "0.300000000");
   }
 });
 
@@ -30,11 +30,11 @@ test("without what moves there is no disk", () => {
 
 test("the disk is turned over the top, and stays at the end it was turned to", () => {
   const disk = { x: 100, y: 100, radius: 50 };
-  assert.equal(placeTurned(disk, 60, 100, 0), 0);
-  assert.equal(placeTurned(disk, 100, 50, 0.4), 0.5);
-  assert.equal(placeTurned(disk, 140, 100, 0.9), 1);
-  assert.equal(placeTurned(disk, 60, 130, 0.9), 1);
-  assert.equal(placeTurned(disk, 140, 130, 0.1), 0);
+  assert.equal(positionTurned(disk, 60, 100, 0), 0);
+  assert.equal(positionTurned(disk, 100, 50, 0.4), 0.5);
+  assert.equal(positionTurned(disk, 140, 100, 0.9), 1);
+  assert.equal(positionTurned(disk, 60, 130, 0.9), 1);
+  assert.equal(positionTurned(disk, 140, 130, 0.1), 0);
 });
 
 test("the nearest point is the one before or after, whichever is nearer", () => {
@@ -64,18 +64,18 @@ test("a window of its own has neighbours", () => {
   ];
   const part = partBetween(windows, [20, 50]);
   assert.deepEqual([part.number, part.zoom], [-1, 1]);
-  assert.equal(partBeside(windows, part, 1).start_s, 30);
+  assert.equal(neighbourPart(windows, part, 1).start_s, 30);
 });
 
-test("a view cropped to a window of it has what lies there, at its places", () => {
+test("a view cropped to a window of it has what lies there, at its positions", () => {
   const level = Array.from({ length: 101 }, (_, i) => i / 100);
   const view = {
     start_s: 0, end_s: 1000, level, resistance: level, gaps: [[0.1, 0.3], [0.8, 0.9]],
-    events: [{ place: 0.2 }, { place: 0.5 }, { place: 0.7 }],
+    events: [{ position: 0.2 }, { position: 0.5 }, { position: 0.7 }],
   };
   const cropped = croppedTo(view, [250, 750]);
   assert.deepEqual([cropped.level[0], cropped.level[50], cropped.level[100]], [0.25, 0.5, 0.75]);
-  assert.deepEqual(cropped.events.map(({ place }) => place.toFixed(2)), ["0.50", "0.90"]);
+  assert.deepEqual(cropped.events.map(({ position }) => position.toFixed(2)), ["0.50", "0.90"]);
   assert.equal(cropped.gaps.length, 1);
   assert.equal(cropped.gaps[0][0], 0);
   assert.ok(Math.abs(cropped.gaps[0][1] - 0.1) < 1e-9);
@@ -83,35 +83,35 @@ test("a view cropped to a window of it has what lies there, at its places", () =
 
 const MAPPED = {
   start_s: 100, end_s: 1100,
-  map: { time_s: [100, 200, 210, 210, 1100], place: [0, 0.25, 0.5, 0.75, 1] },
+  angle_map: { time_s: [100, 200, 210, 210, 1100], position: [0, 0.25, 0.5, 0.75, 1] },
 };
 
-test("moments and places of a mapped window lead to each other", () => {
+test("moments and positions of a mapped window lead to each other", () => {
   const moments = [100, 150, 200, 205, 600, 1100];
-  const places = [0, 0.125, 0.25, 0.375, 0.75 + (0.25 * 390) / 890, 1];
+  const positions = [0, 0.125, 0.25, 0.375, 0.75 + (0.25 * 390) / 890, 1];
   moments.forEach((moment, i) => {
-    assert.ok(Math.abs(placeAt(MAPPED, moment) - places[i]) < 1e-12, `${moment}`);
-    assert.ok(Math.abs(secondsAt(MAPPED, places[i]) - moment) < 1e-9, `${moment}`);
+    assert.ok(Math.abs(positionAt(MAPPED, moment) - positions[i]) < 1e-12, `${moment}`);
+    assert.ok(Math.abs(secondsAt(MAPPED, positions[i]) - moment) < 1e-9, `${moment}`);
   });
-  // of events at one moment the last one's place; in between it stands still
-  assert.equal(placeAt(MAPPED, 210), 0.75);
+  // of events at one moment the last one's position; in between it stands still
+  assert.equal(positionAt(MAPPED, 210), 0.75);
   assert.equal(secondsAt(MAPPED, 0.6), 210);
-  assert.deepEqual([placeAt(MAPPED, 0), placeAt(MAPPED, 2000)], [0, 1]);
+  assert.deepEqual([positionAt(MAPPED, 0), positionAt(MAPPED, 2000)], [0, 1]);
   assert.deepEqual(stretched(MAPPED), [[0, 0.25], [0.25, 0.5], [0.5, 0.75]]);
-  const linear = { start_s: 100, end_s: 1100, map: null };
-  assert.deepEqual([placeAt(linear, 350), secondsAt(linear, 0.25), placeAt(linear, 0)], [0.25, 350, 0]);
+  const linear = { start_s: 100, end_s: 1100, angle_map: null };
+  assert.deepEqual([positionAt(linear, 350), secondsAt(linear, 0.25), positionAt(linear, 0)], [0.25, 350, 0]);
 });
 
 test("a cropped window keeps the map of what it shows", () => {
   const level = Array.from({ length: 101 }, (_, i) => i / 100);
-  const view = { ...MAPPED, level, resistance: level, gaps: [], events: [{ place: 0.5 }] };
+  const view = { ...MAPPED, level, resistance: level, gaps: [], events: [{ position: 0.5 }] };
   const ends = [150, 600];
   const cropped = croppedTo(view, ends);
-  const [from, to] = ends.map((moment) => placeAt(view, moment));
-  assert.ok(Math.abs(cropped.events[0].place - (0.5 - from) / (to - from)) < 1e-12);
+  const [from, to] = ends.map((moment) => positionAt(view, moment));
+  assert.ok(Math.abs(cropped.events[0].position - (0.5 - from) / (to - from)) < 1e-12);
   for (const moment of [150, 190, 207, 300, 600]) {
-    const wanted = (placeAt(view, moment) - from) / (to - from);
-    assert.ok(Math.abs(placeAt(cropped, moment) - wanted) < 1e-12, `${moment}`);
+    const wanted = (positionAt(view, moment) - from) / (to - from);
+    assert.ok(Math.abs(positionAt(cropped, moment) - wanted) < 1e-12, `${moment}`);
   }
   assert.ok(Math.abs(cropped.level[0] - from) < 0.01);
 });

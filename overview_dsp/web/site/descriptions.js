@@ -1,0 +1,214 @@
+// Texts for times, events and positions.
+
+import { secondsAt } from "./angle_map.js";
+import { pointAt, rangeOf, valueText } from "./values.js";
+
+const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
+
+/** @import { Info, TimelineEvent, View } from "../types" */
+
+// created once: each takes longer than the rest of a frame
+const DAYS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", day: "numeric", month: "short", year: "numeric",
+});
+const TIMES = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", weekday: "short", hour: "2-digit", minute: "2-digit", second: "2-digit",
+});
+
+const SPOKEN_DAYS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", day: "numeric", month: "long", year: "numeric",
+});
+
+const HOURS = new Intl.DateTimeFormat("en-GB", {
+  timeZone: "UTC", hour: "2-digit", minute: "2-digit",
+});
+
+const DAY_S = 86400;
+const LONG_S = 3 * DAY_S; // from here on a date is more useful than a weekday
+
+/**
+ * Return minutes and seconds, or the date of a timeline with a calendar.
+ * @param {number} seconds
+ * @param {Info} info
+ */
+export function momentText(seconds, info, days = DAYS) {
+  if (info.start) {
+    const zone = info.start.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
+    const local = info.start.slice(0, info.start.length - zone.length);
+    const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
+    if (info.duration_s <= LONG_S) return TIMES.format(moment);
+    const day = days.format(moment);
+    return info.series?.has_times ? `${day}, ${HOURS.format(moment)}` : day;
+  }
+  const short = info.duration_s < 120;
+  const whole = short ? Math.floor(seconds) : Math.round(seconds);
+  const minutes = Math.floor(whole / 60);
+  const rest = String(whole % 60).padStart(2, "0");
+  const hours = Math.floor(minutes / 60);
+  const tenth = short ? `.${Math.floor((seconds - whole) * 10)}` : "";
+  if (info.duration_s < 3 * 3600) return `${minutes}:${rest}${tenth}`;
+  return `${hours}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
+}
+
+/**
+ * Return the time text for an axis with one label per `step` s.
+ * @param {number} seconds
+ * @param {Info} info
+ * @param {number} step
+ */
+export function tickText(seconds, info, step) {
+  const days = info.start && info.duration_s > LONG_S && step >= DAY_S;
+  return momentText(seconds, days ? { ...info, series: null } : info);
+}
+
+/**
+ * Return a time for speech, with the full name of the month.
+ * @type {(seconds: number, info: Info) => string}
+ */
+export const spokenMoment = (seconds, info) => momentText(seconds, info, SPOKEN_DAYS);
+
+const LABEL_ALONE = new Set(["period", "crossing_up", "crossing_down"]);
+
+/**
+ * Return kind and label of an event; the kind is left out if the label contains it.
+ * @param {Pick<TimelineEvent, "kind" | "label">} event
+ * @param {Info} info
+ */
+export function eventText(event, info) {
+  const words = info.kinds[event.kind]?.name ?? event.kind;
+  if (!event.label) return words;
+  if (LABEL_ALONE.has(event.kind)) return plainLabel(event.label);
+  if (event.label.toLowerCase().includes(words.toLowerCase())) return event.label;
+  return `${words}, ${event.label}`;
+}
+
+/**
+ * Return a label without value and date in brackets: "(20.0917), 2007-10-01".
+ * @param {string} label
+ */
+function plainLabel(label) {
+  return label.replace(/,? \d{4}-\d\d-\d\d.*$/, "").replace(/ \([-\d.]+\)/, "");
+}
+
+/**
+ * Return a short text for an event of a series, without its value and date.
+ * @param {TimelineEvent} event
+ * @param {Info} info
+ */
+function shortEvent(event, info) {
+  const label = plainLabel(event.label);
+  const words = info.kinds[event.kind]?.name ?? event.kind;
+  if (LABEL_ALONE.has(event.kind)) return label || words;
+  const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
+  return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
+}
+
+/**
+ * Return the event at a position of a window, or null.
+ * @param {View} view
+ * @param {number} position
+ * @returns {TimelineEvent | null}
+ */
+export function eventAt(view, position) {
+  let nearest = null;
+  for (const event of view.events) {
+    const away = Math.abs(event.position - position);
+    if (away <= TOLERANCE && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
+  }
+  return nearest;
+}
+
+/**
+ * Return the last event between two positions of the disk, or null.
+ * @param {View} view
+ * @param {number} from
+ * @param {number} to
+ * @returns {TimelineEvent | null}
+ */
+export function eventPassed(view, from, to) {
+  const [low, high] = from < to ? [from, to] : [to, from];
+  const passed = view.events.filter(({ position }) => position > low && position <= high);
+  return (from < to ? passed.at(-1) : passed[0]) ?? null;
+}
+
+/**
+ * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak".
+ * @param {View} view
+ * @param {number} position
+ * @param {Info} info
+ */
+export function positionText(view, position, info) {
+  const at = secondsAt(view, position);
+  const here = eventAt(view, position);
+  const isGap = view.gaps.some(([from, to]) => position > from && position < to);
+  const point = isGap && !here ? -1 : pointAt(view, here?.time_s ?? at);
+  if (point >= 0) {
+    const parts = [
+      valueText(view.points.value[point], info), spokenMoment(view.points.time_s[point], info),
+    ];
+    if (here) parts.push(shortEvent(here, info));
+    return parts.join(", ");
+  }
+  const moment = spokenMoment(at, info);
+  if (here) return `${moment}, ${eventText(here, info)}`;
+  if (isGap) return `${moment}, no data`;
+  const before = view.events.filter((event) => event.position < position).at(-1);
+  return before ? `${moment}, after ${eventText(before, info)}` : moment;
+}
+
+/**
+ * Return the value at a position as text; "" in a gap.
+ * @param {View} view
+ * @param {number} position
+ * @param {Info} info
+ */
+export function valueAt(view, position, info) {
+  if (view.gaps.some(([from, to]) => position > from && position < to)) return "";
+  const here = eventAt(view, position);
+  const point = pointAt(view, here?.time_s ?? secondsAt(view, position));
+  return point < 0 ? "" : valueText(view.points.value[point], info);
+}
+
+const SCORE = /^\d+-\d+(?= )/;
+
+/**
+ * Return the scores of a match's window in order, each with its first position.
+ * @param {View} view
+ */
+export function scoresOf(view) {
+  const goals = view.events.filter(({ label }) => SCORE.test(label));
+  /** @param {TimelineEvent} event */
+  const text = ({ label }) => label.match(SCORE)[0].replace("-", "\u2013");
+  const scores = goals.map((goal) => ({ position: goal.position, text: text(goal) }));
+  return scores.length > 0 ? [{ position: 0, text: "0\u20130" }, ...scores] : [];
+}
+
+/**
+ * Return the score at a position; "" before the first goal.
+ * @param {View} view
+ * @param {number} position
+ */
+export function scoreAt(view, position) {
+  return scoresOf(view).slice(1).filter((one) => one.position <= position + TOLERANCE).at(-1)?.text ?? "";
+}
+
+/**
+ * Return a summary of a window: time range, value range and number of events.
+ * @param {View} view
+ * @param {Info} info
+ */
+export function summaryText(view, info) {
+  const parts = [
+    `${info.title}: ${spokenMoment(view.start_s, info)} to ${spokenMoment(view.end_s, info)}`,
+  ];
+  if (view.points) {
+    const [lowest, highest] = rangeOf(view);
+    parts.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
+  }
+  const counts = new Map();
+  for (const { kind } of view.events) {
+    if (info.kinds[kind].shape !== "bar") counts.set(kind, (counts.get(kind) ?? 0) + 1);
+  }
+  const kinds = [...counts].map(([kind, count]) => `${info.kinds[kind].name}: ${count}`);
+  return [...parts, ...kinds].join("; ");
+}

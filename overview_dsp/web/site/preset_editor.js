@@ -1,0 +1,327 @@
+// The preset editor: sliders for all parameters, with two versions (A and B) to compare.
+// The server computes every change, with the same code as a native engine.
+
+import { PROFILE, drawingOf, MAP } from "./editor_drawing.js";
+import { rowOf } from "./editor_rows.js";
+import { byId } from "./dom.js";
+import { request, post } from "./session.js";
+
+/** @import { Drawing, EventKind, Parameter, Preset } from "../types" */
+/** @import { CombinedInput } from "./combined_input.js" */
+/** @typedef {[Parameter, Record<string, any>, string]} Row a parameter, whose value, its key there */
+
+/** @param {string} path */
+const json = async (path) => (await request(path)).json();
+const HIDDEN_SECTIONS = ["twist", "follow"]; // sections that only concern sensors and hosts
+const ANGLE_MAP = "surface.angle_map";
+const NAME = /^[\w-]+$/; // allowed in a preset's file name
+const EXISTS = "already exists";
+/** @type {(a: unknown, b: unknown) => boolean} */
+const isSame = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+export class PresetEditor {
+  /**
+   * `applyChange(before, after, surface)` makes a change; `surface` is true if the surface differs.
+   * @param {(before: Preset, after: Preset, surface: boolean) => Promise<void>} applyChange
+   * @param {CombinedInput} input
+   */
+  constructor(applyChange, input) {
+    this.applyChange = applyChange;
+    this.input = input;
+    const { onchange } = input;
+    input.onchange = () => {
+      onchange();
+      if (input.active === null) this.applyHeldMap();
+    };
+    /** @type {Preset[] | null} */
+    this.sides = null; // the presets of A and B
+    this.side = 1;
+    /** @type {Preset | null} */
+    this.playing = null;
+    this.busy = false;
+    byId("editor-close").addEventListener("click", () => this.toggle(false));
+    byId("editor-a").addEventListener("click", () => this.choose(0));
+    byId("editor-b").addEventListener("click", () => this.choose(1));
+    byId("editor-preset").addEventListener("change", () => this.load(byId("editor-preset").value));
+    byId("editor-name").addEventListener("input", () => this.offer(false));
+    byId("editor-download").addEventListener("click", () => this.tryTo(() => this.download()));
+    byId("editor-save").addEventListener("click", () => this.tryTo(() => this.save()));
+  }
+
+  get preset() {
+    return this.sides[this.side];
+  }
+
+  /** @param {boolean} open */
+  async toggle(open) {
+    if (open && this.sides === null && !(await this.tryTo(() => this.begin()))) return;
+    byId("editor").hidden = !open;
+    document.documentElement.classList.toggle("tuning", open);
+    (open ? byId("editor-title") : byId("slider")).focus();
+  }
+
+  get open() {
+    return !byId("editor").hidden;
+  }
+
+  /** Start from the served preset when the editor opens again. */
+  reset() {
+    this.sides = null;
+    byId("editor-preset").replaceChildren();
+  }
+
+  /**
+   * Put a preset that was saved elsewhere on the side that isn't active; your changes stay on the other.
+   * `sounds`: whether the preset is active already.
+   * @param {Preset} preset
+   * @param {boolean} sounds
+   */
+  async addSavedPreset(preset, sounds) {
+    if (isSame(preset, this.preset)) return;
+    if (sounds) this.playing = structuredClone(preset);
+    const side = 1 - this.side;
+    this.sides[side] = preset;
+    const names = [...byId("editor-preset").options].map(({ value }) => value);
+    if (!names.includes(preset.name)) byId("editor-preset").append(new Option(preset.name));
+    await this.choose(side);
+    const [own, its] = side === 0 ? ["B", "A"] : ["A", "B"];
+    const line = `${preset.name} was changed on the server and is now ${its}; your changes are ${own}`;
+    byId("editor-message").textContent ||= line;
+  }
+
+  /**
+   * Change to a preset by its name, even if the editor is closed.
+   * @param {string} name
+   */
+  async use(name) {
+    if (this.sides === null) await this.begin();
+    await this.load(name);
+  }
+
+  async begin() {
+    const [{ preset, parameters }, { bundled, own }] = await Promise.all([
+      json("data/preset"), json("data/presets"),
+    ]);
+    /** @type {Map<string, Parameter>} */
+    this.table = new Map(parameters.map((/** @type {Parameter} */ one) => [one.id, one]));
+    this.sides = [preset, structuredClone(preset)];
+    this.playing = structuredClone(preset);
+    const names = [...new Set([preset.name, ...own, ...bundled])];
+    byId("editor-preset").append(...names.map((name) => new Option(name)));
+    byId("editor-name").value = `my-${preset.name}`.slice(0, 64);
+    this.choose(1);
+  }
+
+  /**
+   * Activate A (0) or B (1).
+   * @param {number} side
+   */
+  choose(side) {
+    this.side = side;
+    byId("editor-a").setAttribute("aria-pressed", String(side === 0));
+    byId("editor-b").setAttribute("aria-pressed", String(side === 1));
+    byId("editor-preset").value = this.preset.name;
+    this.show();
+    return this.changed();
+  }
+
+  /**
+   * Load another preset into the active side.
+   * @param {string} name
+   */
+  load(name) {
+    return this.tryTo(async () => {
+      const { preset } = await json(`data/preset?name=${encodeURIComponent(name)}`);
+      this.sides[this.side] = preset;
+      this.show();
+      this.changed();
+    });
+  }
+
+  // --- rows -------------------------------------------------------------------------------------
+
+  show() {
+    const opened = byId("editor-rows").querySelectorAll("details[open]");
+    const open = new Set([...opened].map((/** @type {Element} */ one) => one.id));
+    const { values, kinds } = this.preset;
+    /** @type {Map<string, Row[]>} */
+    const sections = new Map();
+    /** @type {Map<string, [{ points: number[] }, Drawing]>} */
+    const drawings = new Map([["surface", [this.preset, MAP]]]);
+    for (const [id, parameter] of this.table) {
+      if (["kinds", ...HIDDEN_SECTIONS].includes(id.split(".")[0])) continue;
+      const name = id.split(".")[0];
+      sections.set(name, [...(sections.get(name) ?? []), [parameter, values, id]]);
+    }
+    for (const [name, kind] of Object.entries(kinds)) {
+      sections.set(`event: ${name.replaceAll("_", " ")}`, this.kindRows(kind));
+      drawings.set(`event: ${name.replaceAll("_", " ")}`, [kind, PROFILE]);
+    }
+    byId("editor-rows").replaceChildren(
+      ...[...sections].map(([name, rows]) => (
+        this.section(name, rows, open, drawings.get(name)))),
+    );
+  }
+
+  /**
+   * @param {EventKind} kind
+   * @returns {Row[]}
+   */
+  kindRows(kind) {
+    const parameterOf = (/** @type {string} */ id) => this.table.get(`kinds.NAME.${id}`);
+    /** @type {Row[]} */
+    const rows = Object.keys(kind)
+      .filter((key) => parameterOf(key) && kind[key] !== null)
+      .map((key) => [parameterOf(key), kind, key]);
+    kind.modes.forEach((mode, i) => {
+      for (const key of Object.keys(mode)) {
+        const row = parameterOf(`modes.${key}`);
+        rows.push([{ ...row, doc: `Mode ${i + 1}. ${row.doc}` }, mode, key]);
+      }
+    });
+    return rows;
+  }
+
+  /**
+   * Return a section whose rows are created when it opens; `drawings` adds a curve to draw.
+   * @param {string} name
+   * @param {Row[]} rows
+   * @param {Set<string>} open
+   * @param {[{ points: number[] }, Drawing] | undefined} drawings
+   */
+  section(name, rows, open, drawings) {
+    const details = document.createElement("details");
+    details.id = `section ${name}`;
+    const summary = document.createElement("summary");
+    summary.textContent = name;
+    details.append(summary);
+    const fill = () => {
+      if (!details.open || details.children.length > 1) return;
+      details.append(
+        ...rows.map(([parameter, owner, key]) =>
+          rowOf(parameter, owner, key, () => this.changed()),
+        ),
+      );
+      if (drawings) details.append(drawingOf(...drawings, () => this.changed()));
+    };
+    details.addEventListener("toggle", fill);
+    details.open = open.has(details.id);
+    fill();
+    return details;
+  }
+
+  // --- applying changes --------------------------------------------------------------------------
+
+  /** Apply the newest state; states that change while a request runs are merged into one. */
+  async changed() {
+    this.offer(false);
+    if (this.busy) {
+      this.changedAgain = true;
+      return;
+    }
+    this.busy = true;
+    do {
+      this.changedAgain = false;
+      const after = structuredClone(this.preset);
+      // positions must not move while the disk is touched
+      if (this.input.active !== null) after.values[ANGLE_MAP] = this.playing.values[ANGLE_MAP];
+      const surface = this.differs(this.playing, after);
+      if (surface === null) continue;
+      if (await this.tryTo(() => this.applyChange(this.playing, after, surface))) this.playing = after;
+    } while (this.changedAgain);
+    this.busy = false;
+  }
+
+  /** Apply the angle map that was chosen while the disk was touched. */
+  applyHeldMap() {
+    if (this.sides && this.playing.values[ANGLE_MAP] !== this.preset.values[ANGLE_MAP]) this.changed();
+  }
+
+  /**
+   * Return whether the surfaces of two presets differ; null if the presets are equal.
+   * @param {Preset} before
+   * @param {Preset} after
+   */
+  differs(before, after) {
+    const ids = Object.keys(after.values).filter((id) => before.values[id] !== after.values[id]);
+    if (!isSame([before.kinds, before.points], [after.kinds, after.points])) return true;
+    if (ids.some((id) => this.table.get(id).surface)) return true;
+    return ids.length > 0 || before.name !== after.name ? false : null;
+  }
+
+  // --- files ------------------------------------------------------------------------------------
+
+  async toml() {
+    return (await post("preset/toml", this.preset)).text();
+  }
+
+  get name() {
+    return byId("editor-name").value.trim();
+  }
+
+  async download() {
+    const file = new Blob([await this.toml()], { type: "application/toml" });
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(file);
+    link.download = `${this.name || this.preset.name}.toml`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+  }
+
+  async save() {
+    if (this.saving) return; // a second click
+    if (!NAME.test(this.name)) {
+      throw new Error(`name is ${this.name || "empty"}; must be letters, digits, - and _`);
+    }
+    this.saving = true;
+    try {
+      await this.upload(await this.toml());
+    } finally {
+      this.saving = false;
+    }
+  }
+
+  /** @param {string} body */
+  async upload(body) {
+    const path = `preset/${encodeURIComponent(this.name)}${this.replaces ? "?replace=1" : ""}`;
+    try {
+      await request(path, { method: "PUT", body });
+    } catch (error) {
+      const exists = error.message.includes(EXISTS);
+      this.offer(exists);
+      if (!exists) throw error;
+      throw new Error(`preset ${this.name} already exists: replace it, or enter another name`);
+    }
+    this.offer(false);
+    this.showMessage(`saved as ${this.name}`);
+  }
+
+  /**
+   * Show whether saving replaces an existing file.
+   * @param {boolean} replaces
+   */
+  offer(replaces) {
+    this.replaces = replaces;
+    byId("editor-save").textContent = replaces ? "Replace it" : "Save";
+  }
+
+  /** @param {string} text */
+  showMessage(text) {
+    byId("editor-message").textContent = text;
+  }
+
+  /**
+   * Run an action, show its error, and return whether it succeeded.
+   * @param {() => unknown} act
+   */
+  async tryTo(act) {
+    this.showMessage("");
+    try {
+      await act();
+      return true;
+    } catch (error) {
+      this.showMessage(error.message);
+      return false;
+    }
+  }
+}

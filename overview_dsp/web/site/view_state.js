@@ -1,0 +1,190 @@
+// The visible part of the timeline, and its changes by zoom, shift and wheel.
+
+import { positionAt, secondsAt } from "./angle_map.js";
+import { byId } from "./dom.js";
+import { levels, partAround, neighbourPart, partBetween } from "./windows.js";
+import { momentText } from "./descriptions.js";
+
+/** @import { TimeRange, Part, AudioBackend, View } from "../types" */
+/** @import { Data } from "./data.js" */
+/** @import { CombinedInput } from "./combined_input.js" */
+/** @import { Picture } from "./picture.js" */
+
+const WHEEL_PX = 60; // per step
+const WHEEL_REST_MS = 250; // pause that ends a turn of the wheel
+const REST_MS = 250; // pause of a slider before the picture is drawn
+
+/** @type {(a: TimeRange | null, b: TimeRange | null) => boolean} */
+export const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
+
+export class ViewState {
+  /**
+   * `onshow()` is called after each change, `onfault(line)` with errors.
+   * @param {{ data: Data, sound: AudioBackend, input: CombinedInput, picture: Picture, onshow: () => void, onfault: (line: string) => void }} parts
+   */
+  constructor({ data, sound, input, picture, onshow, onfault }) {
+    this.data = data;
+    this.windows = data.info.windows;
+    this.sound = sound;
+    this.input = input;
+    this.picture = picture;
+    this.onshow = onshow;
+    this.onfault = onfault;
+    /** @type {View | null} */
+    this.view = null;
+    /** @type {TimeRange | null} */
+    this.soundingPart = null; // part whose surface is active
+    this.isChanging = false;
+    /** @type {Part | null} */
+    this.nextPart = null; // next part of `goToLatest`
+    this.wheelDistance = 0;
+    this.lastWheelTime = 0;
+  }
+
+  /**
+   * Show the first view; the sound starts with `soundingPart` and may change to the view.
+   * @param {View} view
+   * @param {Part} soundingPart
+   */
+  async begin(view, soundingPart) {
+    this.soundingPart = view;
+    this.setView(view);
+    this.updateControls();
+    if (!isSame(view, soundingPart)) (await this.sound.show(view))();
+  }
+
+  /** The time (s) at the input's position. */
+  get moment() {
+    return secondsAt(this.view, this.input.position);
+  }
+
+  /** @param {number} direction */
+  zoom(direction, position = this.input.position) {
+    const level = Math.min(Math.max(this.view.zoom + direction, 0), levels(this.windows));
+    if (level === this.view.zoom) return Promise.resolve(false);
+    return this.go(partAround(this.windows, level, secondsAt(this.view, position)));
+  }
+
+  /** @param {number} direction */
+  shift(direction) {
+    const next = neighbourPart(this.windows, this.view, direction);
+    return next === null ? Promise.resolve(false) : this.go(next);
+  }
+
+  /** @param {WheelEvent} event */
+  wheel({ deltaX, deltaY, shiftKey, clientX }) {
+    const now = performance.now();
+    const isHorizontal = Math.abs(deltaX) > Math.abs(deltaY) || shiftKey;
+    this.wheelDistance = now - this.lastWheelTime > WHEEL_REST_MS ? 0 : this.wheelDistance;
+    this.lastWheelTime = now;
+    this.wheelDistance += isHorizontal ? deltaX || deltaY : deltaY;
+    if (Math.abs(this.wheelDistance) < WHEEL_PX) return;
+    const direction = Math.sign(this.wheelDistance);
+    this.wheelDistance = 0;
+    if (isHorizontal) this.shift(direction);
+    else this.zoom(-direction, this.picture.positionOf(clientX));
+  }
+
+  /**
+   * Show the window of a host, [start, end] in s.
+   * @param {[number, number]} window
+   */
+  follow(window) {
+    return this.go(partBetween(this.windows, window));
+  }
+
+  /** Whether a server can make any window. */
+  get canShowAnyWindow() {
+    return Boolean(this.data.info.server);
+  }
+
+  /**
+   * Go to a part; of several requests only the latest is kept.
+   * @param {Part} part
+   */
+  async goToLatest(part) {
+    this.nextPart = part;
+    if (this.isQueueRunning) return;
+    this.isQueueRunning = true;
+    while (this.nextPart !== null) {
+      const next = this.nextPart;
+      this.nextPart = null;
+      await this.go(next);
+    }
+    this.isQueueRunning = false;
+  }
+
+  /**
+   * Show a part and activate its surface; keys keep their time.
+   * @param {Part} part
+   */
+  async go(part) {
+    if (this.isChanging || isSame(part, this.view)) return false;
+    this.isChanging = true;
+    try {
+      const [view, apply] = await Promise.all([
+        this.data.view(part), isSame(part, this.soundingPart) ? null : this.sound.show(part),
+      ]);
+      const moment = this.view === null ? 0 : this.moment;
+      apply?.();
+      this.soundingPart = part;
+      this.setView(view);
+      if (this.input.active === "keys") {
+        this.input.touchAgain("keys", positionAt(view, moment));
+      }
+      this.updateControls();
+      this.onfault("");
+      return true;
+    } catch (error) {
+      this.onfault(error.message);
+      return false;
+    } finally {
+      this.isChanging = false;
+    }
+  }
+
+  /** @param {View} view */
+  setView(view) {
+    this.view = view;
+    this.picture.show(view);
+    this.onshow();
+    this.fetchPoints(view);
+  }
+
+  /**
+   * Load the data values after the picture.
+   * @param {View} view
+   */
+  async fetchPoints(view) {
+    try {
+      view.points = await this.data.points(view);
+      this.onshow();
+    } catch (error) {
+      this.onfault(error.message);
+    }
+  }
+
+  /** Draw the same part again after the preset has changed. */
+  drawAgain() {
+    clearTimeout(this.drawing);
+    this.drawing = setTimeout(async () => {
+      const { number, zoom, start_s, end_s } = this.view;
+      const part = { number, zoom, start_s, end_s };
+      const view = await this.data.view(part);
+      if (isSame(part, this.view)) this.setView(view);
+    }, REST_MS);
+  }
+
+  updateControls() {
+    const { windows, view } = this;
+    const { info } = this.data;
+    const level = view.zoom;
+    byId("window").textContent =
+      `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
+    byId("in").disabled = level >= levels(windows);
+    byId("out").disabled = level === 0;
+    byId("earlier").hidden = byId("later").hidden = level === 0;
+    byId("earlier").disabled = neighbourPart(windows, view, -1) === null;
+    byId("later").disabled = neighbourPart(windows, view, 1) === null;
+  }
+}
