@@ -5,7 +5,12 @@ from itertools import pairwise
 
 import pytest
 
-from overview_studies.orders import Seeded, full_rows, shuffled_blocks, williams_rows
+from overview_studies.counterbalancing import (
+    RandomStream,
+    full_rows,
+    shuffled_blocks,
+    williams_rows,
+)
 from studies.tests.files import IDENTIFY, lists_of
 
 
@@ -26,7 +31,7 @@ def test_every_order_of_few_conditions_is_there_once():
 
 
 def test_a_block_has_every_cell_once_and_none_twice_in_a_row_across_borders():
-    blocks = shuffled_blocks("abcd", 200, Seeded(1))
+    blocks = shuffled_blocks("abcd", 200, RandomStream(1))
     assert all(sorted(block) == list("abcd") for block in blocks)
     assert all(a[-1] != b[0] for a, b in pairwise(blocks))
     # and it is shuffled: every cell begins a block about as often
@@ -35,10 +40,10 @@ def test_a_block_has_every_cell_once_and_none_twice_in_a_row_across_borders():
 
 
 def test_chance_is_the_same_everywhere():
-    chance = Seeded(7, "list", 1)
+    stream = RandomStream(7, "list", 1)
     # by SHA-256 alone: these may never change, or a preregistered list would
-    assert [chance.below(100) for _ in range(8)] == KNOWN
-    assert Seeded(7, "list", 2).shuffled(range(6)) == SHUFFLED
+    assert [stream.below(100) for _ in range(8)] == KNOWN
+    assert RandomStream(7, "list", 2).shuffled(range(6)) == SHUFFLED
 
 
 KNOWN = [95, 81, 17, 72, 58, 78, 18, 79]

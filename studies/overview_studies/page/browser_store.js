@@ -1,35 +1,35 @@
-// What this browser keeps of a study: on its disk before it counts as kept.
+// Storage in this browser (IndexedDB). A value counts as stored once it is in permanent storage.
 
 const STORE = "kept";
 
-/** The browser's store; an Error in one line where it keeps nothing. */
-export async function openKept(name = "overview-study") {
-  if (!globalThis.indexedDB) throw new Error("this browser keeps nothing: no IndexedDB");
+/** Open the store; throws an Error with one line if the browser does not allow storage. */
+export async function openBrowserStore(name = "overview-study") {
+  if (!globalThis.indexedDB) throw new Error("this browser cannot store answers: IndexedDB is missing");
   const opening = indexedDB.open(name, 1);
   opening.onupgradeneeded = () => opening.result.createObjectStore(STORE);
   try {
-    return new Kept(await answered(opening));
+    return new BrowserStore(await answered(opening));
   } catch (error) {
-    throw new Error(`this browser keeps nothing (a private window?): ${error.message}`);
+    throw new Error(`this browser cannot store answers; avoid private windows: ${error.message}`);
   }
 }
 
-export class Kept {
+export class BrowserStore {
   constructor(database) {
     this.database = database;
   }
 
-  /** Keep a value; the promise is of when it is on the disk. */
+  /** Store a value; the promise resolves when it is in permanent storage. */
   put(key, value) {
     return this.written((store) => store.put(value, key));
   }
 
-  /** The value of a key; undefined without one. */
+  /** Return the value of a key, or undefined. */
   get(key) {
     return answered(this.store("readonly").get(key));
   }
 
-  /** [key, value] of all keys that begin so, in their order. */
+  /** Return [key, value] of all keys with a prefix, in order. */
   async entries(prefix) {
     const range = IDBKeyRange.bound(prefix, `${prefix}\uffff`);
     const store = this.store("readonly");
@@ -44,7 +44,7 @@ export class Kept {
   }
 
   store(mode) {
-    // strict: told only once the disk has it, not merely the operating system
+    // strict: complete only when the data are in permanent storage
     return this.database.transaction(STORE, mode, { durability: "strict" }).objectStore(STORE);
   }
 
@@ -55,7 +55,7 @@ export class Kept {
       act(store);
       store.transaction.oncomplete = () => resolve();
       store.transaction.onabort = () =>
-        reject(new Error(`this browser can't keep the answer: ${store.transaction.error?.message}`));
+        reject(new Error(`this browser cannot store the answer: ${store.transaction.error?.message}`));
     });
   }
 }

@@ -1,18 +1,17 @@
-// What is felt and heard of a stimulus: its files, an audio node of its own for each presentation,
-// channels with their gains, masking noise.
+// Playback of stimuli: files, one audio node per presentation, channel gains and masking noise.
 
 import { patched } from "./data.js";
 import { SOURCES } from "./layout.js";
 import { pause } from "./make.js";
 
 const FADED_MS = 200;
-const LOOK_MS = 30;
-const RELEASED_MS = 500; // far more than a hand's events lie ahead
-const RATES = [48_000, 44_100]; // what the folder has
-const MOST_FILES = 96; // in memory, half a megabyte each
-const LONGEST_REST_S = 3;
+const POLL_MS = 30;
+const RELEASE_TIMEOUT_MS = 500; // far longer than the lead time of input events
+const RATES = [48_000, 44_100]; // rates in the folder
+const MAX_FILES = 96; // in memory, half a megabyte each
+const MAX_REST_S = 3;
 const START_MS = 5000;
-const SILENT = "no sound starts: check that this device has a sound output, then try again";
+const SILENT = "the audio output does not start; check the output of this device, then try again";
 
 /** Round half to even, as Python does. */
 export function rounded(number) {
@@ -21,19 +20,19 @@ export function rounded(number) {
   return low % 2 === 0 ? low : low + 1;
 }
 
-/** A stimulus' control events as the audio thread takes them. */
+/** Return a stimulus's control events in the format of the audio thread. */
 export function rowsOf(events, rate) {
   return Float64Array.from(events.flatMap(({ time_s, theta2, touching, source = "touch" }) =>
     [rounded(time_s * rate), SOURCES.indexOf(source), theta2, touching ? 1 : 0]));
 }
 
-export class Felt {
-  /** `file(path)` fetches one of `study`'s. Silent until `start` is called in a click or a key. */
+export class StimulusPlayer {
+  /** `file(path)` fetches a file of `study`. Audio starts when a click or key handler calls `start`. */
   constructor(study, file) {
     this.study = study;
     this.file = file;
     const { audioSession } = /** @type {any} */ (navigator);
-    if (audioSession) audioSession.type = "playback"; // iPhones: heard in spite of the silent switch
+    if (audioSession) audioSession.type = "playback"; // iPhones: audible despite the silent switch
     this.context = new AudioContext({ latencyHint: "interactive" });
     if (!RATES.includes(this.context.sampleRate)) {
       this.context.close();
@@ -48,7 +47,7 @@ export class Felt {
     return this.context.sampleRate;
   }
 
-  /** Sound from now on; an Error in one line where none comes. */
+  /** Start audio; throws an Error with one line on failure. */
   async start() {
     if (this.context.state === "running") return;
     const silent = new Promise((_, reject) => {
@@ -57,7 +56,7 @@ export class Felt {
     await Promise.race([this.context.resume(), silent]);
   }
 
-  /** What a row says of the device. */
+  /** Device data for a row. */
   get device() {
     const { context } = this;
     return {
@@ -71,9 +70,9 @@ export class Felt {
     };
   }
 
-  /** Fetch what a trial needs, so that it begins without a wait. */
+  /** Load the files of a trial. */
   async load({ stimuli, output }) {
-    this.worklet ??= this.context.audioWorklet.addModule(new URL("./felt_processor.js", import.meta.url));
+    this.worklet ??= this.context.audioWorklet.addModule(new URL("./stimulus_processor.js", import.meta.url));
     await Promise.all([
       this.worklet,
       output.mapping === "static" ? null : this.wasm(),
@@ -83,22 +82,22 @@ export class Felt {
     ]);
   }
 
-  /** What is drawn of a stimulus. */
+  /** Return the drawing data of a stimulus. */
   drawn(key) {
-    return this.kept(this.study.stimuli[key].drawn, (answer) => answer.json());
+    return this.cached(this.study.stimuli[key].drawn, (answer) => answer.json());
   }
 
-  /** A stimulus at the beginning of a presentation; `events`: of the person's own hand, if null. */
+  /** Start a presentation of a stimulus; `events` is null for free exploration. */
   async open(key, output, events = this.study.stimuli[key].events) {
     await this.load({ stimuli: [key], output });
     const memory = await this.memory(key, output);
     const wasm = output.mapping === "static" ? null : await this.wasm();
-    const given = events === null ? new Float64Array(0) : rowsOf(events, this.rate);
-    const heard = output.mapping === "static" ? { mapping: memory } : { image: memory, wasm };
-    return new Presentation(this.context, { ...heard, events: given }, output);
+    const rows = events === null ? new Float64Array(0) : rowsOf(events, this.rate);
+    const source = output.mapping === "static" ? { mapping: memory } : { image: memory, wasm };
+    return new Presentation(this.context, { ...source, events: rows }, output);
   }
 
-  /** Masking noise for the ears, from now on or no more. */
+  /** Switch the masking noise on or off. */
   async mask(on) {
     this.masking?.stop();
     this.masking = null;
@@ -109,37 +108,37 @@ export class Felt {
     source.buffer = await this.noise();
     source.loop = true;
     const merge = context.createChannelMerger(2);
-    source.connect(merge, 0, 0).connect(context.destination); // to the clicks' channel alone
+    source.connect(merge, 0, 0).connect(context.destination); // to the click channel only
     source.start();
   }
 
   noise() {
     const { mask } = this.study;
-    return this.kept(mask.file, async (answer) =>
+    return this.cached(mask.file, async (answer) =>
       this.context.decodeAudioData(await answer.arrayBuffer()));
   }
 
   wasm() {
-    return this.kept("kernel.wasm", (answer) => answer.arrayBuffer());
+    return this.cached("kernel.wasm", (answer) => answer.arrayBuffer());
   }
 
   memory(key, output) {
     const { image, patches, static: mapped } = this.study.stimuli[key];
     if (output.mapping === "static") {
-      return this.kept(mapped[this.rate], (answer) => answer.json());
+      return this.cached(mapped[this.rate], (answer) => answer.json());
     }
-    const whole = this.kept(image, (answer) => answer.arrayBuffer());
+    const whole = this.cached(image, (answer) => answer.arrayBuffer());
     if (this.rate === RATES[0]) return whole;
-    const patch = this.kept(patches[this.rate], (answer) => answer.arrayBuffer());
+    const patch = this.cached(patches[this.rate], (answer) => answer.arrayBuffer());
     return Promise.all([whole, patch]).then(([base, other]) => patched(base, other));
   }
 
-  kept(path, take) {
+  cached(path, parse) {
     if (!this.files.has(path)) {
-      if (this.files.size >= MOST_FILES) this.files.delete(this.files.keys().next().value);
-      const taken = this.file(path).then(take);
-      taken.catch(() => this.files.delete(path)); // tried again the next time
-      this.files.set(path, taken);
+      if (this.files.size >= MAX_FILES) this.files.delete(this.files.keys().next().value);
+      const loaded = this.file(path).then(parse);
+      loaded.catch(() => this.files.delete(path)); // retried at the next call
+      this.files.set(path, loaded);
     }
     return this.files.get(path);
   }
@@ -147,11 +146,11 @@ export class Felt {
 
 const linear = (db) => (db === null ? 0 : 10 ** (db / 20));
 
-/** One presentation: its node from its first sample to its last, and the take of the hand. */
+/** One presentation: its audio node and the take of the input. */
 export class Presentation {
   constructor(context, options, { click_db, tactor_db }) {
     this.rate = context.sampleRate;
-    this.node = new AudioWorkletNode(context, "overview-felt", {
+    this.node = new AudioWorkletNode(context, "overview-stimulus", {
       numberOfInputs: 0, outputChannelCount: [2], processorOptions: options,
     });
     const split = context.createChannelSplitter(2);
@@ -164,58 +163,58 @@ export class Presentation {
     });
     merge.connect(context.destination);
     this.end = merge;
-    this.events = []; // of the take
-    this.told = { clock: 0, cursor: 0, rests: true };
-    this.asked = [];
-    /** Called with a line when the audio thread fails. */
+    this.events = []; // events of the take
+    this.state = { clock: 0, cursor: 0, rests: true };
+    this.pendingReads = [];
+    /** Called with a message when the audio thread fails. */
     this.onfault = /** @type {(line: string) => void} */ (() => {});
     this.node.port.onmessage = ({ data }) => {
       if (data.error) this.onfault(data.error);
-      else this.asked.shift()(data);
+      else this.pendingReads.shift()(data);
     };
-    this.node.onprocessorerror = () => this.onfault("the sound has failed: load the page again");
+    this.node.onprocessorerror = () => this.onfault("audio processing failed; reload the page");
   }
 
-  /** A hand's event at a sample (-1: at once). */
+  /** Send an input event at a sample (-1: immediately). */
   control(place, touching, sample) {
     const events = Float64Array.of(sample, 0, place * Math.PI, touching ? 1 : 0);
     this.node.port.postMessage({ kind: "control", events });
   }
 
-  /** How it is now; what was applied since goes into the take. */
-  look() {
+  /** Read the current state; events applied since the last call are added to the take. */
+  readState() {
     return new Promise((resolve) => {
-      this.asked.push(({ meters: [clock, cursor, rests], applied }) => {
+      this.pendingReads.push(({ meters: [clock, cursor, rests], applied }) => {
         for (let i = 0; i + 4 <= applied.length; i += 4) {
           const [sample, theta2, touching, source] = applied.subarray(i, i + 4);
           this.events.push([sample, theta2, touching, SOURCES[source]]);
         }
-        this.told = { clock, cursor, rests };
-        resolve(this.told);
+        this.state = { clock, cursor, rests };
+        resolve(this.state);
       });
-      this.node.port.postMessage({ kind: "look" });
+      this.node.port.postMessage({ kind: "read state" });
     });
   }
 
-  /** When so many seconds were played and it rests, `onlook` told meanwhile; false where it was stopped. */
-  async rested(duration_s, onlook = /** @type {(told: any) => void} */ (() => {})) {
+  /** Wait for `duration_s` and for rest, with calls of `onstate`; resolves to false if stopped. */
+  async rested(duration_s, onstate = /** @type {(state: any) => void} */ (() => {})) {
     const least = duration_s * this.rate;
-    const most = least + LONGEST_REST_S * this.rate;
+    const most = least + MAX_REST_S * this.rate;
     while (!this.stopped) {
-      const { clock, rests } = await this.look();
-      onlook(this.told);
+      const { clock, rests } = await this.readState();
+      onstate(this.state);
       if (clock >= most || (clock >= least && rests)) return true;
-      await pause(LOOK_MS);
+      await pause(POLL_MS);
     }
     return false;
   }
 
-  /** The take, once the hand has let go: what was asked of the audio thread last may still be to come. */
+  /** Return the take after the release; the last events may still be pending in the audio thread. */
   async take() {
-    const until = performance.now() + RELEASED_MS;
-    do await this.look();
+    const until = performance.now() + RELEASE_TIMEOUT_MS;
+    do await this.readState();
     while (this.events.at(-1)?.[2] === 1 && performance.now() < until);
-    return { sample_rate: this.rate, samples: this.told.clock, events: [...this.events] };
+    return { sample_rate: this.rate, samples: this.state.clock, events: [...this.events] };
   }
 
   /** Fade out and end. */

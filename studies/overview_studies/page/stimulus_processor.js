@@ -1,15 +1,14 @@
-// The AudioWorklet of a trial: the kernel or the control condition, with the take of what the hand
-// did as it was applied.
+// AudioWorklet of a trial: the kernel or the control condition, and the take of the applied events.
 
 import { Kernel } from "./kernel.js";
 import { L } from "./layout.js";
 import { StaticMapping } from "./static_mapping.js";
 
 const EVENT = 4; // sample, theta2, touching, source
-const STILL = 1e-4; // of the timeline, of full amplitude
+const REST_THRESHOLD = 1e-4; // of the timeline, of full amplitude
 
-/** The kernel, and the log of the control events that it has applied. */
-class Disk {
+/** Kernel with its log of applied control events. */
+class KernelSource {
   constructor(wasm, image) {
     this.kernel = new Kernel(wasm, image);
     this.read = 0;
@@ -23,16 +22,16 @@ class Disk {
     this.kernel.stop();
   }
 
-  /** Overwrite a block; whether the sound is over. */
+  /** Overwrite a block; return whether the sound has ended. */
   render(outputs) {
     return this.kernel.render(outputs);
   }
 
-  /** The events applied since the last call, EVENT numbers each. */
+  /** Return the events applied since the last call, EVENT numbers per event. */
   applied() {
     const { kernel } = this;
     const total = kernel.read(L.APPLIED);
-    if (total - this.read > L.APPLIED_LOG) throw new Error("a hand's events came too fast to keep");
+    if (total - this.read > L.APPLIED_LOG) throw new Error("input events exceed the log capacity");
     const rows = new Float64Array(EVENT * (total - this.read));
     for (let i = this.read; i < total; i += 1) {
       const at = i % L.APPLIED_LOG;
@@ -46,16 +45,16 @@ class Disk {
     return rows;
   }
 
-  /** Clock (samples), cursor (0 to 1), whether it rests. */
+  /** Return clock (samples), cursor (0 to 1) and whether the disk rests. */
   meters() {
     const { kernel } = this;
     const cursor = kernel.m[L.X] / L.CELLS;
-    const rests = cursor < STILL && kernel.m[L.M_ENVELOPE] < STILL;
+    const rests = cursor < REST_THRESHOLD && kernel.m[L.M_ENVELOPE] < REST_THRESHOLD;
     return [kernel.read(L.CLOCK), cursor, rests];
   }
 }
 
-class Mapped {
+class StaticSource {
   constructor(data) {
     this.mapping = new StaticMapping(data);
     this.over = false;
@@ -80,36 +79,36 @@ class Mapped {
 
   meters() {
     const { clock, cursor, level, voices } = this.mapping;
-    return [clock, cursor, level < STILL && voices === 0];
+    return [clock, cursor, level < REST_THRESHOLD && voices === 0];
   }
 }
 
-class FeltProcessor extends AudioWorkletProcessor {
+class StimulusProcessor extends AudioWorkletProcessor {
   constructor({ processorOptions: { wasm, image, mapping, events } }) {
     super();
-    this.felt = mapping ? new Mapped(mapping) : new Disk(wasm, image);
-    this.felt.control(events);
+    this.source = mapping ? new StaticSource(mapping) : new KernelSource(wasm, image);
+    this.source.control(events);
     this.port.onmessage = ({ data }) => {
       try {
-        this.take(data);
+        this.handle(data);
       } catch (error) {
         this.port.postMessage({ error: error.message });
       }
     };
   }
 
-  take({ kind, events }) {
-    if (kind === "control") this.felt.control(events);
-    else if (kind === "stop") this.felt.stop();
+  handle({ kind, events }) {
+    if (kind === "control") this.source.control(events);
+    else if (kind === "stop") this.source.stop();
     else {
-      const applied = this.felt.applied();
-      this.port.postMessage({ meters: this.felt.meters(), applied }, [applied.buffer]);
+      const applied = this.source.applied();
+      this.port.postMessage({ meters: this.source.meters(), applied }, [applied.buffer]);
     }
   }
 
   process(inputs, outputs) {
-    return !this.felt.render(outputs[0]);
+    return !this.source.render(outputs[0]);
   }
 }
 
-registerProcessor("overview-felt", FeltProcessor);
+registerProcessor("overview-stimulus", StimulusProcessor);

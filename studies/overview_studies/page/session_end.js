@@ -1,7 +1,7 @@
-// The end of a session: everything is stored, or given to the person as a file.
+// End of a session: all answers are stored on the server or offered as a file.
 
 import { button, make, paragraphs, pause } from "./make.js";
-import { download } from "./opening.js";
+import { download } from "./session_start.js";
 
 const AGAIN_MS = 2000;
 
@@ -17,7 +17,7 @@ export async function endSession({ study, display, server, sessions, fault }, se
     const save = button("Download the answers (CSV)", async () => {
       download(`${study.name}_${session.participant}.csv`, await sessions.csv([session]));
     }, { class: "done" });
-    state.textContent = `All ${answers.done.size} answers are kept in this browser.`;
+    state.textContent = `All ${answers.done.size} answers are stored in this browser.`;
     state.after(save);
   }
   await sessions.end(session);
@@ -25,9 +25,9 @@ export async function endSession({ study, display, server, sessions, fault }, se
   heading.after(...paragraphs(study.text.end));
 }
 
-/** When nothing waits any more and the server misses none; asked again and again until then. */
+/** Send all answers and finish the session; repeat until the server confirms. */
 async function finished(server, session, answers, fault) {
-  let again = false; // whether all was sent a second time
+  let again = false; // all rows were sent again
   for (;;) {
     try {
       await answers.sent();
@@ -36,12 +36,12 @@ async function finished(server, session, answers, fault) {
       return;
     } catch (error) {
       if (error.status === 409 && !again) {
-        // a server whose file was put back to an earlier state: what this browser has goes there again
+        // the server lost rows, for example after its file was restored: send all rows again
         again = true;
         await answers.sendAgain();
         continue;
       }
-      fault(`${error.message} It is tried again.`);
+      fault(`${error.message}. Trying again.`);
     }
     await pause(AGAIN_MS);
   }

@@ -1,4 +1,4 @@
-"""The stimuli of a study: each with its place in the grid, what it is, and how it is rendered."""
+"""Stimuli of a study, with their levels in the grid."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from overview_studies.file_model import Level
 
 RATE = 48_000
 TAIL_S = 3.0
-"""A stimulus is rendered on for so long at most."""
+"""Maximum duration of a stimulus after its gesture."""
 
 
 @dataclass(frozen=True, eq=False)
-class Item:
+class Stimulus:
     """One stimulus.
 
     Attributes
     ----------
     key : str
-        Digest of all that makes it, as `overview batch` names it.
+        Digest of all its inputs, as in `overview batch`.
     names : mapping
         Its level of each dimension: timeline, answer, preset, gesture, seed, parameters.
     timeline, preset, gesture, seed
-        What `render` takes; the preset with its parameters.
+        Inputs of `render`; the preset includes the parameters.
     """
 
     key: str
@@ -44,43 +44,45 @@ class Item:
 
     @property
     def free(self) -> bool:
-        """Whether the hand is the person's own."""
+        """True if the participant makes the movement."""
         return self.names["gesture"] == FREE
 
     @property
-    def nothing(self) -> bool:
-        """Whether it is a catch trial's."""
+    def is_catch(self) -> bool:
+        """True if it is the stimulus of catch trials, without events."""
         return self.names["timeline"] == NOTHING
 
-    def fits(self, levels: Mapping[str, Level]) -> bool:
-        """Whether it has these levels of what it has at all."""
+    def matches(self, levels: Mapping[str, Level]) -> bool:
+        """Return whether it has these levels; dimensions that it does not have are ignored."""
         return all(
             self.names[name] == level for name, level in levels.items() if name in self.names
         )
 
-    def places(self, target: str | None) -> list[float]:
-        """Where its events are (of one kind, if `target` says so), 0 to 1."""
+    def positions(self, target: str | None) -> list[float]:
+        """Return the positions of its events, 0 to 1; `target` selects one kind."""
         events = zip(self.angle_map.events.tolist(), self.timeline.events, strict=True)
-        return [place for place, event in events if target is None or event.kind == target]
+        return [position for position, event in events if target is None or event.kind == target]
 
     def curve(self, points: int) -> NDArray[np.float64]:
-        """The curve of the timeline at so many even places, 0 to 1."""
+        """Return the intensity curve at `points` evenly spaced positions, 0 to 1."""
         levels = self.angle_map.at_even_positions(self.timeline.normalised_levels(points - 1))
         return np.where(np.isfinite(levels), levels, 0.0)
 
     @property
     def angle_map(self) -> AngleMap:
-        """The map between its times and places."""
+        """Map between its times and positions."""
         return AngleMap.of(self.timeline, self.preset)
 
-    def rendered(self, gesture: Gesture | None = None, rate: int = RATE) -> RenderResult[Trace]:
-        """What is felt: of its own gesture, or of a take."""
-        hand = gesture or self.gesture
-        return render(self.timeline, self.preset, hand, rate, self.seed, tail=TAIL_S)
+    def render_stimulus(
+        self, gesture: Gesture | None = None, rate: int = RATE
+    ) -> RenderResult[Trace]:
+        """Render its gesture, or a take."""
+        gesture = gesture or self.gesture
+        return render(self.timeline, self.preset, gesture, rate, self.seed, tail=TAIL_S)
 
 
-def items_of(design: Design) -> list[Item]:
-    """Every stimulus, in the grid's order."""
+def stimuli_of(design: Design) -> list[Stimulus]:
+    """Return all stimuli of a design, in grid order."""
     grid = design.grid
     keys = Keys(grid)
     timelines, presets = list(grid.timelines), list(grid.presets)
@@ -96,24 +98,24 @@ def items_of(design: Design) -> list[Item]:
     found = []
     for index in range(len(grid)):
         case = grid.case(index)
-        name, hand = timelines[case.timeline], gestures[case.gesture]
+        name, gesture = timelines[case.timeline], gestures[case.gesture]
         parameters = dict(zip(grid.parameters, case.values, strict=True))
         names: dict[str, Level] = {
             "timeline": name,
             "answer": design.answers[name],
             "preset": presets[case.preset],
-            "gesture": hand,
+            "gesture": gesture,
             "seed": case.seed,
             **{id: value for id, value in parameters.items() if not isinstance(value, bool)},
         }
         found.append(
-            Item(
+            Stimulus(
                 keys.key(case),
                 names,
                 parameters,
                 grid.timelines[name],
                 preset(case.preset, case.values),
-                grid.gestures[hand],
+                grid.gestures[gesture],
                 case.seed,
             )
         )
@@ -121,5 +123,5 @@ def items_of(design: Design) -> list[Item]:
 
 
 def samples_sha256(samples: NDArray[np.float32]) -> str:
-    """Of a render's samples, float32 (frames, 2), little-endian."""
+    """Return the SHA-256 of samples, float32 (frames, 2), little-endian."""
     return hashlib.sha256(np.ascontiguousarray(samples, "<f4").tobytes()).hexdigest()
