@@ -477,7 +477,7 @@ def render_to_file(
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
     strikes: list[Strikes] = [engine.pop_strikes()]
-    full_torque = 1e-3 * engine.preset.number("tactor.full_torque_mnm")
+    full_torque = 1e-3 * engine.preset.number("tactor.reference_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
         TraceWriter(

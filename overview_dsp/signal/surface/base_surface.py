@@ -167,9 +167,9 @@ def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
     return pull / steepest * course * np.interp(positions, centres, means)
 
 
-def heaviness(ambience: float) -> float:
-    """Return the friction of the future, relative to the base surface, for this ambience."""
-    return OVER_THE_CURVE * (1.0 + ambience)
+def heaviness(intensity_gain: float) -> float:
+    """Return the friction of the future, relative to the base surface, for this intensity_gain."""
+    return OVER_THE_CURVE * (1.0 + intensity_gain)
 
 
 def rise(now: float, cells: int) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 Bristles of the base surface and of events:
 
-    grip = surface.grip * viscous friction of the base surface * 1 rad/s     (surface.model)
+    grip = surface.torque_ratio * viscous friction of the base surface * 1 rad/s     (surface.model)
 
 Events with bristles raise the grip to height * weight * profile * surface.friction * 1 rad/s.
 Where profiles overlap, the higher one applies, with the bristles of its kind.
@@ -109,7 +109,7 @@ class BristleLayer:
         if preset.values["surface.model"] == "bristle":
             self._grip = preset.number("surface.torque_ratio") * ambient
             static = self._grip.max() * preset.number("surface.static_ratio")
-            warn_of_lockup(preset, "surface.grip", static, "it or surface.static_ratio")
+            warn_of_lockup(preset, "surface.torque_ratio", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BASE)
 
     def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:

@@ -89,7 +89,7 @@ def test_crests_are_struck_as_hard_as_the_pattern_adds_and_sound_of_the_material
 
 
 def test_detents_pull_as_the_grip_says_and_are_as_deep_as_the_curve_is_high():
-    values = {"surface__model": "detent", "surface__grip": 1.5, "surface__material": "wood"}
+    values = {"surface__model": "detent", "surface__torque_ratio": 1.5, "surface__material": "wood"}
     bare = build_base_surface(RAMP, made_of(**values), CELLS)
     # in place of friction
     assert bare.friction == pytest.approx(2e-3 * LOUD)
@@ -110,7 +110,7 @@ def test_detents_pull_as_the_grip_says_and_are_as_deep_as_the_curve_is_high():
 
 @pytest.mark.parametrize("values", [{"surface__torque_ratio": 0.0}, {"surface__pattern": "none"}])
 def test_what_pulls_nothing_is_no_detent_and_strikes_nothing(values):
-    given = {"surface__model": "detent", "surface__material": "wood", "surface__grip": 1.0}
+    given = {"surface__model": "detent", "surface__material": "wood", "surface__torque_ratio": 1.0}
     bare = build_base_surface(timeline_of(), made_of(**{**given, **values}), CELLS)
     assert not bare.energy.any()
     assert np.isfinite(bare.energy).all()
@@ -119,7 +119,7 @@ def test_what_pulls_nothing_is_no_detent_and_strikes_nothing(values):
 
 def test_a_gap_has_no_detents_and_halves_those_of_a_period_it_covers_by_half():
     flat = replace(timeline_of(), gaps=((20.0, 42.5),))  # cells 400 to 850
-    values = {"surface__model": "detent", "surface__grip": 1.5}
+    values = {"surface__model": "detent", "surface__torque_ratio": 1.5}
     bare = build_base_surface(flat, made_of(**values), CELLS)
     depth = [bare.energy[100 * n + 49 : 100 * n + 52].max() for n in range(20)]
     full = 3e-3 / (math.pi / 100.0)

@@ -178,12 +178,12 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         ),
         (plain_preset(surface__model="bristle", surface__torque_ratio=15.0), None),
         (
-            plain_preset(surface__model="bristle", surface__grip=16.0),
+            plain_preset(surface__model="bristle", surface__torque_ratio=16.0),
             r"^surface\.grip: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
         ),
         (plain_preset(surface__model="detent", surface__torque_ratio=31.0), None),
         (
-            plain_preset(surface__model="detent", surface__grip=32.0),
+            plain_preset(surface__model="detent", surface__torque_ratio=32.0),
             r"surface\.grip: the disk gets stuck at 32 mN.*lower it,",
         ),
     ],
@@ -201,7 +201,9 @@ def test_what_holds_the_disk_for_good_is_warned_of(preset, told):
 def test_detents_hold_where_the_curve_is_highest():
     curve = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 100.0, (), curve)
-    preset = plain_preset(surface__model="detent", surface__grip=16.0, surface__ambience=1.0)
+    preset = plain_preset(
+        surface__model="detent", surface__torque_ratio=16.0, surface__intensity_gain=1.0
+    )
     with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip: the disk gets stuck at 32 mN"):
         ov.build_surface(timeline, preset)
 
