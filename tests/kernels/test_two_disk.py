@@ -239,6 +239,6 @@ def test_the_disk_agrees_with_a_high_order_solver(played_match, football, name, 
         free, _ = solved(released, len(trace.time), parts, held[-1], omega, k1, 0.0, *given_)
         return np.concatenate([held, free])
 
-    fine = solution(48)
-    assert np.abs(fine - solution(24)).max() <= 1e-6  # the solver's own error is below
+    fine = solution(96)
+    assert np.abs(fine - solution(48)).max() <= 1e-6  # the solver's own error is below
     assert np.abs(fine - trace.theta1).max() <= 3e-5, name
