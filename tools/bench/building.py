@@ -1,4 +1,4 @@
-"""C sources to shared libraries, where a compiler is there."""
+"""Build of C sources to shared libraries, where a compiler is installed."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def compiler() -> str:
 def built(path: Path, flags: tuple[str, ...], folder: Path | None = None) -> Path:
     """Compile a C source to a shared library, once for each text and flags; its path.
 
-    `folder` is where it is kept; None = a folder of its own in the system's temporary one.
+    `folder` receives it; None: a new folder in the system's temporary one.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What a second of sound costs as the work grows: duration, events, table, rate; and memory.
+"""Cost of a second of sound as the work grows: duration, events, table, rate; and memory.
 
 Each series is compared with its first entry, in rounds in turn.
 """
@@ -69,7 +69,7 @@ class Case:
 
     @classmethod
     def of(cls, entry: str, engine: Engine, sweep_s: float, repeats: int = 1) -> Case:
-        """What the middle one of an engine's sweeps costs; few sweeps are made several times."""
+        """Return the median cost of an engine's sweeps; a few sweeps are repeated several times."""
         times = max(1, round(MEASURED_S / (repeats * sweep_s)))
 
         def run() -> float:

@@ -1,4 +1,4 @@
-"""Control latency: from `engine.control` to the first changed sample, block size by block size.
+"""Control latency of each block size, from `engine.control` to the first changed sample.
 
 A tap is pushed at random moments on a disk at rest. Its first changed sample is the very sample at
 which the kernel applied it (the surface here is rough enough to sound at once), and that sample is

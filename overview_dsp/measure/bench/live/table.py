@@ -63,11 +63,12 @@ class LoadRow:
 
 @dataclass(frozen=True)
 class Report:
-    """What `overview bench --live` reports.
+    """Results of `overview bench --live`.
 
-    `lost_ratio`: frames lost under load, Python's / native's; where native lost less than a block,
-    that block stands in, and `lost_ratio_at_least` says so. `smoothing_frames`: what the input
-    smoother adds for a moving hand (a tap: nothing). `sessions`: none where that can't be measured.
+    `lost_ratio`: frames lost under load, Python's / native's. If native lost less than a block, one
+    block is used instead, and `lost_ratio_at_least` is true. `smoothing_frames`: delay that the
+    input smoother adds to a movement (it adds none to a tap). `sessions`: empty where that can't be
+    measured.
     """
 
     sample_rate: int
@@ -217,7 +218,7 @@ def _run(what: dict[str, Any]) -> LoadResult | LatencyResult | SessionRow:
     if not devices():
         raise InputError(
             "no audio output: plug in a sound card or start a sound server (PipeWire, PulseAudio, "
-            "JACK); `overview devices` lists what is there"
+            "JACK); `overview devices` lists the outputs"
         )
     test = what.pop("test")
     if test == "session":
