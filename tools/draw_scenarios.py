@@ -1,9 +1,10 @@
-"""Draw the paper's two scenarios (its section 4) into docs/pictures: glanced at, then focused on.
+"""Draw the paper's two scenarios (its section 4) into docs/pictures: overview, then detail.
 
 python tools/draw_scenarios.py [FOLDER]
 
-A match felt in one twist and then about a goal; a (made-up) share felt over a year and then over
-its last weeks. Left the whole, right the part: the data, the surface, and what a finger feels.
+The first is a match in one twist, and then around a goal. The second is a (made-up) share over a
+year, and then over its last weeks. The left column is the whole, the right column is the part. The
+rows are the data, the surface, and the vibration that a finger feels.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Are events told better if their level doesn't depend on the hand's pace? Prints a table.
+"""Measure whether events are easier to recognize if their level doesn't depend on the hand's pace.
 
-A fast hand meets an event with more torque than a slow one. Here the level of both channels is
-multiplied by (pace / 0.33 timelines a second)^-alpha, at the events alone or everywhere, before an
-observer of hands of mixed pace learns and is evaluated (`docs/explanation/observer.md`). The same
-renders, hands and noise for each alpha: a gain is the mean of pairs, with its standard deviation.
+A fast hand passes an event with more torque than a slow one. Here the level of both channels is
+multiplied by (pace / 0.33 timelines per second)^-alpha, at the events alone or everywhere. Then an
+observer of mixed pace learns and is evaluated (`docs/explanation/observer.md`). Each alpha has the
+same renders, movements and noise. A gain is the mean of pairs, with its standard deviation.
 
 python tools/measure_pace.py [--repeats N] [--preset NAME]
 """
@@ -34,7 +34,7 @@ ALPHAS = (0.0, 0.25, 0.5, 0.71)
 
 PLACES = ("at events", "everywhere")
 USUAL_PACE, SLOWEST, FASTEST = 0.33, 0.05, 2.0
-"""Timelines a second; beyond the last two the level follows the pace again."""
+"""Timelines per second; beyond the last two the level follows the pace again."""
 
 BEFORE_MS, AFTER_MS = 5, 40
 LEARNED, EVALUATED = 120, 80
@@ -105,7 +105,7 @@ def balanced(
     modality: Modality,
     seed: int,
 ) -> tuple[float, float]:
-    """Balanced recall of groups and of kinds, without those at the ends, where the hand rests."""
+    """Return balanced recall of groups and of kinds, without the ends, where the hand rests."""
     kinds = tuple(preset.kinds)
     rng = np.random.default_rng([seed, MODALITIES.index(modality)])
     forest, names = observing.train_observer(lessons, modality, kinds, rng)

@@ -71,12 +71,12 @@ class FaustPeer:
 
 
 def faust() -> list[Contender]:
-    """The full voice and the disk alone, in each of Faust's builds.
+    """Return the full voice and the disk alone, in each of Faust's builds.
 
     Raises
     ------
     MissingError
-        No Faust, no C compiler, or not a clone.
+        Faust, a C compiler or the source checkout is missing.
     """
     if not shutil.which("faust"):
         raise MissingError("Faust is not installed (apt-get install faust)")
@@ -106,12 +106,12 @@ def faust() -> list[Contender]:
 
 
 def csound() -> list[Contender]:
-    """The disk alone.
+    """Return the disk alone.
 
     Raises
     ------
     MissingError
-        No Csound, or not a clone.
+        Csound or the source checkout is missing.
     """
     if not shutil.which("csound"):
         raise MissingError("Csound is not installed (apt-get install csound)")

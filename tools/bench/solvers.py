@@ -19,7 +19,7 @@ from overview_dsp.signal.engine.engine import Engine
 from tools.bench.disk import Disk, disk_alone
 
 SOLVED_S = 0.5
-"""Of the sweep, for the solvers."""
+"""Duration of the part of the sweep that the solvers compute."""
 
 METHODS = ("LSODA", "RK45", "DOP853")
 TOLERANCES = tuple(10.0 ** (-0.5 * step) for step in range(4, 24))
@@ -28,7 +28,7 @@ LOOP_S = 0.25
 
 
 def plain_loop(disk: Disk, frames: int) -> list[float]:
-    """Torque (N m), as anyone would type it: floats, and a list for the table."""
+    """Return the torque (N m) of a straightforward loop: floats, and a list for the table."""
     table = disk.friction.tolist()
     angles = disk.angles[:frames].tolist()
     inertia, k1, k2 = disk.inertia, disk.k1, disk.k2
@@ -51,7 +51,7 @@ def plain_loop(disk: Disk, frames: int) -> list[float]:
 
 
 def solved(disk: Disk, method: str, tolerance: float) -> NDArray[np.float64]:
-    """Torque (N m) at the middle of each sample of `SOLVED_S`, by scipy's solve_ivp."""
+    """Return the torque (N m) at the middle of each sample of `SOLVED_S`, by scipy's solve_ivp."""
     from scipy.integrate import solve_ivp
 
     table = disk.friction.tolist()
@@ -134,7 +134,7 @@ def contenders(progress: Callable[[float], None] | None = None) -> list[Contende
 
 
 def fixed(engine: Engine) -> Callable[[], object]:
-    """The disk with the friction of the surface's first point: a filter of second order."""
+    """Return the disk with constant friction, that of the surface's first point, as a filter."""
     from scipy.signal import lfilter
 
     disk = Disk.of(engine)
