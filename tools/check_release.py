@@ -34,41 +34,41 @@ def version(root: Path) -> str:
     return found[1]
 
 
-def set_version(root: Path, wanted: str) -> None:
-    """Write a version to every place that has one."""
-    if not re.fullmatch(r"\d+\.\d+\.\d+", wanted):
-        raise SystemExit(f"version is {wanted!r}; must be three numbers such as 0.2.0")
+def set_version(root: Path, new_version: str) -> None:
+    """Write a version to every file that has one."""
+    if not re.fullmatch(r"\d+\.\d+\.\d+", new_version):
+        raise SystemExit(f"version is {new_version!r}; must be three numbers such as 0.2.0")
     for name, pattern in (SOURCE, *COPIES):
         path = root / name
         text = path.read_text(encoding="utf-8")
         path.write_text(
-            re.sub(pattern, lambda match: match[0].replace(match[1], wanted), text),
+            re.sub(pattern, lambda match: match[0].replace(match[1], new_version), text),
             encoding="utf-8",
         )
 
 
 def faults(root: Path) -> Iterator[str]:
     """Yield one line per fault: versions that differ, a changelog that is incomplete."""
-    wanted = version(root)
+    current = version(root)
     for name, pattern in COPIES:
         found = re.search(pattern, (root / name).read_text(encoding="utf-8"))
-        if found is None or found[1] != wanted:
-            yield f"{name}: version is {found[1] if found else 'missing'}; must be {wanted}"
-    yield from changelog_faults((root / "CHANGELOG.md").read_text(encoding="utf-8"), wanted)
+        if found is None or found[1] != current:
+            yield f"{name}: version is {found[1] if found else 'missing'}; must be {current}"
+    yield from changelog_faults((root / "CHANGELOG.md").read_text(encoding="utf-8"), current)
     for name in ("film.gif", "sweeps.png", "play.svg"):
         if not (root / "docs" / "pictures" / name).is_file():
             yield f"docs/pictures/{name}: missing; see RELEASING.md, step 4"
 
 
-def changelog_faults(text: str, wanted: str) -> Iterator[str]:
+def changelog_faults(text: str, current: str) -> Iterator[str]:
     """Yield the faults of a changelog."""
     sections = re.split(r"(?m)^## ", text)[1:]
     titles = [section.partition("\n")[0] for section in sections]
     if not titles or titles[0] != "Unreleased":
         yield "CHANGELOG.md: the first section must be Unreleased"
-    dated = re.compile(rf"{re.escape(wanted)} - \d{{4}}-\d\d-\d\d")
+    dated = re.compile(rf"{re.escape(current)} - \d{{4}}-\d\d-\d\d")
     if not any(dated.fullmatch(title) for title in titles):
-        yield f"CHANGELOG.md: no section '{wanted} - YYYY-MM-DD'"
+        yield f"CHANGELOG.md: no section '{current} - YYYY-MM-DD'"
     for title, section in zip(titles, sections, strict=True):
         headings = re.findall(r"(?m)^### (.*)$", section)
         if headings != [one for one in HEADINGS if one in headings]:

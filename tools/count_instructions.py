@@ -4,8 +4,8 @@ python tools/count_instructions.py [--why "what was gained for it"]
 
 Callgrind counts the same on every machine and under any load. Each line of `instructions.txt` is
 one count, the last of each work holds: more than 3 % above it is an error. `--why` adds a line for
-each work that changed. Needs valgrind with its headers and gcc; without them it says so and does
-nothing. The kernels are compiled for x86-64-v3, whatever the machine; another numba may count
+each work that changed. It needs valgrind with its headers and gcc; without them it prints a
+message and ends. The kernels are compiled for x86-64-v3 on every machine. Another numba may count
 differently.
 """
 

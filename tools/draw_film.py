@@ -1,4 +1,4 @@
-"""Make the README's film and sound: a hand on the page and on the terminal, and what it hears.
+"""Make the README's film and sound: a hand on the page and on the terminal, and the sound.
 
 python tools/draw_film.py [--frames FOLDER]          needs playwright and a Chromium
 
@@ -51,7 +51,7 @@ HEIGHT, WIDTH = 510, 1000
 COLOURS = 48
 
 
-def hand(seconds: float) -> float | None:
+def pointer_position(seconds: float) -> float | None:
     """Return the position at a time, or None after the release."""
     if seconds > RELEASE_S:
         return None
@@ -90,7 +90,7 @@ def page_frames(browser: Any, folder: Path) -> list[tuple[float, Image.Image]]:
         began = time.time()
         touching = True
         while (now := time.time() - began) < END_S:
-            position = hand(now)
+            position = pointer_position(now)
             if position is not None:
                 page.mouse.move(box["x"] + left + (right - left) * position, box["y"] + 120)
             elif touching:
@@ -116,7 +116,7 @@ async def play(player: Player) -> list[tuple[float, str]]:
         began = time.monotonic()
         touching = True
         while (now := time.monotonic() - began) < END_S:
-            position = hand(now)
+            position = pointer_position(now)
             if position is not None:
                 await pilot.hover(TimelineView, offset=(round(position * (columns - 1)), 6))
             elif touching:
@@ -210,7 +210,7 @@ def write_film(frames: Sequence[Image.Image], out: Path) -> None:
 def write_sound(out: Path) -> None:
     """Write the same movement as it is heard (left) and felt (right)."""
     times = np.arange(0, RELEASE_S, 1 / 200)
-    angles = np.pi * np.array([hand(seconds) for seconds in times])
+    angles = np.pi * np.array([pointer_position(seconds) for seconds in times])
     gesture = ov.Gesture(times, angles, times < times[-1], duration_s=RELEASE_S)
     result = ov.render(ov.load_timeline(MATCH), ov.load_preset("football"), gesture)
     result.save(out)
@@ -232,7 +232,7 @@ def main() -> None:
         pages = nearest_of(page_frames(browser, Path(folder) / "site"))
         terminals = terminal_frames(browser, drawings)
     frames = [
-        composed(page, terminal, hand(index / FRAMES_PER_SECOND) is not None)
+        composed(page, terminal, pointer_position(index / FRAMES_PER_SECOND) is not None)
         for index, (page, terminal) in enumerate(zip(pages, terminals, strict=True))
     ]
     if options.frames:

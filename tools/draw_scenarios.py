@@ -1,9 +1,10 @@
-"""Draw the paper's two scenarios (its section 4) into docs/pictures: glanced at, then focused on.
+"""Draw the paper's two scenarios (its section 4) into docs/pictures: overview, then detail.
 
 python tools/draw_scenarios.py [FOLDER]
 
-A match felt in one twist and then about a goal; a (made-up) share felt over a year and then over
-its last weeks. Left the whole, right the part: the data, the surface, and what a finger feels.
+The first is a match in one twist, and then around a goal. The second is a (made-up) share over a
+year, and then over its last weeks. The left column is the whole, the right column is the part. The
+rows are the data, the surface, and the vibration that a finger feels.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ FOLDER = Path(__file__).parent.parent / "docs" / "pictures"
 
 @dataclass(frozen=True)
 class Look:
-    """One way to look at a timeline: what of it, and how long the hand takes."""
+    """Visible part of a timeline, and the duration of the sweep over it."""
 
-    words: str
+    title: str
     timeline: ov.Timeline
     seconds: float
 
@@ -52,7 +53,7 @@ def draw(looks: list[Look], preset: ov.Preset) -> Figure:
         middle = np.minimum((starts + half).astype(int) + out.start, out.stop - 1)
         degrees = np.linspace(0.0, 180.0, len(result.engine.surface.friction))
         draw_timeline(data, look.timeline, result.engine.surface.angle_map)
-        data.set_title(look.words, loc="left", fontsize=10)
+        data.set_title(look.title, loc="left", fontsize=10)
         surface.plot(degrees, result.engine.surface.friction * 1e3, color=VERMILION, linewidth=0.7)
         surface.set_yscale("log")
         surface.yaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -1,8 +1,8 @@
-"""Measure what football and the presets of curves give a hand, beside the limits: Markdown tables.
+"""Measure the feel of football and of the presets of curves: Markdown tables with limits.
 
-R are five real matches (other people's data, in the folder that OVERVIEW_TEST_DATA names), F fresh
-random ones. Each cell shows how many cases fail, of how many, and the worst; bold is what misses
-its limit. Limits of the observer are for the mean of R and F.
+R are five real matches (external data, in the folder that OVERVIEW_TEST_DATA names), F are new
+random ones. Each cell shows how many cases fail, of how many, and the worst; bold figures miss
+their limit. Limits of the observer are for the mean of R and F.
 
 python tools/measure_feel.py [--quick] [--preset NAME] [--random N] [--observers N] [--write] [PART]
 
@@ -175,7 +175,10 @@ def arms(preset: ov.Preset, sets: Sets) -> Iterator[str]:
     }
     for name, by_set in tables.items():
         yield row(
-            "never met: events, goals", name, "0, 0", *(never_met(one) for one in by_set.values())
+            "never met: events, goals",
+            name,
+            "0, 0",
+            *(unreached_events(one) for one in by_set.values()),
         )
     for pattern, limits in (("arm {} s", ARM_LAG_MS), ("sweep {} s", STEADY_LAG_MS)):
         for seconds, (middle, most) in limits.items():
@@ -212,7 +215,7 @@ def swipe(pace: float) -> ov.Gesture:
     return ov.Gesture(times, moving.theta2, moving.touching, float(times[-1]))
 
 
-def never_met(tables: Sequence[FeltEvents]) -> str:
+def unreached_events(tables: Sequence[FeltEvents]) -> str:
     counts = []
     for kinds in ((), GOALS):
         rows = [(one.of(*kinds) & ~one.reached, one.of(*kinds)) for one in tables]
@@ -426,9 +429,9 @@ def tremor(preset: ov.Preset, matches: Sequence[ov.Timeline]) -> list[int]:
     settled_s = 3.0
     for match in matches:
         surface = ov.build_surface(match, preset)
-        for place, event in zip(surface.edges[:, 0], surface.event, strict=True):
+        for position, event in zip(surface.edges[:, 0], surface.event, strict=True):
             if match.events[event].kind in GOALS:
-                gesture = trembling(float(place), settled_s, len(jobs))
+                gesture = trembling(float(position), settled_s, len(jobs))
                 jobs.append(ov.RenderJob(match, preset, gesture))
     return [
         int((done.strikes.of_events().time_s > settled_s).sum())
@@ -436,16 +439,16 @@ def tremor(preset: ov.Preset, matches: Sequence[ov.Timeline]) -> list[int]:
     ]
 
 
-def trembling(place: float, settled_s: float, seed: int) -> ov.Gesture:
-    """Return the gesture of a finger that trembles at a position, settles, and goes on so."""
+def trembling(position: float, settled_s: float, seed: int) -> ov.Gesture:
+    """Return the gesture of a finger that trembles at a position, before and after it settles."""
     count = round((settled_s + TREMOR_S) * CONTROL_RATE)
     noise = np.random.default_rng(seed).standard_normal(count)
     sos = butter(2, TREMOR_HZ, "bandpass", fs=CONTROL_RATE, output="sos")
     shake = sosfiltfilt(sos, noise)
     times = np.arange(count + 1) / CONTROL_RATE
-    places = np.clip(place + TREMOR * shake / shake.std(), 0.0, 1.0)
-    places = np.append(places, places[-1])
-    return ov.Gesture(times, places * np.pi, np.arange(count + 1) < count, float(times[-1]))
+    positions = np.clip(position + TREMOR * shake / shake.std(), 0.0, 1.0)
+    positions = np.append(positions, positions[-1])
+    return ov.Gesture(times, positions * np.pi, np.arange(count + 1) < count, float(times[-1]))
 
 
 def loudness(preset: ov.Preset, matches: Sequence[ov.Timeline]) -> list[float]:
@@ -525,7 +528,7 @@ def curved(data: Path | None) -> Iterator[str]:
 # --- the command ----------------------------------------------------------------------------------
 
 
-def shown(lines: Iterable[str]) -> list[str]:
+def print_lines(lines: Iterable[str]) -> list[str]:
     found = []
     for line in lines:
         print(line, flush=True)
@@ -539,7 +542,7 @@ def write(lines: Sequence[str]) -> None:
     before, found, rest = PAGE.read_text().partition(BEGIN)
     _, ended, after = rest.partition(END)
     if not found or not ended:
-        raise SystemExit(f"{PAGE}: {BEGIN} and {END} must be there")
+        raise SystemExit(f"{PAGE}: {BEGIN} or {END} is missing")
     PAGE.write_text("\n".join([f"{before}{BEGIN}", "", *lines, f"{END}{after}"]))
 
 
@@ -549,15 +552,15 @@ def main() -> None:
     )
     parser.add_argument("--preset", default="football", help="name or file")
     parser.add_argument("--observers", type=int, default=4)
-    parser.add_argument("--random", type=int, default=20, help="matches")
+    parser.add_argument("--random", type=int, default=20, help="number of random matches")
     parser.add_argument("--quick", action="store_true", help="few random matches, one observer")
-    parser.add_argument("--write", action="store_true", help=f"also into {PAGE.name}")
+    parser.add_argument("--write", action="store_true", help=f"write to {PAGE.name}")
     parser.add_argument("parts", nargs="*", metavar="PART")
     options = parser.parse_args()
     warnings.simplefilter("ignore", ov.OverviewWarning)
     count, observers = (5, 1) if options.quick else (options.random, options.observers)
-    place = os.environ.get("OVERVIEW_TEST_DATA")
-    data = Path(place) if place else None
+    folder = os.environ.get("OVERVIEW_TEST_DATA")
+    data = Path(folder) if folder else None
     preset = ov.load_preset(options.preset)
     real = [ov.load_timeline(file) for file in real_files(data)] if data else []
     fresh = [ov.measure.random_match(FIRST_SEED + number) for number in range(count)]
@@ -572,14 +575,12 @@ def main() -> None:
     }
     unknown = set(options.parts) - set(parts)
     if unknown:
-        parser.error(
-            f"no part is called {', '.join(sorted(unknown))}; there are {', '.join(parts)}"
-        )
+        parser.error(f"PART is {', '.join(sorted(unknown))}; must be one of {', '.join(parts)}")
     started = time.perf_counter()
     counts = ", ".join(f"{name}: {len(matches)} matches" for name, matches in sets.items())
-    lines = shown([f"{preset.name}; {counts}; observers: {observers}", ""])
+    lines = print_lines([f"{preset.name}; {counts}; observers: {observers}", ""])
     for name in options.parts or parts:
-        lines += shown(parts[name]())
+        lines += print_lines(parts[name]())
     print(f"{time.perf_counter() - started:.0f} s", file=sys.stderr)
     if options.write:
         write(lines)

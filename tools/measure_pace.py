@@ -1,9 +1,9 @@
-"""Are events told better if their level doesn't depend on the hand's pace? Prints a table.
+"""Measure whether events are easier to recognize if their level doesn't depend on the hand's pace.
 
-A fast hand meets an event with more torque than a slow one. Here the level of both channels is
-multiplied by (pace / 0.33 timelines a second)^-alpha, at the events alone or everywhere, before an
-observer of hands of mixed pace learns and is asked (`docs/explanation/observer.md`). The same
-renders, hands and noise for each alpha: a gain is the mean of pairs, with its standard deviation.
+A fast hand passes an event with more torque than a slow one. Here the level of both channels is
+multiplied by (pace / 0.33 timelines per second)^-alpha, at the events alone or everywhere. Then an
+observer of mixed pace learns and is evaluated (`docs/explanation/observer.md`). Each alpha has the
+same renders, movements and noise. A gain is the mean of pairs, with its standard deviation.
 
 python tools/measure_pace.py [--repeats N] [--preset NAME]
 """
@@ -34,10 +34,10 @@ ALPHAS = (0.0, 0.25, 0.5, 0.71)
 
 PLACES = ("at events", "everywhere")
 USUAL_PACE, SLOWEST, FASTEST = 0.33, 0.05, 2.0
-"""Timelines a second; beyond the last two the level follows the pace again."""
+"""Timelines per second; beyond the last two the level follows the pace again."""
 
 BEFORE_MS, AFTER_MS = 5, 40
-LEARNED, ASKED = 120, 80
+LEARNED, EVALUATED = 120, 80
 AT_THE_ENDS = ("period",)
 KNOWN, UNKNOWN = "knows its pace", "does not"
 Key = tuple[str, float]
@@ -46,7 +46,7 @@ Key = tuple[str, float]
 def gains(
     log_pace: NDArray[np.float64], there: PassedEvents, alpha: float, where: str
 ) -> NDArray[np.float64]:
-    """What a stroke's level is multiplied by, each millisecond."""
+    """Return the gain of a stroke's level in each millisecond."""
     pace = np.clip(np.exp(log_pace), SLOWEST, FASTEST)
     everywhere = (pace / USUAL_PACE) ** -alpha
     if where == "everywhere":
@@ -101,15 +101,15 @@ def without_pace(one: strokes.ObservedStroke) -> strokes.ObservedStroke:
 def balanced(
     preset: ov.Preset,
     lessons: Sequence[strokes.ObservedStroke],
-    asked: Sequence[strokes.ObservedStroke],
+    evaluated: Sequence[strokes.ObservedStroke],
     modality: Modality,
     seed: int,
 ) -> tuple[float, float]:
-    """Balanced recall of groups and of kinds, without those at the ends, where the hand rests."""
+    """Return balanced recall of groups and of kinds, without the ends, where the hand rests."""
     kinds = tuple(preset.kinds)
     rng = np.random.default_rng([seed, MODALITIES.index(modality)])
     forest, names = observing.train_observer(lessons, modality, kinds, rng)
-    found = observing.evaluate_observer(asked, modality, kinds, forest, names, rng).kinds
+    found = observing.evaluate_observer(evaluated, modality, kinds, forest, names, rng).kinds
     counted = (found.events > 0) & np.array([kind not in AT_THE_ENDS for kind in kinds])
     groups = np.array(groups_of(kinds))
     recalls = []
@@ -129,19 +129,19 @@ def main() -> None:
     rows: dict[tuple[str, str, str, float], list[tuple[float, float]]] = {}
     for repeat in range(options.repeats):
         lessons = observed_strokes(preset, LEARNED, 10_000 * repeat)
-        asked = observed_strokes(preset, ASKED, 10_000 * repeat + 5_000_000)
+        evaluated = observed_strokes(preset, EVALUATED, 10_000 * repeat + 5_000_000)
         for where, alpha in lessons:
             if not alpha and where != PLACES[0]:
                 continue  # alpha 0 is the same everywhere
             for who in (KNOWN, UNKNOWN):
-                pair = [lessons[where, alpha], asked[where, alpha]]
+                pair = [lessons[where, alpha], evaluated[where, alpha]]
                 if who == UNKNOWN:
-                    pair = [[without_pace(one) for one in strokes_met] for strokes_met in pair]
+                    pair = [[without_pace(one) for one in pair_strokes] for pair_strokes in pair]
                 for modality in MODALITIES:
                     found = balanced(preset, pair[0], pair[1], modality, repeat)
                     rows.setdefault((who, modality, where, alpha), []).append(found)
         print(f"{repeat + 1} of {options.repeats}", flush=True)
-    print(f"{preset.name}: balanced recall, %, {options.repeats} times {ASKED} timelines")
+    print(f"{preset.name}: balanced recall, %, {options.repeats} times {EVALUATED} timelines")
     print("| the hand | sense | scaled | alpha | goal, card, minor | gain | kinds | gain |")
     print("|---" * 8 + "|")
     for (who, modality, where, alpha), scores in rows.items():

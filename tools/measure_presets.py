@@ -30,7 +30,7 @@ FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 
 
 def observed(preset: ov.Preset) -> dict[str, Any]:
-    """What an observer tells apart on random timelines, in all strokes and at mixed pace."""
+    """Return an observer's scores on random timelines, in all strokes and at mixed pace."""
     found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
     for movement in ("all", "mixed"):
         (scores,) = (report := ov.measure.observe(preset, movement=movement)).to_json()["sets"]
@@ -40,7 +40,7 @@ def observed(preset: ov.Preset) -> dict[str, Any]:
 
 
 def lines_of(report: dict[str, Any]) -> str:
-    """JSON with a line for each stroke, so that a change of one is seen as one."""
+    """Return JSON with one line for each stroke, so that a diff shows which one changed."""
     parts = [f'"{key}": {json.dumps(report[key])}' for key in ("preset", "timelines")]
     parts.append(f'"strokes": {_rows(report["strokes"])}')
     parts.append(f'"arm": {json.dumps(report["arm"])}')
@@ -56,7 +56,7 @@ def _rows(rows: list[Any]) -> str:
 
 
 def character_rows(names: Sequence[str]) -> Iterator[str]:
-    """The level-matched table: a row and a column a preset."""
+    """Yield the level-matched table: one row and one column for each preset."""
     timelines = [ov.load_timeline(name) for name in ("world-cup-final-2018", "made-up-share")]
     timelines.append(ov.measure.random_crowd(1))
     data = os.environ.get("OVERVIEW_TEST_DATA")

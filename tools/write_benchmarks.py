@@ -43,13 +43,13 @@ def measured(what: str) -> dict[str, Any]:
 
 
 def table(*rows: tuple[str, ...]) -> str:
-    """A Markdown table; the first row is its head."""
+    """Return a Markdown table; the first row is its head."""
     head, *others = (f"| {' | '.join(row)} |" for row in rows)
     return "\n".join([head, "|---" * len(rows[0]) + "|", *others])
 
 
 def speeds(report: dict[str, Any]) -> str:
-    """A table for each group of rows, one of what a second costs, the memory."""
+    """Return a table for each group of rows, a table of costs, and the memory."""
     from overview_dsp.measure.bench.speeds import VOICE, Row, cycles
     from tools.bench.report import merging
     from tools.bench.scaling import Cost
@@ -85,7 +85,7 @@ def ranged(figure: dict[str, Any], prefix: str = "") -> str:
 
 
 def live(report: dict[str, Any]) -> str:
-    """What `overview bench --live` prints."""
+    """Return the output of `overview bench --live`."""
     from overview_dsp.measure.bench.live.latency import LatencyResult
     from overview_dsp.measure.bench.live.session import SessionRow
     from overview_dsp.measure.bench.live.table import LoadRow, Report, lines
@@ -99,7 +99,7 @@ def live(report: dict[str, Any]) -> str:
 
 
 def first_starts(report: dict[str, Any]) -> str:
-    """A row for each command."""
+    """Return a table with one row for each command."""
     rows = [
         (
             f"`overview {one['command']}`",
@@ -118,14 +118,14 @@ WRITERS = {"speeds": speeds, "live": live, "first starts": first_starts}
 
 
 def what_of(report: dict[str, Any]) -> str:
-    """Which of `WRITERS` a report is for."""
+    """Return the key of `WRITERS` for a report."""
     if "first_starts" in report:
         return "first starts"
     return "live" if "load" in report else "speeds"
 
 
 def filled(page: str, what: str, text: str) -> str:
-    """The page with a text between the markers of `what`."""
+    """Return the page with a text between the markers of `what`."""
     marked = re.compile(rf"(<!-- bench: {what} -->\n).*?(\n<!-- end of bench -->)", re.DOTALL)
     page, times = marked.subn(lambda found: f"{found[1]}\n{text}\n{found[2]}", page)
     if times != 1:

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench.live.latency import HOLD, PLACE, probe, strike_delay
+from overview_dsp.measure.bench.live.latency import HOLD, TAP_POSITION, probe, strike_delay
 from overview_dsp.units import HALF_TURN
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
@@ -63,8 +63,8 @@ def rendered(taps):
     engine = probe()
     frames = taps[-1]["after"] + 2 * HOLD
     for tap in taps:
-        engine.control(PLACE * HALF_TURN, True, tap["applied"])
-        engine.control(PLACE * HALF_TURN, False, tap["after"] + HOLD)
+        engine.control(TAP_POSITION * HALF_TURN, True, tap["applied"])
+        engine.control(TAP_POSITION * HALF_TURN, False, tap["after"] + HOLD)
     out = np.zeros((frames, 2), dtype=np.float32)
     for first in range(0, frames, 8192):
         engine.process(out[first : first + 8192])
@@ -99,7 +99,7 @@ def test_the_probes_first_changed_sample_is_the_taps_own():
         engine = probe()
         out = np.zeros((8192, 2), dtype=np.float32)
         engine.process(out)
-        engine.control(PLACE * HALF_TURN, True, 8192 + offset)
+        engine.control(TAP_POSITION * HALF_TURN, True, 8192 + offset)
         engine.process(out)
         assert np.flatnonzero(out.any(axis=1))[0] == offset
         struck = engine.pop_strikes().time_s[0] * 48_000 - 8192 - offset

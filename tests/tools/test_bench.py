@@ -97,7 +97,7 @@ def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
     engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
     fed(engine).process(ours_)
-    plain.voice(plain_scene(engine), *c_rows.held_hand(frames), theirs)
+    plain.voice(plain_scene(engine), *c_rows.sweep_input(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
     assert np.abs(level).max() < 0.5
     assert np.corrcoef(ours_[:, 1], theirs[:, 1])[0, 1] > 0.99
@@ -109,7 +109,7 @@ def test_the_disk_in_faust_is_ours(wide, build):
         pytest.skip("needs Faust: apt-get install faust")
     engine, disk, torque = wide
     found = np.empty(len(torque))
-    programs.FaustPeer("disk_alone", programs.BUILDS[build], engine).run([disk.hand], [found])
+    programs.FaustPeer("disk_alone", programs.BUILDS[build], engine).run([disk.angles], [found])
     assert np.abs(found - torque).max() < NEAR * np.abs(torque).max()
 
 

@@ -1,4 +1,4 @@
-"""`python -m tools.bench`: the engine beside C, Faust, Csound, scipy and plain Python."""
+"""`python -m tools.bench`: the engine compared with C, Faust, Csound, scipy and plain Python."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from tools.bench.report import lines, measure
 @click.option("--plot", metavar="FILE", help="Draw the speeds: PNG, SVG or PDF.")
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def command(rounds: int, seconds: float, plot: str | None, as_json: bool) -> None:
-    """Measure seconds of sound made in one second, on one core, beside other ways to do the work.
+    """Measure seconds of sound made in one second, on one core, compared with other programs.
 
-    Versions in C, Faust and Csound are measured where their compilers are installed. Then what a
-    second costs as the work grows, and memory. About five minutes; with --seconds 3600, streams of
-    an hour too.
+    Versions in C, Faust and Csound are measured where their compilers are installed. Then this
+    measures the cost of a second as the work grows, and memory. It takes about five minutes; with
+    --seconds 3600 it also measures streams of an hour.
     """
     try:
         if plot is not None:

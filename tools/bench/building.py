@@ -1,4 +1,4 @@
-"""C sources to shared libraries, where a compiler is there."""
+"""Build of C sources to shared libraries, where a compiler is installed."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class MissingError(OverviewError):
 
 
 def compiler() -> str:
-    """The C compiler's name.
+    """Return the C compiler's name.
 
     Raises
     ------
     MissingError
-        None is installed.
+        No compiler is installed.
     """
     for name in ("gcc", "cc", "clang"):
         if shutil.which(name):
@@ -33,16 +33,16 @@ def compiler() -> str:
 
 
 def built(path: Path, flags: tuple[str, ...], folder: Path | None = None) -> Path:
-    """Compile a C source to a shared library, once for each text and flags; its path.
+    """Compile a C source to a shared library, once for each text and flags, and return its path.
 
-    `folder` is where it is kept; None = a folder of its own in the system's temporary one.
+    `folder` receives it; None: a new folder in the system's temporary one.
 
     Raises
     ------
     MissingError
         No compiler.
     OverviewError
-        It doesn't compile.
+        The source does not compile.
     """
     name = compiler()
     what = hashlib.sha256(path.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
@@ -50,8 +50,8 @@ def built(path: Path, flags: tuple[str, ...], folder: Path | None = None) -> Pat
     target = folder / f"{path.stem}-{what}.so"
     if not target.exists():
         unit = target.with_suffix(".o")
-        # linked without the flags: those of fast arithmetic make a library that turns denormals off
-        # for whoever loads it, and this process measures and tests other things as well
+        # linked without the flags: fast arithmetic makes a library that turns denormals off in the
+        # process that loads it, and this process also measures and tests other code
         for command in (
             [name, *flags, "-fPIC", "-c", str(path), "-o", str(unit)],
             [name, "-shared", str(unit), "-o", str(target), "-lm"],

@@ -1,4 +1,4 @@
-"""The model in C, as a textbook has it."""
+"""The model in C, as a textbook would write it."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from tools.bench.plain_settings import Settings, plain_scene, plain_settings
 PLAIN = ("-O3", "-march=native")
 
 
-def held_hand(frames: int) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
-    """Angle (rad) and touching of the sweep at each sample: what its control events amount to."""
+def sweep_input(frames: int) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    """Return the angle (rad) and the touch state of the sweep at each sample."""
     gesture = sweep(SWEEP_S)
     latest = np.searchsorted(gesture.stamps(RATE), np.arange(frames), side="right") - 1
     return gesture.theta2[latest], gesture.touching[latest].astype(np.uint8)
@@ -40,30 +40,30 @@ class PlainC:
     """plain_voice.c, built with some flags."""
 
     def __init__(self, library: Path, disk: Disk, settings: Settings) -> None:
-        """`library` is the built source."""
+        """Load `library`, the built source."""
         self._c = ctypes.CDLL(str(library))
         self._settings = settings
         self._disk = disk
-        self._torque = np.empty(len(disk.hand))
+        self._torque = np.empty(len(disk.angles))
 
     def torque(self) -> NDArray[np.float64]:
-        """The torque (N m) of the disk alone."""
+        """Return the torque (N m) of the disk alone."""
         self._c.plain_disk(
             ctypes.byref(self._settings),
             pointer(self._disk.friction),
-            pointer(self._disk.hand),
+            pointer(self._disk.angles),
             pointer(self._torque),
             ctypes.c_int64(len(self._torque)),
         )
         return self._torque
 
-    def voice(self, scene: Any, hand: NDArray[np.float64], touching: NDArray[np.uint8],
+    def voice(self, scene: Any, angles: NDArray[np.float64], touching: NDArray[np.uint8],
               out: NDArray[np.float32]) -> None:  # fmt: skip
-        """The full voice into `out`, float32 (frames, 2)."""
+        """Write the full voice into `out`, float32 (frames, 2)."""
         self._c.plain_voice(
             ctypes.byref(self._settings),
             ctypes.byref(scene),
-            pointer(hand),
+            pointer(angles),
             pointer(touching),
             pointer(out),
             ctypes.c_int64(len(out)),
@@ -71,12 +71,12 @@ class PlainC:
 
 
 def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
-    """An array's memory for C."""
+    """Return the address of an array for C."""
     return ctypes.c_void_p(array.ctypes.data)
 
 
 def contenders() -> list[Contender]:
-    """The C versions, built now.
+    """Build and return the C versions.
 
     Raises
     ------
@@ -89,13 +89,13 @@ def contenders() -> list[Contender]:
     out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
     plain = PlainC(built(PEERS / "plain_voice.c", PLAIN, folder), disk, plain_settings(engine))
     scene = plain_scene(engine)
-    hand, touching = held_hand(len(out))
+    angles, touching = sweep_input(len(out))
     assert len(disk.friction) == CELLS + 1
     return [
         Contender(
             VOICE,
             f"a textbook version in C, {named(PLAIN)}",
-            lambda: timed(SECONDS, lambda: plain.voice(scene, hand, touching, out)),
+            lambda: timed(SECONDS, lambda: plain.voice(scene, angles, touching, out)),
         ),
         Contender(
             DISK,
@@ -106,5 +106,5 @@ def contenders() -> list[Contender]:
 
 
 def named(flags: tuple[str, ...]) -> str:
-    """Flags as a table shows them."""
+    """Return the flags as a table shows them."""
     return " ".join(flag for flag in flags if not flag.startswith("-march"))

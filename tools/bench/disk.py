@@ -1,4 +1,4 @@
-"""The disk alone: what another way to compute it needs, and ours."""
+"""The disk alone: input for other ways to compute it, and our torque."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from overview_dsp.signal.engine.engine import Engine
 
 @dataclass(frozen=True, eq=False)
 class Disk:
-    """What the disk alone needs: a held disk under a steadily moving hand.
+    """Parameters and input of the disk alone, touched and moved at a constant speed.
 
-    `friction` is float64 (CELLS + 1,) N m s/rad; `hand` the angle (rad) at the middle of each of
-    the samples of `SWEEP_S` at `RATE`.
+    `friction` is float64 (CELLS + 1,) N m s/rad. `angles` is the input angle (rad) at the middle of
+    each sample of `SWEEP_S` at `RATE`.
     """
 
     inertia: float
     k1: float
     k2: float
     friction: NDArray[np.float64]
-    hand: NDArray[np.float64]
+    angles: NDArray[np.float64]
 
     @classmethod
     def of(cls, engine: Engine) -> Disk:
@@ -35,8 +35,8 @@ class Disk:
         return cls(inertia, k1, k2, engine.surface.friction, middle * (math.pi / SWEEP_S))
 
 
-def disk_alone(engine: Engine, held: Disk) -> NDArray[np.float64]:
+def disk_alone(engine: Engine, inputs: Disk) -> NDArray[np.float64]:
     """Return our torque (N m) of the disk alone, float64 [frames]."""
-    torque = np.empty(len(held.hand))
-    disk(engine, held.hand * (CELLS / math.pi), torque)
+    torque = np.empty(len(inputs.angles))
+    disk(engine, inputs.angles * (CELLS / math.pi), torque)
     return torque

@@ -23,7 +23,7 @@ SWEEP_S = 1.5
 
 
 def feed_all(engines: list[Engine | None]) -> None:
-    """Give every lane's engine the whole work, which is Python's, not the kernel's."""
+    """Queue the whole work on every lane's engine; this is Python's work, not the kernel's."""
     for engine in engines:
         assert engine is not None
         fed(engine)
@@ -37,22 +37,22 @@ def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:
 
 
 def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
-    """The whole work once in every lane."""
+    """Return the speed of the whole work once in every lane."""
     feed_all(engines)
     return timed(SIMD_WIDTH * SECONDS, lambda: play(lanes, engines))
 
 
 def rendered(threads: int) -> float:
-    """Voices by `render_many`; seconds of sound in one second of the wall clock."""
+    """Return the seconds of sound that `render_many` makes in one second of the wall clock."""
     gesture = sweep(SWEEP_S)
-    made = render_jobs([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
+    jobs = render_jobs([bundled_timeline()], [load_preset("football")], [gesture], range(SEEDS))
     started = time.perf_counter()
-    done = sum(1 for _ in render_many(list(made), RATE, tail="none", threads=threads))
+    done = sum(1 for _ in render_many(list(jobs), RATE, tail="none", threads=threads))
     return done * gesture.duration_s / (time.perf_counter() - started)
 
 
 def in_threads(full: list[Lanes]) -> float:
-    """The whole work once in each of these lanes, a thread each: what the cores themselves give."""
+    """Process the whole work once in each of these lanes, with one thread per lane."""
     for _, engines in full:
         feed_all(engines)
     with ThreadPoolExecutor(len(full)) as pool:
@@ -62,13 +62,13 @@ def in_threads(full: list[Lanes]) -> float:
 
 
 def filled() -> Lanes:
-    """Lanes with an engine in each."""
+    """Return lanes with an engine in each."""
     lanes = EngineBatch(BLOCK)
     return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(SIMD_WIDTH)]
 
 
 def contenders() -> list[Contender]:
-    """Rows of the full voice, and of several cores."""
+    """Return rows of the full voice, and of several cores."""
     cores = usable_cores()
     full = [filled() for _ in range(cores)]
     return [

@@ -49,7 +49,7 @@ class Settings(ctypes.Structure):
 
 
 class Scene(ctypes.Structure):
-    """`Scene` of plain_voice.c; `kept` holds its arrays alive."""
+    """`Scene` of plain_voice.c; `arrays` keeps their memory alive."""
 
     _fields_ = [
         ("friction", ctypes.c_void_p),
@@ -57,11 +57,11 @@ class Scene(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in ("place", "release", "kind", "first")),
         *((name, ctypes.c_void_p) for name in ("frequency_hz", "decay_s", "gain")),
     ]
-    kept: tuple[np.ndarray, ...]
+    arrays: tuple[np.ndarray, ...]
 
 
 def plain_settings(engine: Engine) -> Settings:
-    """A prepared engine's parameters."""
+    """Return the parameters of a prepared engine."""
 
     def value(of: str | int | Callable[[Engine], float]) -> float:
         if isinstance(of, str):
@@ -72,7 +72,7 @@ def plain_settings(engine: Engine) -> Settings:
 
 
 def plain_scene(engine: Engine) -> Scene:
-    """A prepared engine's surface."""
+    """Return the surface of a prepared engine."""
     surface = engine.surface
     modes = [mode for kind in surface.kind_modes for mode in kind]
     first = np.concatenate([[0], np.cumsum([len(kind) for kind in surface.kind_modes])])
@@ -89,5 +89,5 @@ def plain_scene(engine: Engine) -> Scene:
     assert math.isclose(arrays[1][-1], surface.position[-1] * math.pi)
     addresses = [array.ctypes.data for array in arrays]
     scene = Scene(addresses[0], len(surface.position), *addresses[1:])
-    scene.kept = arrays
+    scene.arrays = arrays
     return scene

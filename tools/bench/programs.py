@@ -25,7 +25,7 @@ from overview_dsp.measure.bench.speeds import (
 )
 from overview_dsp.signal.engine.engine import Engine
 from tools.bench.building import PEERS, MissingError, built
-from tools.bench.c_rows import held_hand, pointer
+from tools.bench.c_rows import pointer, sweep_input
 from tools.bench.disk import Disk
 from tools.bench.plain_settings import SETTINGS, plain_settings
 
@@ -49,8 +49,8 @@ class FaustPeer:
         command += ["-I", str(folder), "voice.dsp", "-o", "generated.c"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         if done.returncode:
-            raise OverviewError(f"voice.dsp: faust says: {done.stderr.strip()[:300]}")
-        # the host includes what Faust made of it: a folder of its own for each
+            raise OverviewError(f"voice.dsp: faust failed: {done.stderr.strip()[:300]}")
+        # the host includes Faust's output, so each has its own folder
         library = built(folder / "faust_host.c", (*FAST, f"-I{folder}"), folder)
         self._c = ctypes.CDLL(str(library))
         surface = engine.surface
@@ -64,39 +64,39 @@ class FaustPeer:
         self._c.peer_tables(*(pointer(table) for table in self._tables))
 
     def run(self, inputs: list[np.ndarray], outputs: list[np.ndarray]) -> None:
-        """All frames of float64 arrays of one length."""
+        """Process all frames of float64 arrays of one length."""
         ins = (ctypes.c_void_p * len(inputs))(*(array.ctypes.data for array in inputs))
         outs = (ctypes.c_void_p * len(outputs))(*(array.ctypes.data for array in outputs))
         self._c.peer_run(ins, outs, ctypes.c_int32(len(outputs[0])))
 
 
 def faust() -> list[Contender]:
-    """The full voice and the disk alone, in each of Faust's builds.
+    """Return the full voice and the disk alone, in each of Faust's builds.
 
     Raises
     ------
     MissingError
-        No Faust, no C compiler, or not a clone.
+        Faust, a C compiler or the source checkout is missing.
     """
     if not shutil.which("faust"):
         raise MissingError("Faust is not installed (apt-get install faust)")
     engine = prepared()
     disk = Disk.of(engine)
     frames = round(SECONDS * RATE)
-    hand, touching = held_hand(frames)
-    held = touching.astype(np.float64)
-    heard = [np.empty(frames), np.empty(frames)]
-    torque = [np.empty(len(disk.hand))]
+    angles, touching = sweep_input(frames)
+    touch = touching.astype(np.float64)
+    output = [np.empty(frames), np.empty(frames)]
+    torque = [np.empty(len(disk.angles))]
     rows = []
     for name, options in BUILDS.items():
         voice = FaustPeer("voice", options, engine)
         alone = FaustPeer("disk_alone", options, engine)
 
         def play(voice: FaustPeer = voice) -> float:
-            return timed(SECONDS, lambda: voice.run([hand, held], heard))
+            return timed(SECONDS, lambda: voice.run([angles, touch], output))
 
         def turn(alone: FaustPeer = alone) -> float:
-            return timed(SWEEP_S, lambda: alone.run([disk.hand], torque))
+            return timed(SWEEP_S, lambda: alone.run([disk.angles], torque))
 
         rows += [
             Contender(VOICE, f"Faust, {name}, {FAST[0]}", play),
@@ -106,12 +106,12 @@ def faust() -> list[Contender]:
 
 
 def csound() -> list[Contender]:
-    """The disk alone.
+    """Return the disk alone.
 
     Raises
     ------
     MissingError
-        No Csound, or not a clone.
+        Csound or the source checkout is missing.
     """
     if not shutil.which("csound"):
         raise MissingError("Csound is not installed (apt-get install csound)")
@@ -124,7 +124,7 @@ def csound() -> list[Contender]:
     text = text.replace("{speed}", repr(np.pi / SWEEP_S))
 
     def spent(seconds: float) -> float:
-        """CPU seconds of a process that makes so much."""
+        """Return the CPU time (s) of a process that makes `seconds` of sound."""
         score = folder / f"{seconds:g}.csd"
         score.write_text(text.replace("{seconds}", repr(seconds)), encoding="utf-8")
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
@@ -134,7 +134,7 @@ def csound() -> list[Contender]:
         return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
     def run() -> float:
-        # its start is no part of the work
+        # the start is not part of the work
         return (SWEEP_S - SHORT_S) / (spent(SWEEP_S) - spent(SHORT_S))
 
     return [Contender(DISK, "Csound, ksmps = 1", run)]

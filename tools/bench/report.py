@@ -1,4 +1,4 @@
-"""Everything that `python -m tools.bench` measures, as tables, and what is missing."""
+"""Tables of everything that `python -m tools.bench` measures, and of missing programs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SPEEDS_PART = 0.4
 
 @dataclass(frozen=True)
 class Report(speeds.Report):
-    """What was measured. `left_out`: what wasn't, and why."""
+    """Results of all measurements. `left_out`: reasons for those that could not run."""
 
     costs: list[Cost]
     memory: Memory

@@ -1,4 +1,4 @@
-"""What a second of sound costs as the work grows: duration, events, table, rate; and memory.
+"""Cost of a second of sound as the work grows: duration, events, table, rate; and memory.
 
 Each series is compared with its first entry, in rounds in turn.
 """
@@ -32,10 +32,10 @@ ROOT = Path(__file__).resolve().parents[2]
 BLOCK = 4096
 SWEEP_S = 4.0
 DURATIONS = (1, 15, 150, 900)
-"""Sweeps of `SWEEP_S`, with the rest at their end: 4 s to an hour."""
+"""Numbers of sweeps of `SWEEP_S`, each with the rest at its end: 4 s to an hour."""
 WARM_REPEATS = 100
 MEASURED_S = 100.0
-"""Of sound, at least, for one figure."""
+"""Least duration of sound for one figure."""
 
 EVENTS = (10, 100, 1_000, 10_000, 100_000)
 RATES = (8_000, 24_000, 48_000, 96_000, 192_000)
@@ -44,9 +44,9 @@ EVENTS_SWEEP_S = 8.0
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of a second of sound, of the series' first entry: median, lowest, highest.
+    """Cost of a second of sound, relative to the series' first entry: median, lowest, highest.
 
-    `strikes` are the strikes that the surface holds, where there is one.
+    `strikes` is the number of strikes of the surface, if there is one.
     """
 
     series: str
@@ -59,17 +59,17 @@ class Cost:
 
 @dataclass(frozen=True)
 class Case:
-    """An entry of a series: what measures it (CPU seconds for a second of sound)."""
+    """Entry of a series; `run` returns the CPU time (s) for one second of sound."""
 
     entry: str
     run: Callable[[], float]
     strikes: int = 0
     warmed: bool = True
-    """Whether it runs once before; a long one needs no warming up."""
+    """Whether it runs once before; a long entry needs no warm-up."""
 
     @classmethod
     def of(cls, entry: str, engine: Engine, sweep_s: float, repeats: int = 1) -> Case:
-        """What the middle one of an engine's sweeps costs; few sweeps are made several times."""
+        """Return a case that measures the median cost of an engine's sweeps."""
         times = max(1, round(MEASURED_S / (repeats * sweep_s)))
 
         def run() -> float:
@@ -80,7 +80,7 @@ class Case:
 
 
 def costs_of(engine: Engine, sweep_s: float, repeats: int = 1) -> list[float]:
-    """CPU seconds for a second of each sweep over the whole timeline, one after the other."""
+    """Return the CPU time (s) for one second of each of `repeats` sweeps over the timeline."""
     gesture = sweep(sweep_s)
     out = np.zeros((BLOCK, 2), dtype=np.float32)
     blocks = round(gesture.duration_s * engine.sample_rate / BLOCK)
@@ -96,14 +96,14 @@ def costs_of(engine: Engine, sweep_s: float, repeats: int = 1) -> list[float]:
 
 
 def evenly(count: int) -> Timeline:
-    """A timeline with fouls at even distances."""
+    """Return a timeline with fouls at even distances."""
     times = (np.arange(count) + 0.5) * (5_400.0 / count)
     events = tuple(Event(float(time), "foul") for time in times)
     return Timeline(f"{count} events", 5_400.0, events)
 
 
 def series(name: str, cases: list[Case], rounds: int, step: Callable[[], None]) -> list[Cost]:
-    """The cases in turn, round after round."""
+    """Measure the cases in turn, round after round."""
     found: list[list[float]] = [[] for _ in cases]
     for round_ in range(rounds + 1):
         for case, spent in zip(cases, found, strict=True):
@@ -123,7 +123,7 @@ def series(name: str, cases: list[Case], rounds: int, step: Callable[[], None]) 
 def measure(
     rounds: int, longest_s: float = 3600.0, progress: Callable[[float], None] | None = None
 ) -> list[Cost]:
-    """All series; durations up to `longest_s`."""
+    """Measure all series, with durations up to `longest_s`."""
     engine = prepared(frames=BLOCK)
     durations = [
         Case.of(f"{count * SWEEP_S:g} s", engine, SWEEP_S, count)
@@ -135,8 +135,8 @@ def measure(
         with warnings.catch_warnings():
             # that strikes are merged is stated in the table
             warnings.simplefilter("ignore", OverviewWarning)
-            made = prepared(evenly(count), load_preset("football"), frames=BLOCK)
-        crowded.append(Case.of(f"{count} events", made, EVENTS_SWEEP_S))
+            engine_of_events = prepared(evenly(count), load_preset("football"), frames=BLOCK)
+        crowded.append(Case.of(f"{count} events", engine_of_events, EVENTS_SWEEP_S))
     rates = [Case.of(f"{rate} Hz", prepared(rate=rate, frames=BLOCK), 4.0) for rate in RATES]
     disk = Disk.of(engine)
     tables = [Case(f"{n} cells", TableOf(n, engine, disk).cost) for n in SIZES]
@@ -157,7 +157,7 @@ def measure(
 
 
 def _per_sample(costs: list[Cost]) -> list[Cost]:
-    """A series of sample rates as cost of a sample, not of a second."""
+    """Convert costs of a second to costs of a sample, for the series of sample rates."""
     return [
         replace(cost, ratio=cost.ratio * part, low=cost.low * part, high=cost.high * part)
         for cost, part in zip(costs, (RATES[0] / rate for rate in RATES), strict=True)
@@ -174,7 +174,7 @@ class Memory:
 
 
 def memory(seconds: float) -> Memory:
-    """Stream sweeps in blocks, in a process of its own: nothing else has been in its memory."""
+    """Stream sweeps in blocks, in a new process, so that only the stream uses its memory."""
     command = [sys.executable, "-m", "tools.bench.scaling", str(seconds)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
     ready, streamed = map(float, done.stdout.split())
@@ -182,7 +182,7 @@ def memory(seconds: float) -> Memory:
 
 
 def stream(seconds: float) -> tuple[float, float]:
-    """Highest resident memory (MB) before and after a stream."""
+    """Return the highest resident memory (MB) before and after a stream."""
     engine = prepared(frames=BLOCK)
     costs_of(engine, SWEEP_S)
     ready = peak_mb()
@@ -191,10 +191,10 @@ def stream(seconds: float) -> tuple[float, float]:
 
 
 def peak_mb() -> float:
-    """The process's highest resident memory so far."""
+    """Return the process's highest resident memory so far, MB."""
     status = Path("/proc/self/status")
     if status.exists():
-        # what getrusage reports may be the parent's, from before this program was loaded
+        # getrusage may report the parent's memory, from before this program was loaded
         found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
         if found:
             return int(found[1]) * 1024 / 1e6

@@ -1,7 +1,7 @@
 """The disk alone by general means: a plain Python loop, scipy's solvers, a filter.
 
-A solver may take steps of its own: it runs at the loosest tolerance whose torque is no further from
-a tight reference than the kernel's, both at the middle of each sample.
+A solver may choose its own steps. It runs at the loosest tolerance whose torque is as close to a
+tight reference as the kernel's torque, both at the middle of each sample.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from overview_dsp.signal.engine.engine import Engine
 from tools.bench.disk import Disk, disk_alone
 
 SOLVED_S = 0.5
-"""Of the sweep, for the solvers."""
+"""Duration of the part of the sweep that the solvers compute."""
 
 METHODS = ("LSODA", "RK45", "DOP853")
 TOLERANCES = tuple(10.0 ** (-0.5 * step) for step in range(4, 24))
@@ -28,19 +28,19 @@ LOOP_S = 0.25
 
 
 def plain_loop(disk: Disk, frames: int) -> list[float]:
-    """Torque (N m), as anyone would type it: floats, and a list for the table."""
+    """Return the torque (N m) of a straightforward loop: floats, and a list for the table."""
     table = disk.friction.tolist()
-    hand = disk.hand[:frames].tolist()
+    angles = disk.angles[:frames].tolist()
     inertia, k1, k2 = disk.inertia, disk.k1, disk.k2
     k = k1 + k2
     cells = CELLS * k / k2 / math.pi
     dt = 1.0 / RATE
     theta = omega = 0.0
     torque = []
-    for angle in hand:
-        place = min(max((theta + 0.5 * dt * omega) * cells, 0.0), CELLS - 1e-9)
-        i = int(place)
-        b = table[i] + (place - i) * (table[i + 1] - table[i])
+    for angle in angles:
+        position = min(max((theta + 0.5 * dt * omega) * cells, 0.0), CELLS - 1e-9)
+        i = int(position)
+        b = table[i] + (position - i) * (table[i + 1] - table[i])
         mean = (2 * inertia * omega + dt * (k2 * angle - k * theta)) / (
             2 * inertia + dt * b + 0.5 * dt * dt * k
         )
@@ -51,7 +51,7 @@ def plain_loop(disk: Disk, frames: int) -> list[float]:
 
 
 def solved(disk: Disk, method: str, tolerance: float) -> NDArray[np.float64]:
-    """Torque (N m) at the middle of each sample of `SOLVED_S`, by scipy's solve_ivp."""
+    """Return the torque (N m) at the middle of each sample of `SOLVED_S`, by scipy's solve_ivp."""
     from scipy.integrate import solve_ivp
 
     table = disk.friction.tolist()
@@ -61,9 +61,9 @@ def solved(disk: Disk, method: str, tolerance: float) -> NDArray[np.float64]:
     speed = math.pi / SWEEP_S
 
     def friction(theta: float) -> float:
-        place = min(max(theta * cells, 0.0), CELLS - 1e-9)
-        i = int(place)
-        value: float = table[i] + (place - i) * (table[i + 1] - table[i])
+        position = min(max(theta * cells, 0.0), CELLS - 1e-9)
+        i = int(position)
+        value: float = table[i] + (position - i) * (table[i + 1] - table[i])
         return value
 
     def motion(t: float, state: list[float]) -> tuple[float, float]:
@@ -80,16 +80,16 @@ def solved(disk: Disk, method: str, tolerance: float) -> NDArray[np.float64]:
 
 
 def error(torque: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
-    """Root mean square of the difference, of the reference's own."""
+    """Return the RMS of the difference, relative to the RMS of the reference."""
     return float(np.sqrt(np.mean((torque - reference) ** 2) / np.mean(reference**2)))
 
 
 def loosest(
     disk: Disk, method: str, reference: NDArray[np.float64], allowed: float
 ) -> tuple[float, float]:
-    """The loosest tolerance whose error is no larger than `allowed`, and that error.
+    """Return the loosest tolerance whose error is at most `allowed`, and that error.
 
-    Where none of them is, the tightest.
+    If every error is larger, this is the tightest tolerance.
     """
     found = math.inf
     for tolerance in TOLERANCES:
@@ -100,10 +100,10 @@ def loosest(
 
 
 def contenders(progress: Callable[[float], None] | None = None) -> list[Contender]:
-    """The plain loop, the solvers and the filter."""
+    """Return the plain loop, the solvers and the filter."""
     engine = prepared()
     disk = Disk.of(engine)
-    part = replace(disk, hand=disk.hand[: round(SOLVED_S * RATE)])
+    part = replace(disk, angles=disk.angles[: round(SOLVED_S * RATE)])
     reference = solved(part, "DOP853", REFERENCE_TOLERANCE)
     ours = error(disk_alone(engine, part), reference)
     rows = []
@@ -134,7 +134,7 @@ def contenders(progress: Callable[[float], None] | None = None) -> list[Contende
 
 
 def fixed(engine: Engine) -> Callable[[], object]:
-    """The disk with the friction of the surface's first point: a filter of second order."""
+    """Return the disk with constant friction, that of the surface's first point, as a filter."""
     from scipy.signal import lfilter
 
     disk = Disk.of(engine)
@@ -145,4 +145,4 @@ def fixed(engine: Engine) -> Callable[[], object]:
     twice = 2.0 * disk.inertia - 0.5 * k * dt * dt
     back = disk.inertia - 0.5 * b * dt + 0.25 * k * dt * dt
     forward = np.array([0.25, 0.5, 0.25]) * (disk.k2 * dt * dt)
-    return lambda: lfilter(forward / least, [1.0, -twice / least, back / least], disk.hand)
+    return lambda: lfilter(forward / least, [1.0, -twice / least, back / least], disk.angles)

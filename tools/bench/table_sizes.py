@@ -1,4 +1,4 @@
-"""What the friction table's size costs the disk: the same movement on coarser tables."""
+"""Cost of the friction table's size: the same movement of the disk on coarser tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ REPEATS = 10
 
 
 class TableOf:
-    """The disk alone on a table of so many cells, a divisor of the surface's.
+    """The disk alone on a table of `cells` cells, a divisor of the surface's.
 
     The engine only lends its coefficients and the memory of a surface that it doesn't use.
     """
@@ -28,17 +28,17 @@ class TableOf:
         self._start = layout.SURFACES + (layout.SLOTS - 1) * layout.SLOT_SIZE + layout.SLOT_TABLE
         friction = disk.friction[:: layout.CELLS // cells]
         self._pairs = np.stack([friction, np.append(np.diff(friction), 0.0)], axis=1).ravel()
-        self._hand = disk.hand * (cells / math.pi)
+        self._angles = disk.angles * (cells / math.pi)
 
     def torque(self) -> NDArray[np.float64]:
-        """The torque (N m) of the movement, float64 [frames]."""
-        torque = np.empty(len(self._hand))
+        """Return the torque (N m) of the movement, float64 [frames]."""
+        torque = np.empty(len(self._angles))
         self._run(torque, 1)
         return torque * (layout.CELLS / self.cells)  # the engine's speeds are in its own cells
 
     def cost(self) -> float:
-        """CPU seconds for a second of it."""
-        torque = np.empty(len(self._hand))
+        """Return the CPU time (s) for one second of it."""
+        torque = np.empty(len(self._angles))
         return 1.0 / timed(REPEATS * SWEEP_S, lambda: self._run(torque, REPEATS))
 
     def _run(self, torque: NDArray[np.float64], repeats: int) -> None:
@@ -46,4 +46,4 @@ class TableOf:
 
         self._m[self._start : self._start + len(self._pairs)] = self._pairs
         for _ in range(repeats):
-            disk_alone(self._m, self._start, self._hand, torque)
+            disk_alone(self._m, self._start, self._angles, torque)

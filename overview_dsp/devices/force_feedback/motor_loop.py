@@ -373,6 +373,6 @@ def require_motor(sensor: Sensor) -> None:
     """Raise InputError unless the profile has a motor."""
     if sensor.values["motor.protocol"] == "none":
         raise InputError(
-            f"{sensor.source or sensor.name}: motor.protocol is none; must be a motor's for force: "
+            f"{sensor.source or sensor.name}: motor.protocol is 'none'; force needs a motor: "
             'choose sensor=simplefoc, or a file with [motor] and protocol = "simplefoc"'
         )

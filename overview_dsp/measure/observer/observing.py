@@ -149,8 +149,8 @@ def observe(
         if progress is not None:
             progress(done / work)
 
-    def strokes_of(made: Sequence[Timeline], first: int) -> dict[str, list[ObservedStroke]]:
-        return rendered_strokes(preset, made, movement, modalities, first, step)
+    def strokes_of(observed: Sequence[Timeline], first: int) -> dict[str, list[ObservedStroke]]:
+        return rendered_strokes(preset, observed, movement, modalities, first, step)
 
     training = strokes_of(random_timelines(preset, learned, seed), seed)
     evaluated = {}

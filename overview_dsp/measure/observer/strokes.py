@@ -1,4 +1,4 @@
-"""Rendered strokes of an observer: their features and the events that the disk passes.
+"""Rendered strokes of an observer, with their features and the events that the disk passes.
 
 There is one model per stroke, since users know how fast they move, and whether a movement is a
 sweep, an arm's movement, a tap or a recoil. Movements of mixed pace share one model, which has the

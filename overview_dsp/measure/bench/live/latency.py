@@ -1,9 +1,9 @@
-"""Control latency: from `engine.control` to the first changed sample, block size by block size.
+"""Control latency of each block size, from `engine.control` to the first changed sample.
 
-A tap is pushed at random moments on a disk at rest. Its first changed sample is the very sample at
-which the kernel applied it (the surface here is rough enough to sound at once), and that sample is
-known without a recorder: the tap passes the only event a fixed number of samples later, and the
-strike log says when, to a fraction of a sample.
+A tap is pushed at random moments on a disk at rest. Its first changed sample is the sample at
+which the kernel applied it, since the surface here is rough enough to sound at once. That sample is
+known without a recorder: the tap passes the only event a fixed number of samples later. The strike
+log has the time of the event, to a fraction of a sample.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from overview_dsp.measure.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILE
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
-HOLD = 4800  # samples a tap is held
-BACK_S = 0.3  # within which the disk has returned to rest after a tap
-PLACE = 0.8
+HOLD = 4800  # duration of a tap, in samples
+BACK_S = 0.3  # the disk returns to rest within this time after a tap
+TAP_POSITION = 0.8
 
 
 def probe() -> Engine:
-    """An engine whose disk answers a tap within 25 ms, sounds from its first sample, and returns.
+    """Return an engine whose disk follows a tap within 25 ms and returns after it.
 
-    Prepared at `RATE`; one event, at the middle.
+    It sounds from its first sample, is prepared at `RATE` and has one event, at the middle.
     """
     preset = load_preset("football").with_changes(
         {
@@ -49,21 +49,21 @@ def probe() -> Engine:
 
 
 def strike_delay() -> float:
-    """Samples from a tap of the probe to its strike."""
+    """Return the number of samples from a tap of the probe to its strike."""
     engine = probe()
     out = np.zeros((HOLD, 2), dtype=np.float32)
     engine.process(out)
-    engine.control(PLACE * HALF_TURN, True, HOLD)
+    engine.control(TAP_POSITION * HALF_TURN, True, HOLD)
     engine.process(out)
     return float(engine.pop_strikes().time_s[0]) * RATE - HOLD
 
 
 @dataclass(frozen=True)
 class Tap:
-    """One tap.
+    """Times of one tap.
 
     `before` and `after`: the engine's clock (samples) just before and just after it was pushed.
-    `applied`: its first changed sample. `wait_s`: from the push until the kernel had taken it.
+    `applied`: its first changed sample. `wait_s`: time from the push until the kernel applied it.
     """
 
     before: int
@@ -74,11 +74,11 @@ class Tap:
 
 @dataclass(frozen=True)
 class LatencyResult:
-    """One block size.
+    """Results of one block size.
 
-    `median_ms`, `worst_ms` (and the same in frames) over the `taps`: from `engine.control` until
+    `median_ms`, `worst_ms` (and the same in frames) over the `taps`: time from `engine.control` to
     the callback that makes the first changed sample. `beyond`: taps whose first changed sample was
-    more than a block after the engine's clock at the push (the claim is: none). `output_ms`: from
+    more than a block after the engine's clock at the push (expected: none). `output_ms`: time from
     the callback to the ear, as PortAudio reports it.
     """
 
@@ -95,34 +95,34 @@ class LatencyResult:
 def tap_while_playing(engine: Engine, delay: float) -> Tap:
     """Tap the resting probe that a stream plays, hold for `HOLD` samples, wait until it is back.
 
-    `delay` as `strike_delay` says.
+    `delay` is the result of `strike_delay`.
 
     Raises
     ------
     OverviewError
-        The stream stopped, or nothing was struck.
+        The stream stopped, or there was no strike.
     """
     engine.pop_strikes()
     before = engine.sample_time
     pushed = time.monotonic()
-    engine.control(PLACE * HALF_TURN, True)
+    engine.control(TAP_POSITION * HALF_TURN, True)
     after = engine.sample_time
     until = pushed + SILENT_S
     while not engine.meters.touching:
-        time.sleep(0)  # lets other threads in, and comes back at once
+        time.sleep(0)  # other threads may run; this one continues at once
         if time.monotonic() > until:
             raise OverviewError(f"the output has not called for {SILENT_S:g} s")
-    taken = time.monotonic()
-    engine.control(PLACE * HALF_TURN, False, after + HOLD)
+    applied_s = time.monotonic()
+    engine.control(TAP_POSITION * HALF_TURN, False, after + HOLD)
     while engine.sample_time < after + HOLD + BACK_S * RATE:
         if time.monotonic() > until + BACK_S:
             raise OverviewError(f"the output has not called for {SILENT_S:g} s")
         time.sleep(0.005)
     strikes = engine.pop_strikes()
     if not len(strikes):
-        raise OverviewError("a tap was not heard: the output dropped it")
+        raise OverviewError("a tap caused no strike: the output dropped it")
     applied = round(float(strikes.time_s[0]) * RATE - delay)
-    return Tap(before, after, applied, taken - pushed)
+    return Tap(before, after, applied, applied_s - pushed)
 
 
 def measure_latency(
@@ -133,11 +133,11 @@ def measure_latency(
     Raises
     ------
     InputError
-        No such device, or one that can't do this.
+        The device does not exist or does not allow these settings.
     OverviewError
         The device stopped calling.
     """
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     delay = strike_delay()
     engine = probe()
     taps: list[Tap] = []
@@ -145,7 +145,7 @@ def measure_latency(
         time.sleep(SETTLE_S)
         until = time.monotonic() + seconds
         while len(taps) < 3 or time.monotonic() < until:
-            time.sleep(chance.uniform(0.0, 2.0 * block_size / RATE))
+            time.sleep(rng.uniform(0.0, 2.0 * block_size / RATE))
             taps.append(tap_while_playing(engine, delay))
         output_s = stream.meters.latency_s
     waits = [tap.wait_s for tap in taps]

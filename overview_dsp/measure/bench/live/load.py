@@ -1,8 +1,8 @@
-"""How a stream holds under load: callback times, late callbacks, frames that were never delivered.
+"""Stream under load: callback times, late callbacks, frames that were never delivered.
 
-The load is what a program around the engine does at its worst: two threads that only compute, one
-that makes garbage in cycles and collects it, one that encodes JSON in long C calls. Run it in a
-process of its own, as `table` does, so that PortAudio and the interpreter start fresh.
+The load is the worst case of a program around the engine. Two threads compute, one makes cyclic
+garbage and collects it, and one encodes JSON in long C calls. Run it in its own process, as `table`
+does, so that PortAudio and the interpreter start fresh.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ SWEEP_S = 4.0
 
 @dataclass(frozen=True)
 class LoadResult:
-    """One run.
+    """Result of one run.
 
     `seconds` counted, `callbacks` and `frames` in them, `lost_percent` (frames not delivered, of
     rate x seconds), `underflows` reported, `late` (callbacks longer than their own frames last),
-    `p50_us`, `p99_us`, `max_us` (callback time; of the native callback the first two to a fifth),
-    `latency_ms` (PortAudio's word). A Python callback's time includes its wait for the interpreter
-    (in whole frames on a JACK server, whose clock counts those).
+    `p50_us`, `p99_us`, `max_us` (callback time; the native callback's first two are exact to a
+    fifth), `latency_ms` (reported by PortAudio). A Python callback's time includes its wait for the
+    interpreter (in whole frames on a JACK server, whose clock counts those).
     The last six count from the stream's start.
     """
 
@@ -63,7 +63,7 @@ class LoadResult:
 
 
 class TimedStream(OutputStream):
-    """A stream whose Python callback is timed from PortAudio's call on, not from the GIL on."""
+    """Stream that times its Python callback from PortAudio's call, not from taking the GIL."""
 
     def __init__(self, engine: Engine, **options: Any) -> None:
         self.times_s: list[float] = []
@@ -76,10 +76,10 @@ class TimedStream(OutputStream):
         try:
             super()._python_callback(out, frames, when, status)
         finally:
-            # one host buffer may take several callbacks, all given the same time
+            # one host buffer may take several callbacks, all with the same time
             called = max(when.currentTime, self._ended)
             self._ended = self._stream.time
-            # some sound servers give no time
+            # some sound servers report no time
             seconds = max(self._ended - called, time.perf_counter() - started)
             self.times_s.append(seconds)
             self.late += seconds * self._engine.sample_rate > frames
@@ -92,12 +92,12 @@ def measure_load(
     seconds: float,
     block_size: int = 256,
 ) -> LoadResult:
-    """Play the bundled match under a sweeping hand for `seconds`, with or without the load.
+    """Play the bundled match with a sweeping input for `seconds`, with or without the load.
 
     Raises
     ------
     InputError
-        No such device, or one that can't do this.
+        The device does not exist or does not allow these settings.
     OverviewError
         The device stopped calling.
     """
@@ -135,15 +135,15 @@ def measure_load(
 
 
 def edge(stream: OutputStream, block_size: int) -> tuple[float, int]:
-    """A moment (s, monotonic) at which the frame counter had just moved, and the counter.
+    """Return a time (s, monotonic) just after the frame counter changed, and the counter.
 
-    A window between two such moments holds whole blocks: read at any moment instead, the counter
-    would be up to a block behind at either end. To a millisecond, if this thread gets to look.
+    A window between two such times contains whole blocks. At any other time the counter may be up
+    to a block behind. The time is exact to 1 ms if this thread runs often enough.
 
     Raises
     ------
     OverviewError
-        The counter stands still.
+        The counter does not change.
     """
     best = (float("inf"), 0.0, 0)
     for _ in range(EDGES_TRIED):
@@ -168,45 +168,45 @@ def edge(stream: OutputStream, block_size: int) -> tuple[float, int]:
 
 
 def _sweep_for(engine: Engine, seconds: float) -> None:
-    """A hand that goes to and fro over the match, from this thread, as an application would."""
+    """Move the input back and forth over the match, from this thread, as an application would."""
     started = time.monotonic()
-    while (gone := time.monotonic() - started) < seconds:
-        engine.control(HALF_TURN * (1.0 - abs(1.0 - gone / SWEEP_S % 2.0)), True)
+    while (elapsed := time.monotonic() - started) < seconds:
+        engine.control(HALF_TURN * (1.0 - abs(1.0 - elapsed / SWEEP_S % 2.0)), True)
         time.sleep(CONTROL_EVERY_S)
 
 
 @contextmanager
 def load() -> Iterator[None]:
-    """Two busy threads, garbage-collector churn and JSON encoding, while the body runs."""
-    over = threading.Event()
+    """Run two busy threads, a garbage collector's load and JSON encoding during the body."""
+    stop = threading.Event()
     work = [_compute, _compute, _make_garbage, _encode]
-    threads = [threading.Thread(target=each, args=(over,), daemon=True) for each in work]
+    threads = [threading.Thread(target=each, args=(stop,), daemon=True) for each in work]
     for thread in threads:
         thread.start()
     try:
         yield
     finally:
-        over.set()
+        stop.set()
         for thread in threads:
             thread.join()
 
 
-def _compute(over: threading.Event) -> None:
+def _compute(stop: threading.Event) -> None:
     total = 0
-    while not over.is_set():
+    while not stop.is_set():
         for number in range(5_000):
             total = (total * 31 + number) % 1_000_003
 
 
-def _make_garbage(over: threading.Event) -> None:
-    while not over.is_set():
+def _make_garbage(stop: threading.Event) -> None:
+    while not stop.is_set():
         for _ in range(50_000):
             ring: list[Any] = []
             ring.append(ring)
         gc.collect()
 
 
-def _encode(over: threading.Event) -> None:
+def _encode(stop: threading.Event) -> None:
     row = {"time_s": 12.5, "kind": "foul", "row": [1, 1 / 3, 1 / 7]}
-    while not over.is_set():
+    while not stop.is_set():
         json.dumps([row] * 9_000)

@@ -1,7 +1,7 @@
-"""What a whole session costs: processor time of `overview play`, and what its screen writes.
+"""Cost of a whole session: processor time of `overview play`, and the output of its screen.
 
-Small blocks, with and without the screen, while nothing moves and while keys move the finger. It
-runs as a person's does, in a pseudo-terminal of its own; Linux only.
+Blocks are small. Each session runs with or without the screen, idle or with keys that move the
+finger. It runs in its own pseudo-terminal, as a user's session runs in a terminal; Linux only.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ BLOCK = 64
 SIZE = (100, 30)
 """Columns and rows of the terminal."""
 
-SCREEN_SAYS = b"DSP load"
+SCREEN_TEXT = b"DSP load"
 STARTS_WITHIN_S = 60.0
 ENDS_WITHIN_S = 6.0
 SETTLE_S = 2.0
 KEY_EVERY_S = 0.05
 KEYS = b"\x1b[C" * 40 + b"\x1b[D" * 40
-"""The finger goes over 40 hundredths of the timeline and back."""
+"""The finger moves over 40 hundredths of the timeline and back."""
 
 
 @dataclass(frozen=True)
 class SessionRow:
-    """A session of some `seconds`, with its `screen` or headless, `moving` or idle.
+    """Cost of a session of `seconds`, with its `screen` or headless, `moving` or idle.
 
-    `cpu_percent` of one core; `kb_a_second` to the terminal, kB/s.
+    `cpu_percent` is of one core; `kb_a_second` is the output to the terminal, kB/s.
     """
 
     screen: bool
@@ -55,12 +55,12 @@ def can_measure() -> bool:
 def measure_session(
     device: int | str | None, screen: bool, moving: bool, seconds: float
 ) -> SessionRow:
-    """Play the bundled match in a process of its own and look at it for so long.
+    """Play the bundled match in its own process and measure it for `seconds`.
 
     Raises
     ------
     InputError
-        It couldn't play: no such device, or one that can't do this.
+        It could not play: the device does not exist or does not allow these settings.
     """
     arguments = ["play", "world-cup-final-2018", "--block-size", str(BLOCK)]
     if device is not None:
@@ -68,9 +68,9 @@ def measure_session(
     if not screen:
         arguments += ["--screen", "json"]
     with closing(_Session(arguments)) as session:
-        session.wait_for(SCREEN_SAYS if screen else b"{")
+        session.wait_for(SCREEN_TEXT if screen else b"{")
         session.move(moving, SETTLE_S)
-        began, used, shown = time.monotonic(), session.used_s, len(session.shown)
+        began, used, printed = time.monotonic(), session.used_s, len(session.output)
         session.move(moving, seconds)
         took = time.monotonic() - began
         return SessionRow(
@@ -78,7 +78,7 @@ def measure_session(
             moving=moving,
             seconds=took,
             cpu_percent=100.0 * (session.used_s - used) / took,
-            kb_a_second=1e-3 * (len(session.shown) - shown) / took,
+            kb_a_second=1e-3 * (len(session.output) - printed) / took,
         )
 
 
@@ -86,54 +86,54 @@ class _Session:
     """`overview` in a pseudo-terminal, read as fast as it writes."""
 
     def __init__(self, arguments: list[str]) -> None:
-        import fcntl  # these three aren't there on every platform
+        import fcntl  # some platforms lack these three
         import pty
         import termios
 
-        self.shown = bytearray()
-        self._over = False
-        self._ours, theirs = pty.openpty()
+        self.output = bytearray()
+        self._closed = False
+        self._terminal, child_end = pty.openpty()
         size = struct.pack("HHHH", SIZE[1], SIZE[0], 0, 0)
-        fcntl.ioctl(self._ours, termios.TIOCSWINSZ, size)
+        fcntl.ioctl(self._terminal, termios.TIOCSWINSZ, size)
         self._process = subprocess.Popen(
             [sys.executable, "-m", "overview_dsp", *arguments],
-            stdin=theirs,
-            stdout=theirs,
-            stderr=theirs,
+            stdin=child_end,
+            stdout=child_end,
+            stderr=child_end,
             env={**os.environ, "TERM": "xterm-256color"},
             start_new_session=True,
         )
-        os.close(theirs)
+        os.close(child_end)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        while not self._over:
-            if select.select([self._ours], [], [], 0.1)[0]:
+        while not self._closed:
+            if select.select([self._terminal], [], [], 0.1)[0]:
                 try:
-                    self.shown += os.read(self._ours, 65_536)
-                except OSError:  # nobody writes any more
+                    self.output += os.read(self._terminal, 65_536)
+                except OSError:  # the process has ended
                     return
 
-    def wait_for(self, words: bytes) -> None:
-        """Until it has shown them; InputError with what it said, if it ends before."""
+    def wait_for(self, text: bytes) -> None:
+        """Wait until the process prints `text`; InputError with its message if it ends first."""
         until = time.monotonic() + STARTS_WITHIN_S
-        while words not in self.shown:
+        while text not in self.output:
             if self._process.poll() is not None:
                 self._reader.join(1.0)
-                said = self.shown.decode("utf-8", "replace").strip().splitlines() or ["it ended"]
-                raise InputError(next((one for one in said if one.startswith("error")), said[-1]))
+                rows = self.output.decode("utf-8", "replace").strip().splitlines() or ["it ended"]
+                raise InputError(next((one for one in rows if one.startswith("error")), rows[-1]))
             if time.monotonic() > until:
-                raise OverviewError(f"overview play hasn't begun within {STARTS_WITHIN_S:g} s")
+                raise OverviewError(f"overview play did not start within {STARTS_WITHIN_S:g} s")
             time.sleep(0.05)
 
     def move(self, moving: bool, seconds: float) -> None:
-        """Press keys to and fro for so long, or none."""
+        """Wait for `seconds`; if `moving`, press the keys that move the finger."""
         until, number = time.monotonic() + seconds, 0
         while (left := until - time.monotonic()) > 0.0:
             if moving:
                 at = 3 * number % len(KEYS)
-                os.write(self._ours, KEYS[at : at + 3])
+                os.write(self._terminal, KEYS[at : at + 3])
                 number += 1
             time.sleep(min(left, KEY_EVERY_S if moving else 1.0))
 
@@ -144,7 +144,7 @@ class _Session:
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def close(self) -> None:
-        """Ask it to end, and see that it does."""
+        """End the process, by force if it does not end in time."""
         if self._process.poll() is None:
             self._process.send_signal(signal.SIGTERM)
         try:
@@ -152,13 +152,13 @@ class _Session:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        self._over = True
+        self._closed = True
         self._reader.join()
-        os.close(self._ours)
+        os.close(self._terminal)
 
 
 def session_table(rows: list[SessionRow]) -> list[str]:
-    """The sessions as lines of text."""
+    """Return the sessions as lines of text."""
     lines = [
         f"a whole session (overview play), {BLOCK} frames, {SIZE[0]} x {SIZE[1]} characters",
         f"{'session':<32}{'CPU % of a core':>17}{'to the terminal kB/s':>22}",

@@ -1,8 +1,8 @@
 """The live figures of this machine: load test, control latency, sessions, in one report.
 
-Each run is a process of its own, `python -m overview_dsp.measure.bench.live.table RUN`, with RUN
-one JSON object, which prints its result as one JSON object: PortAudio and the interpreter start
-fresh, and the runs of a round are interleaved, so that the machine's drift falls on all alike.
+Each run has its own process, `python -m overview_dsp.measure.bench.live.table RUN`. RUN is one JSON
+object, and the process prints its result as one JSON object. PortAudio and the interpreter start
+fresh. The runs of a round are interleaved, so that the machine's drift affects all of them.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from overview_dsp.measure.bench.live.session import (
 BLOCK = 256
 BLOCKS = (64, 128, 256, 512, 1024)
 START_WITHIN_S = 120.0
-"""What a run may take beside its window: import, a first compile, PortAudio's start."""
+"""Time allowed for a run besides its window: import, a first compile, PortAudio's start."""
 
 SESSIONS = ((False, False), (True, False), (True, True))
-"""With a screen, moving."""
+"""Pairs: with a screen, moving."""
 
 SHORTEST_S = 3.0
-"""Of a session's window: the system counts processor time in hundredths of a second."""
+"""Shortest window of a session, as the system counts processor time in units of 10 ms."""
 
 TABLE_CELLS = (("native", False), ("python", False), ("native", True), ("python", True))
 
 
 @dataclass(frozen=True)
 class LoadRow:
-    """A callback, idle or loaded, over all rounds.
+    """Results of a callback, idle or loaded, over all rounds.
 
     Medians over rounds, except `late` and `underflows` (sums), `max_us` (the largest) and the
     range of frames lost. Fields as `LoadResult`.
@@ -63,11 +63,12 @@ class LoadRow:
 
 @dataclass(frozen=True)
 class Report:
-    """What `overview bench --live` reports.
+    """Results of `overview bench --live`.
 
-    `lost_ratio`: frames lost under load, Python's / native's; where native lost less than a block,
-    that block stands in, and `lost_ratio_at_least` says so. `smoothing_frames`: what the input
-    smoother adds for a moving hand (a tap: nothing). `sessions`: none where that can't be measured.
+    `lost_ratio`: frames lost under load, Python's / native's. If native lost less than a block, one
+    block is used instead, and `lost_ratio_at_least` is true. `smoothing_frames`: delay that the
+    input smoother adds to a movement (it adds none to a tap). `sessions`: empty where that can't be
+    measured.
     """
 
     sample_rate: int
@@ -88,20 +89,21 @@ def measure_live(
     rounds: int = 5,
     progress: Callable[[float], None] | None = None,
 ) -> Report:
-    """Run the load test `rounds` times, `seconds` a run, and the latency test once a block size.
+    """Run the load test `rounds` times, and the latency test once for each block size.
 
-    The latency test takes a fifth of `seconds` a block size, a session a third (at least 3 s).
+    Each load test takes `seconds`. The latency test takes a fifth of that for each block size, and
+    each session a third (at least 3 s).
 
     Raises
     ------
     InputError
-        No output device, or one that can't do this.
+        There is no output device, or it does not allow these settings.
     OverviewError
         A run failed, or the device stopped calling.
     """
     done = 0.0
-    shown = SESSIONS if can_measure() else ()
-    total = rounds * len(TABLE_CELLS) * seconds + seconds + seconds * bool(shown)
+    sessions_run = SESSIONS if can_measure() else ()
+    total = rounds * len(TABLE_CELLS) * seconds + seconds + seconds * bool(sessions_run)
 
     def run(window: float, **what: Any) -> dict[str, Any]:
         nonlocal done
@@ -121,8 +123,8 @@ def measure_live(
             result = run(seconds, test="load", callback=callback, loaded=loaded, block_size=BLOCK)
             found[callback, loaded].append(LoadResult(**result))
     sessions = []
-    for screen, moving in shown:
-        window = max(seconds / len(shown), SHORTEST_S)
+    for screen, moving in sessions_run:
+        window = max(seconds / len(sessions_run), SHORTEST_S)
         sessions.append(SessionRow(**run(window, test="session", screen=screen, moving=moving)))
     rows = [_row(*cell, results) for cell, results in found.items()]
     lost, smoothing = lost_ratio(rows, seconds), probe().latency_samples
@@ -146,20 +148,20 @@ def _row(callback: str, loaded: bool, results: list[LoadResult]) -> LoadRow:
 
 
 def lost_ratio(rows: list[LoadRow], seconds: float) -> tuple[float, bool]:
-    """Frames lost under load, Python's / native's, and whether that is a lower bound."""
+    """Return frames lost under load, Python's / native's, and whether that is a lower bound."""
     lost = {row.callback: row.lost_percent for row in rows if row.loaded}
     block = 100.0 * BLOCK / (RATE * seconds)
     return max(lost["python"], 0.0) / max(lost["native"], block), lost["native"] < block
 
 
 def lines(report: Report) -> list[str]:
-    """The report as lines of text."""
+    """Return the report as lines of text."""
     sessions = ["", *session_table(report.sessions)] if report.sessions else []
     return [*load_table(report), "", *latency_table(report), *sessions]
 
 
 def load_table(report: Report) -> list[str]:
-    """The load test as lines of text."""
+    """Return the load test as lines of text."""
     lines = [
         f"{report.block_size} frames at {report.sample_rate} Hz, {report.rounds} x "
         f"{report.seconds:g} s a row; times in us: p50 and p99 medians, max of all",
@@ -179,7 +181,7 @@ def load_table(report: Report) -> list[str]:
 
 
 def latency_table(report: Report) -> list[str]:
-    """The control latency as lines of text."""
+    """Return the control latency as lines of text."""
     lines = [
         "from engine.control to the callback that makes the first changed sample (a tap)",
         f"{'block':<7}{'ms':>8}{'taps':>8}{'median ms':>12}{'worst ms':>11}{'median fr.':>12}"
@@ -217,7 +219,7 @@ def _run(what: dict[str, Any]) -> LoadResult | LatencyResult | SessionRow:
     if not devices():
         raise InputError(
             "no audio output: plug in a sound card or start a sound server (PipeWire, PulseAudio, "
-            "JACK); `overview devices` lists what is there"
+            "JACK); `overview devices` lists the outputs"
         )
     test = what.pop("test")
     if test == "session":
