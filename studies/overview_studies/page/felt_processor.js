@@ -37,7 +37,7 @@ class Disk {
     for (let i = this.read; i < total; i += 1) {
       const at = i % L.APPLIED_LOG;
       rows.set(
-        [kernel.read(L.APPLIED_TIME + at), kernel.m[L.APPLIED_THETA2 + at],
+        [kernel.read(L.APPLIED_TIME + at), kernel.numbers[L.APPLIED_THETA2 + at],
           kernel.read(L.APPLIED_TOUCHING + at), kernel.read(L.APPLIED_SOURCE + at)],
         EVENT * (i - this.read),
       );
@@ -49,8 +49,8 @@ class Disk {
   /** Clock (samples), cursor (0 to 1), whether it rests. */
   meters() {
     const { kernel } = this;
-    const cursor = kernel.m[L.X] / L.CELLS;
-    const rests = cursor < STILL && kernel.m[L.M_ENVELOPE] < STILL;
+    const cursor = kernel.numbers[L.X] / L.CELLS;
+    const rests = cursor < STILL && kernel.numbers[L.M_ENVELOPE] < STILL;
     return [kernel.read(L.CLOCK), cursor, rests];
   }
 }
