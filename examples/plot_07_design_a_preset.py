@@ -14,7 +14,7 @@ import overview_dsp as ov
 match, football = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
 goal = football.kinds["goal"]
 harder = football.with_value("kinds.goal.height", 2.0 * goal.height)
-harder = harder.with_value("surface.ambience", 0.2)
+harder = harder.with_value("surface.intensity_gain", 0.2)
 
 # %%
 # Goals twice as high, on a quieter ground:

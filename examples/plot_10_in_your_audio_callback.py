@@ -49,7 +49,7 @@ axes.set_title(
 # What the engine reports:
 
 print(engine.meters)
-strikes = engine.take_strikes()
+strikes = engine.pop_strikes()
 print(f"{len(strikes)} strikes, the strongest {20 * np.log10(strikes.level.max()):.1f} dB")
 
 # %%

@@ -25,7 +25,7 @@ rate = 48_000
 # time. A hand that holds the disk keeps the map that it touched: what is new comes to the engine
 # between twists.
 
-live = ov.LiveTimeline(match.title.split(" ", 1)[0], expect_s=match.duration_s)
+live = ov.LiveTimeline(match.title.split(" ", 1)[0], expected_duration_s=match.duration_s)
 engine = ov.Engine(preset, live.snapshot())
 engine.prepare(rate, 480)
 twist = ov.sweep(1.6, 0.0, 0.6)

@@ -50,13 +50,18 @@ if TYPE_CHECKING:
     from overview_dsp.design.presets.model import ClickMode, EventKind, Preset
     from overview_dsp.offline import export
     from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
-    from overview_dsp.offline.rendering.offline import Rendered, Result, render, render_to_file
+    from overview_dsp.offline.rendering.offline import (
+        RenderFileResult,
+        RenderResult,
+        render,
+        render_to_file,
+    )
     from overview_dsp.offline.rendering.trace import Trace
     from overview_dsp.signal import actuators
     from overview_dsp.signal.actuators.library import load_actuator
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.engine.engine import Engine
-    from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes
+    from overview_dsp.signal.engine.memory_reader import EngineParameter, Meters, Strikes
     from overview_dsp.signal.surface.build import build_surface
     from overview_dsp.signal.surface.model import Surface
 
@@ -81,10 +86,10 @@ __all__ = [
     "OverviewWarning",
     "Preset",
     "RegularTimes",
+    "RenderFileResult",
     "RenderJob",
-    "Rendered",
+    "RenderResult",
     "RenderedJob",
-    "Result",
     "Strikes",
     "Surface",
     "Timeline",
@@ -124,20 +129,20 @@ if not TYPE_CHECKING:  # type checkers know only the names above
             "ClickMode": "design.presets.model",
             "CurveBuilder": "data.timeline.curve_builder",
             "Engine": "signal.engine.engine",
-            "EngineParameter": "signal.engine.reports",
+            "EngineParameter": "signal.engine.memory_reader",
             "RegularTimes": "data.timeline.curve_points",
             "Event": "data.timeline.event",
             "EventKind": "design.presets.model",
             "Gesture": "design.gestures.model",
             "Intensity": "data.timeline.intensity",
             "LiveTimeline": "data.feeds.live_timeline",
-            "Meters": "signal.engine.reports",
+            "Meters": "signal.engine.memory_reader",
             "Preset": "design.presets.model",
             "RenderJob": "offline.rendering.many",
-            "Rendered": "offline.rendering.offline",
+            "RenderFileResult": "offline.rendering.offline",
             "RenderedJob": "offline.rendering.many",
-            "Result": "offline.rendering.offline",
-            "Strikes": "signal.engine.reports",
+            "RenderResult": "offline.rendering.offline",
+            "Strikes": "signal.engine.memory_reader",
             "Surface": "signal.surface.model",
             "Timeline": "data.timeline.model",
             "Trace": "offline.rendering.trace",

@@ -18,7 +18,7 @@ def plain_preset(**values):
         "disk.k1": K1,
         "disk.k2": K2,
         "surface.friction": 1e-3,
-        "surface.ambience": 0.0,
+        "surface.intensity_gain": 0.0,
         **{key.replace("__", "."): value for key, value in values.items()},
     }
     kind = ov.EventKind(height=0.0, width_percent=1.0)

@@ -100,3 +100,59 @@ def test_a_preset_of_an_earlier_version_loads_and_renders(match, path):
         assert preset.values["clutch.tap_duration_s"] == pytest.approx(tap_s / (ratio or 1.0))
     result = ov.render(match, preset, ov.tap(0.5), sample_rate=RATE, trace=False, tail=0.5)
     assert np.abs(result.samples).max() > 0.0
+
+
+RENAMED = {
+    "surface.ambience": ("surface.intensity_gain", 1.5),
+    "surface.grip": ("surface.torque_ratio", 4.0),
+    "surface.ring": ("surface.decay_scale", 0.5),
+    "tactor.full_torque_mnm": ("tactor.reference_torque_mnm", 70.0),
+    "click.full_torque_mnm": ("click.reference_torque_mnm", 60.0),
+    "twist.turn_deg": ("twist.engage_deg", 7.0),
+    "twist.join_ms": ("twist.blend_ms", 90.0),
+    "follow.map": ("follow.layout", "whole"),
+}
+"""Parameters of preset schema 3 that have another name in schema 4, with a value of each."""
+
+
+def test_a_preset_of_schema_3_loads_with_the_names_of_schema_4(tmp_path):
+    lines = ["schema = 3", 'title = "t"', 'description = "d"']
+    for id, (_, value) in RENAMED.items():
+        section, key = id.split(".")
+        lines += [] if f"[{section}]" in lines else [f"[{section}]"]
+        lines.append(f"{key} = {json.dumps(value)}")
+    kind = "height = 4\nwidth_percent = 1\n"
+    lines += ["[kinds.default]", kind, "[kinds.goal]", kind, 'also = ["shot"]\nring = 0.2\n']
+    path = tmp_path / "schema3.toml"
+    path.write_text("\n".join(lines))
+    preset = ov.load_preset(path)
+    for id, value in RENAMED.values():
+        assert preset.values[id] == value
+    assert preset.kind_for("shot") == "goal"
+    assert preset.kinds["goal"].decay_scale == 0.2
+    # a name of schema 3 is unknown in a file of schema 4
+    path.write_text("\n".join(lines).replace("schema = 3", "schema = 4"))
+    with pytest.raises(ov.InputError, match=r"schema3\.toml:\d+: unknown key kinds\.goal\.also"):
+        ov.load_preset(path)
+
+
+def test_states_and_takes_with_the_names_of_schema_3_load(match, football):
+    from overview_dsp.signal.engine.replay import apply_change
+
+    engine = ov.Engine(football, match)
+    state = json.loads(engine.save_state())
+    for earlier, (now, value) in RENAMED.items():
+        del state["values"][now]
+        state["values"][earlier] = value
+    for kind in state["kinds"].values():
+        kind["also"], kind["ring"] = kind.pop("aliases"), kind.pop("decay_scale")
+    engine.load_state(json.dumps(state).encode())
+    assert engine.preset.kinds == football.kinds
+    for id, value in RENAMED.values():
+        assert engine.preset.values[id] == value
+    engine.prepare(RATE, 256)
+    apply_change(engine, match, {"set": {"tactor.full_torque_mnm": 33.0}})
+    assert engine.preset.values["tactor.reference_torque_mnm"] == 33.0
+    del state["values"], state["overview_state"]
+    apply_change(engine, match, {"preset": {**state, "values": {"surface.ambience": 2.5}}})
+    assert engine.preset.values["surface.intensity_gain"] == 2.5

@@ -37,15 +37,19 @@ def objects(match, football, tmp_path_factory):
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
     felt = ov.measure.felt_events(football, [match], {"fast": ov.sweep(1.0)}, sample_rate=8000)
     arm = ov.measure.arm_report(football, [match], {"arm 1 s": ov.arm(1.0)})
-    shown = ov.measure.characters(football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000)
-    asked = ov.measure.observe(football, modalities=["touch"], hands="mixed", learned=2, held_out=1)
+    shown = ov.measure.perceptual_features(
+        football, match, {"fast": ov.sweep(1.0)}, sample_rate=8000
+    )
+    asked = ov.measure.observe(
+        football, modalities=["touch"], movement="mixed", learned=2, held_out=1
+    )
     (scores,) = asked.sets
     c2 = ov.load_actuator("c2")
     exported = ov.export.export(result, "ahap", folder / ("long-name" * 9 + ".ahap"))
     clip = ov.export.read_clip(exported.files[0])
     builder = ov.CurveBuilder()
     builder.append(np.arange(100.0))
-    stream = ov.live.SilentStream(engine)
+    stream = ov.live.NullStream(engine)
     to_file = ov.render_to_file(match, football, ov.tap(0.5, 0.1), folder / "a.wav", 8000)
     other = football.with_changes({"surface.friction": 6e-4})
     made = [
@@ -65,7 +69,7 @@ def objects(match, football, tmp_path_factory):
         *(ov.load_preset(name) for name in ov.bundled_presets()),
         *ov.presets.differences(football, other),
         ov.actuators.ActuatorStage(c2, 8000),
-        ov.actuators.Protected(1.23456789, 12),
+        ov.actuators.ProtectionReport(1.23456789, 12),
         ov.export.Transient(1.0 / 3.0, 2.0 / 3.0, 1.0 / 7.0, "near_miss"),
         ov.live.OutputDevice(3, "A name as long as drivers give", "ALSA", 2, 48e3, 1 / 97, True),
         ov.measure.onsets(result.samples[:, 0], 8000),

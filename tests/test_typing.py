@@ -30,14 +30,14 @@ result = ov.render(timeline, preset, gesture, sample_rate=48_000, seed=0)
 torque: NDArray[np.float64] = result.trace.torque
 assert_type(result.trace["cursor"], NDArray[np.float64])
 assert_type(result.samples, NDArray[np.float32])
-named: ov.Result = result
+named: ov.RenderResult = result
 assert_type(named.trace, ov.Trace)
 assert_type(ov.render(timeline, preset, gesture, trace=False).trace, None)
 result.save(Path("out.wav"))
 assert_type(ov.render("match.json", "football", "sweep:2").trace, ov.Trace)
 without = ov.render(Path("match.json"), Path("mine.toml"), Path("take.csv"), trace=False)
-assert_type(without, ov.Result[None])
-assert_type(ov.render([1.0, 2.0], tail="none"), ov.Result)
+assert_type(without, ov.RenderResult[None])
+assert_type(ov.render([1.0, 2.0], tail="none"), ov.RenderResult)
 
 array = np.zeros(100)
 for data in (array, array.tolist(), b"time,x", open("a.csv"), open("a.csv", "rb")):

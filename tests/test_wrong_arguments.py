@@ -100,7 +100,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         "set_surface": (engine.set_surface, {"surface": surface, "sample_time": None}),
         "process": (engine.process, {"out": np.zeros((9, 2), np.float32)}),
         "load_state": (engine.load_state, {"state": engine.save_state()}),
-        "take_applied": (engine.take_applied, {"since": 0}),
+        "pop_applied": (engine.pop_applied, {"since": 0}),
         "render": (
             ov.render,
             {
@@ -133,7 +133,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         ),
         "morph": (p.morph, {"first": football, "second": football, "steps": 2}),
         "differences": (p.differences, {"first": football, "second": football}),
-        "randomized": (p.randomized, {"preset": football, "seed": 1, "amount": 0.1}),
+        "randomize": (p.randomize, {"preset": football, "seed": 1, "amount": 0.1}),
         "save": (p.save, {"preset": football, "path": "mine.toml"}),
         "window_db": (m.window_db, {"signal": tactor, "sample_rate": 8000, "hop_s": 0.005}),
         "strokes": (m.strokes, {"engaged": trace.engaged, "cursor": trace.cursor}),
@@ -161,9 +161,9 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
             },
         ),
         "stroke": (report.stroke, {"name": "fast"}),
-        "steps_apart": (m.steps_apart, {"first": kind, "second": kind}),
-        "character_steps": (m.character_steps, {"first": report, "second": report}),
-        "random_hand": (m.random_hand, {"seed": 1}),
+        "jnd_distance": (m.jnd_distance, {"first": kind, "second": kind}),
+        "character_distance": (m.character_distance, {"first": report, "second": report}),
+        "random_movement": (m.random_movement, {"seed": 1}),
         "random_match": (m.random_match, {"seed": 1}),
         "random_events": (m.random_events, {"kinds": ["bell"], "seed": 1}),
         "ActuatorStage": (ov.actuators.ActuatorStage, {"actuator": c2, "sample_rate": 8000}),
@@ -177,7 +177,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         ),
         "read_clip": (ov.export.read_clip, {"path": "tap.haptic"}),
         "encode_engine": (ov.export.encode_engine, {"engine": engine}),
-        "SilentStream": (ov.live.SilentStream, {"engine": engine, "block_size": 64}),
+        "NullStream": (ov.live.NullStream, {"engine": engine, "block_size": 64}),
     }
 
 

@@ -2,9 +2,9 @@
 
 python tools/build_c.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.doors.c` is optimised for a processor without vector
-registers, so that what is left is plain, and written down as C99 (ir_to_c.py). The same tool-chain
-(named in kernel.c) gives the same bytes.
+numba's LLVM IR of `overview_dsp.kernels.c_abi.c` is optimised for a processor without vector
+registers, so that it has scalar operations only, and translated to C99 (ir_to_c.py). The same
+tool-chain (named in kernel.c) gives the same bytes.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ SCALAR = {"cpu": "generic-rv64", "features": "+d"}
 HEADER = """\
 /* overView DSP: the voice in C. Made by tools/build_c.py; kernel.c is the other half.
 
-   A voice is a memory of OVERVIEW_MEMORY_BYTES (8-byte aligned, zeros to begin with) that an image
-   is loaded into: a timeline and a preset, as `overview export --to c` writes them. The same events
+   A voice is a memory of OVERVIEW_MEMORY_BYTES (8-byte aligned, initially zero) into which an image
+   is loaded: a timeline and a preset from `overview export --to c`. The same events
    give the same samples as `ov.render`, bit for bit, for blocks of any size, at any sample rate.
 
    Nothing is allocated and nothing locked. overview_process belongs to the audio thread;
-   overview_control and overview_change to one thread each, whichever; the rest is called while no
+   overview_control and overview_change to one thread each. The others may be called only while no
    other function runs on that memory. Little-endian machines only. */
 #ifndef OVERVIEW_H
 #define OVERVIEW_H
@@ -43,10 +43,10 @@ extern "C" {{
 
 enum {{ OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1 }};
 
-/* Whose hand it is; the last to touch holds the disk. */
+/* Sources of input. The last source to touch controls the disk. */
 enum {{ {sources} }};
 
-/* What a person sets: numbers for overview_change, in the unit of the table below. */
+/* Parameters for overview_change, in the units of the table below. */
 enum {{
 {parameters}    OVERVIEW_PARAMETERS = {count}
 }};
@@ -56,32 +56,32 @@ typedef struct {{
 }} overview_parameter;
 extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
 
-/* Begin with an image of `bytes` bytes; overview_prepare comes next. OVERVIEW_REFUSED if it is
+/* Load an image of `bytes` bytes; call overview_prepare next. OVERVIEW_REFUSED if it is
    damaged, or of another layout: then the memory is all zero, or untouched. */
 int32_t overview_load(void *memory, const void *image, int64_t bytes);
 
-/* As new, at a sample rate in Hz, 1000 to 768000 and above 1/0.45 of the carrier's frequency. */
+/* Reset at a sample rate in Hz: 1000 to 768000, and above the carrier's frequency / 0.45. */
 int32_t overview_prepare(void *memory, double sample_rate);
 
-/* As new, with the parameters of the moment; events that wait are dropped. */
+/* Reset with the present parameters and drop pending events. */
 int32_t overview_reset(void *memory);
 
-/* A hand's event: theta2 in rad (0 = start of the timeline, pi = its end), touching 0 or 1, at a
-   sample counted from the last reset or OVERVIEW_AT_ONCE. OVERVIEW_REFUSED: {ring} wait already. */
+/* Push an input's event: theta2 in rad (0 = start of the timeline, pi = its end), touching 0 or 1,
+   at a sample since the last reset or OVERVIEW_AT_ONCE. OVERVIEW_REFUSED: {ring} are pending. */
 int32_t overview_control(
     void *memory, int32_t source, int64_t sample_time, double theta2, int32_t touching);
 
-/* Set a parameter, which glides for 20 ms. OVERVIEW_REFUSED: out of its range, or too many wait
-   (then it is set with the next one that finds room). */
+/* Set a parameter, with 20 ms of smoothing. OVERVIEW_REFUSED: out of range, or too many are pending
+   (it is then set with the next successful call). */
 int32_t overview_change(void *memory, int32_t parameter, double value, int64_t sample_time);
 
 /* Overwrite the next block: `frames` of `channels` interleaved floats; clicks on channel 0, the
    tactor on channel 1, the others silent. OVERVIEW_REFUSED with fewer than two channels. */
 int32_t overview_process(void *memory, float *out, int64_t frames, int32_t channels);
 
-/* Columns to look at, as of the last block. */
+/* Columns that can be read, as of the last block. */
 enum {{
-    OVERVIEW_PARAMETER = {params}, /* a number each: the values of the parameters, in their order */
+    OVERVIEW_PARAMETER = {params}, /* numbers: values of the parameters, in their order */
 {meters}}};
 static inline int64_t overview_count(const void *memory, int32_t column) {{
     int64_t x;
@@ -146,8 +146,8 @@ int32_t overview_process(void *memory, float *out, int64_t frames, int32_t chann
 
 def main(folder: Path) -> None:
     with unoptimised():
-        from overview_dsp.kernels.compiling import sources_digest
-        from overview_dsp.kernels.doors.c import NAMES
+        from overview_dsp.kernels.c_abi.c import NAMES
+        from overview_dsp.kernels.sources import sources_digest
 
         module = module_for(written_out(NAMES), machine_for("riscv64-unknown-linux-gnu", **SCALAR))
         entries = {name: name.replace("overview_", "ov_") for name in NAMES}

@@ -1,4 +1,4 @@
-"""Build all that is made of the kernels beforehand: for the page, for C, for a quick start.
+"""Build all precompiled forms of the kernels: WebAssembly, C, and machine code.
 
 python tools/build_kernels.py
 """

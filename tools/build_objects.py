@@ -2,9 +2,9 @@
 
 python tools/build_objects.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.doors.shipped` is compiled for each of TARGETS by the LLVM
-inside llvmlite, which also loads it (`kernels/shipped.py`). `objects.json` says which sources and
-which tool-chain they are of; the same ones give the same bytes.
+numba's LLVM IR of `overview_dsp.kernels.c_abi.entry_points` is compiled for each of TARGETS by the
+LLVM inside llvmlite, which also loads the objects (`kernels/precompiled.py`). `objects.json` holds
+the digest of the sources and the tool-chain. The same sources and tool-chain give the same bytes.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ TARGETS = {
     "linux-x86-64-v4": ("x86_64-unknown-linux-gnu", "x86-64-v4"),
     "linux-aarch64": ("aarch64-unknown-linux-gnu", "generic"),
 }
-# what a process has in any case: the clock, and what LLVM makes of loops and of math.sqrt
+# functions of the C library: the clock, and those that LLVM uses for loops and math.sqrt
 ALLOWED = {"clock_gettime", "memset", "memcpy", "memmove", "sqrt"}
 
 
 def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     with unoptimised():
-        from overview_dsp.kernels.compiling import sources_digest
-        from overview_dsp.kernels.doors.shipped import NAMES
-        from overview_dsp.kernels.shipped import CHOICES
+        from overview_dsp.kernels.c_abi.entry_points import NAMES
+        from overview_dsp.kernels.precompiled import CHOICES
+        from overview_dsp.kernels.sources import sources_digest
 
         texts = written_out(NAMES)
         for name, _, kernels in itertools.chain(*CHOICES.values()):
@@ -56,7 +56,7 @@ def toolchain() -> dict[str, str]:
 
 
 def check(module: Any, name: str) -> None:
-    """Nothing of numba's own may be called: a loader has no such thing."""
+    """Exit if a module calls functions of numba, which are not available to the loader."""
     called = {
         function.name
         for function in module.functions

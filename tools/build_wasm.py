@@ -2,7 +2,7 @@
 
 python tools/build_wasm.py [OUT.wasm]
 
-Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.doors.browser`
+Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.c_abi.browser`
 is compiled for wasm32 by the LLVM inside llvmlite. The module exports its functions, its memory and
 `__heap_base`, from where on the memory is free, and imports nothing. Its section `sources` is the
 kernels' digest. The same tool-chain (in its section `toolchain`) gives the same bytes.
@@ -26,8 +26,8 @@ PARTS = ("numba", "llvmlite", "ziglang")
 
 def main(out: Path) -> None:
     with unoptimised() as folder:
-        from overview_dsp.kernels.compiling import sources_digest
-        from overview_dsp.kernels.doors.browser import NAMES
+        from overview_dsp.kernels.c_abi.browser import NAMES
+        from overview_dsp.kernels.sources import sources_digest
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")
         module = module_for(written_out(NAMES), machine)
@@ -57,13 +57,13 @@ def link(source: Path, target: Path, functions: list[str]) -> None:
 
 
 def custom_section(name: str, content: bytes) -> bytes:
-    """Bytes that a WebAssembly module may carry and every reader passes over."""
+    """Return a custom section of a WebAssembly module, which readers ignore."""
     body = leb(len(name)) + name.encode() + content
     return b"\0" + leb(len(body)) + body
 
 
 def leb(number: int) -> bytes:
-    """An unsigned integer as WebAssembly writes it: 7 bits a byte, lowest first."""
+    """Encode an unsigned integer as LEB128: 7 bits per byte, lowest first."""
     out = bytearray()
     while number > 127:
         out.append(number & 127 | 128)
@@ -72,7 +72,7 @@ def leb(number: int) -> bytes:
 
 
 def check(module: bytes) -> None:
-    """Nothing may be imported: no libm, no Python."""
+    """Exit if the module imports functions, such as those of libm."""
     at = 8
     while at < len(module):
         section, at = module[at], at + 1

@@ -1,4 +1,4 @@
-"""Instructions that the kernels take for fixed work, and whether they have grown.
+"""Count the kernels' instructions for fixed work, and compare with stored counts.
 
 python tools/count_instructions.py [--why "what was gained for it"]
 
@@ -76,7 +76,7 @@ def append(counts: dict[str, float], logged: dict[str, float], why: str) -> None
 
 
 def counted() -> dict[str, float]:
-    """Instructions a sample of each work of instruction_work.py, in its order."""
+    """Return the instructions per sample of each work of instruction_work.py, in its order."""
     with tempfile.TemporaryDirectory() as folder:
         marks = Path(folder) / "marks.so"
         subprocess.run(

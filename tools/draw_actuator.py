@@ -1,8 +1,9 @@
-"""Draw a C-2 driven as it is and sharpened into docs/pictures: what it is given, how it moves.
+"""Plot drive and motion of a C-2 with and without overdrive into docs/pictures.
 
 python tools/draw_actuator.py [FOLDER]
 
-A tone of its resonance, on for 60 ms; its motion is computed by scipy from the profile's resonance.
+The signal is a tone at the resonance for 60 ms. Scipy computes the motion from the profile's
+resonance.
 """
 
 from __future__ import annotations

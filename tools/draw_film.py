@@ -24,8 +24,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import overview_dsp as ov
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen import PlayApp
 from overview_dsp.live.screen.timeline_view import TimelineView
 from overview_dsp.live.session.player import Player
@@ -133,7 +133,7 @@ def terminal_drawings() -> list[tuple[float, str]]:
     player = Player(
         ov.load_timeline(MATCH),
         PresetWatch("football"),
-        lambda engine, settings: SilentStream(engine, 1024, settings),
+        lambda engine, settings: NullStream(engine, 1024, settings),
         OutputSettings(),
         callback="python",
     )

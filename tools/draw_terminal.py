@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 
 import overview_dsp as ov
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.screen import PlayApp
 from overview_dsp.live.screen.timeline_view import TimelineView
 from overview_dsp.live.session.player import Player
@@ -78,7 +78,7 @@ def main() -> None:
         player = Player(
             ov.load_timeline("world-cup-final-2018"),
             PresetWatch("football"),
-            lambda engine, settings: SilentStream(engine, 1024, settings),
+            lambda engine, settings: NullStream(engine, 1024, settings),
             OutputSettings(),
             callback="python",
         )

@@ -1,4 +1,4 @@
-"""The fixed work of tools/count_instructions.py, which runs it under callgrind.
+"""Fixed work for tools/count_instructions.py, which runs it under callgrind.
 
 python tools/instruction_work.py [MARKS.so]
 
@@ -26,8 +26,8 @@ FRAMES = RATE
 GESTURE = ov.sweep(0.4) + ov.tap(0.7, 0.1)
 CHANGES = {
     "viscous": {},
-    "bristles": {"surface.model": "bristle", "surface.grip": 1.0},
-    "detents": {"surface.model": "detent", "surface.pattern": "waves", "surface.grip": 1.0},
+    "bristles": {"surface.model": "bristle", "surface.torque_ratio": 1.0},
+    "detents": {"surface.model": "detent", "surface.pattern": "waves", "surface.torque_ratio": 1.0},
 }
 
 Marks = Callable[[str, Callable[[], None]], None]
@@ -38,7 +38,7 @@ def fed(
     gesture: ov.Gesture = GESTURE,
     memory: NDArray[np.float64] | None = None,
 ) -> ov.Engine:
-    """An engine that waits to be played for a second."""
+    """Return an engine with pending events for a second."""
     made = ov.load_preset("football").with_changes(CHANGES[preset])
     engine = ov.Engine(made, ov.load_timeline("world-cup-final-2018"), seed=1)
     engine.prepare(RATE, FRAMES, memory=memory)
@@ -58,7 +58,7 @@ def one_call(count: Marks) -> None:
     engine = fed()
     count("viscous, with trace", lambda: engine.process(out, trace))
     again = fed()
-    again.set("surface.ambience", 2.0, sample_time=1_000)
+    again.set("surface.intensity_gain", 2.0, sample_time=1_000)
     again.set("tactor.gain_db", -6.0, sample_time=1_000)
     count("viscous, a glide and a crossfade", lambda: again.process(out))
 
@@ -80,7 +80,7 @@ def native_calls(count: Marks) -> None:
 
 
 def side_by_side(count: Marks) -> None:
-    """A lane's part of the second each."""
+    """Run one second in lanes, with one voice per lane."""
     frames = FRAMES // SIMD_WIDTH
     lanes = EngineBatch(frames)
     engines = [

@@ -1,8 +1,8 @@
-"""LLVM's intermediate language to C99: as much of it as the kernels come to.
+"""Translator from LLVM IR to C99, for the subset that the kernels use.
 
 Every value is a variable and every block a label. Loads and stores go through memcpy, so that
-neither aliasing nor alignment matters; arithmetic is the IR's own, operation by operation, and the
-`operations.h` forbids the compiler to fuse it. What isn't known here is an error, never a guess.
+neither aliasing nor alignment matters. Arithmetic is translated operation by operation, and
+`operations.h` prevents the compiler from fusing it. Unknown instructions are errors.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ HEAD = '#include "operations.h"\n'
 
 
 def split(text: str) -> list[str]:
-    """Parts between the commas that no bracket holds."""
+    """Split a text at commas outside brackets."""
     parts, depth, start = [], 0, 0
     for i, letter in enumerate(text):
         depth += (letter in "([{<") - (letter in ")]}>")
@@ -64,7 +64,7 @@ def split(text: str) -> list[str]:
 
 
 def typed(text: str) -> tuple[str, str]:
-    """Type and value of an operand, whatever attributes stand between."""
+    """Return type and value of an operand, without attributes."""
     kind = re.match(TYPE, text)
     if not kind:
         raise ValueError(f"no operand: {text}")
@@ -75,12 +75,12 @@ def typed(text: str) -> tuple[str, str]:
 
 
 def bare(name: str) -> str:
-    """A block's name, of how a jump writes it."""
+    """Return the name of a block from a jump's operand."""
     return name[1:].strip('"')
 
 
 class Function:
-    """One function's translation."""
+    """Translation of one function."""
 
     def __init__(self, text: str, names: dict[str, str]) -> None:
         self.names = names  # of functions and constants
@@ -154,7 +154,7 @@ class Function:
     # --- statements ------------------------------------------------------------------------------
 
     def jump(self, from_: str, to: str) -> str:
-        """Go to a block, with what its phis get from here, all at once."""
+        """Yield a jump to a block, after assigning its phis in parallel."""
         copies = []
         for line in dict(self.blocks)[to]:
             phi = re.match(rf"({NAME}) = phi ({TYPE}) (.*)", line)
@@ -195,7 +195,7 @@ class Function:
                         yield f"    {statement}"
 
     def kind_of(self, text: str) -> str:
-        """The type of what an instruction gives."""
+        """Return the type of an instruction's result."""
         opcode = text.split()[0]
         if opcode in ("icmp", "fcmp"):
             return "i1"
@@ -372,7 +372,7 @@ class Function:
         return f"static {C_TYPES[self.result]} {name}({given or 'void'})"
 
     def written(self, name: str) -> str:
-        """The function as C."""
+        """Return the function as C."""
         statements = list(self.body())
         by_kind: dict[str, list[str]] = {}
         for variable, kind in self.variables.values():
@@ -390,13 +390,13 @@ class Function:
 
 
 def literal(text: str) -> str:
-    """A floating-point constant, to the last bit."""
+    """Return an exact floating-point constant."""
     number = struct.unpack(">d", bytes.fromhex(text[2:].zfill(16)))[0] if text[:2] == "0x" else None
     return f"({(float(text) if number is None else number).hex()})"
 
 
 def constants(text: str) -> dict[str, bytes]:
-    """The module's constant bytes, by name."""
+    """Return the module's constant bytes by name."""
     found = {}
     pattern = r'^@([\w.$-]+) = [\w ]*constant \[\d+ x i8\] c"(.*?)"'
     for name, written in re.findall(pattern, text, re.M):
@@ -406,7 +406,7 @@ def constants(text: str) -> dict[str, bytes]:
 
 
 def translated(text: str, entries: dict[str, str]) -> str:
-    """A module as C: static functions, those in `entries` under the names given there."""
+    """Return a module as C with static functions; `entries` renames some of them."""
     bytes_of = constants(text)
     names = {name: f"ov_constant{i}" for i, name in enumerate(bytes_of)}
     texts = re.findall(r"^define .*?^\}$", text, re.M | re.S)

@@ -1,4 +1,4 @@
-"""The kernels' C functions as one module of LLVM's: what the build tools begin with."""
+"""LLVM module of the kernels' C functions, the input of the build tools."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @contextmanager
 def unoptimised() -> Iterator[Path]:
-    """An empty folder for a build, with a numba that leaves optimising to the target.
+    """Provide an empty folder for a build, with numba's optimisation switched off.
 
     Before numba is imported: host-optimised code would get into the IR, from its cache too.
     """
@@ -32,7 +32,7 @@ def unoptimised() -> Iterator[Path]:
 
 
 def written_out(functions: Mapping[str, tuple[Any, Any]]) -> dict[str, str]:
-    """The IR of each function (a Python function and its signature), by the name it is to have."""
+    """Return the IR of each function (Python function and signature) by its new name."""
     import numba
 
     from overview_dsp.kernels.compiling import OPTIONS
@@ -52,7 +52,7 @@ def module_for(
     speed_level: int = 3,
     runs: int = 2,
 ) -> Any:
-    """llvmlite's module of those functions alone, optimised for a target machine.
+    """Return an llvmlite module of the functions, optimised for a target machine.
 
     What reference counting leaves behind goes only in the second of `runs`, of lanes in the third.
     """
@@ -85,7 +85,7 @@ def module_for(
 
 
 def machine_for(triple: str, **options: Any) -> Any:
-    """llvmlite's target machine."""
+    """Return llvmlite's target machine."""
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()

@@ -19,9 +19,15 @@ from numpy.typing import NDArray
 
 import overview_dsp as ov
 from overview_dsp.measure.observer import observing, strokes
-from overview_dsp.measure.observer.noticed import MODALITIES, PACE, Modality, Noticed, notice
+from overview_dsp.measure.observer.features import (
+    MODALITIES,
+    PACE,
+    Modality,
+    StrokeFeatures,
+    stroke_features,
+)
 from overview_dsp.measure.observer.scoring import groups_of
-from overview_dsp.measure.observer.strokes import Met, met, owners
+from overview_dsp.measure.observer.strokes import PassedEvents, passed_events, rows_of_onsets
 
 ALPHAS = (0.0, 0.25, 0.5, 0.71)
 """0.71 is what football's compression leaves of a pace's level: all of it is taken off."""
@@ -38,7 +44,7 @@ Key = tuple[str, float]
 
 
 def gains(
-    log_pace: NDArray[np.float64], there: Met, alpha: float, where: str
+    log_pace: NDArray[np.float64], there: PassedEvents, alpha: float, where: str
 ) -> NDArray[np.float64]:
     """What a stroke's level is multiplied by, each millisecond."""
     pace = np.clip(np.exp(log_pace), SLOWEST, FASTEST)
@@ -52,56 +58,58 @@ def gains(
     return found
 
 
-def noticed_at(preset: ov.Preset, count: int, seed: int) -> dict[Key, list[strokes.StrokeMet]]:
-    """What is noticed in random timelines by hands of mixed pace, by place and alpha."""
+def observed_strokes(
+    preset: ov.Preset, count: int, seed: int
+) -> dict[Key, list[strokes.ObservedStroke]]:
+    """Return the strokes of mixed movement over random timelines, by position and alpha."""
     timelines = ov.measure.random_timelines(preset, count, seed)
     jobs = [
-        ov.RenderJob(timeline, preset, ov.measure.random_hand(seed + i))
+        ov.RenderJob(timeline, preset, ov.measure.random_movement(seed + i))
         for i, timeline in enumerate(timelines)
     ]
-    found: dict[Key, list[strokes.StrokeMet]] = {(w, a): [] for w in PLACES for a in ALPHAS}
+    found: dict[Key, list[strokes.ObservedStroke]] = {(w, a): [] for w in PLACES for a in ALPHAS}
     for done in ov.render_many(jobs, strokes.SOUND_RATE, tail=strokes.ARRIVAL_S, trace=True):
         out = ov.measure.strokes(done.trace.engaged, done.trace.cursor)[0]
         frames = slice(out.start, out.stop)
-        there = met(done.surface, done.trace.cursor[frames], done.sample_rate)
+        there = passed_events(done.surface, done.trace.cursor[frames], done.sample_rate)
         pace = strokes.log_pace(done.job.gesture)
         samples = done.samples[frames]
         at_ms = np.arange(len(samples)) * (1000.0 / done.sample_rate)
         for where, alpha in found:
             gain = gains(pace, there, alpha, where)
             scaled = samples * np.interp(at_ms, np.arange(len(gain)), gain)[:, None]
-            heard = notice(np.clip(scaled, -1.0, 1.0), done.sample_rate, MODALITIES, pace)
-            whose = {modality: owners(one.at_ms, there) for modality, one in heard.items()}
-            found[where, alpha].append(strokes.StrokeMet(strokes.MIXED, heard, whose, there))
+            heard = stroke_features(np.clip(scaled, -1.0, 1.0), done.sample_rate, MODALITIES, pace)
+            whose = {modality: rows_of_onsets(one.at_ms, there) for modality, one in heard.items()}
+            found[where, alpha].append(strokes.ObservedStroke(strokes.MIXED, heard, whose, there))
     return found
 
 
-def without_pace(one: strokes.StrokeMet) -> strokes.StrokeMet:
+def without_pace(one: strokes.ObservedStroke) -> strokes.ObservedStroke:
     return replace(
         one,
-        noticed={
-            modality: Noticed(
+        features={
+            modality: StrokeFeatures(
                 found.at_ms,
                 found.features[:, [name != PACE for name in found.names]],
                 tuple(name for name in found.names if name != PACE),
             )
-            for modality, found in one.noticed.items()
+            for modality, found in one.features.items()
         },
     )
 
 
 def balanced(
     preset: ov.Preset,
-    lessons: Sequence[strokes.StrokeMet],
-    asked: Sequence[strokes.StrokeMet],
+    lessons: Sequence[strokes.ObservedStroke],
+    asked: Sequence[strokes.ObservedStroke],
     modality: Modality,
     seed: int,
 ) -> tuple[float, float]:
     """Balanced recall of groups and of kinds, without those at the ends, where the hand rests."""
     kinds = tuple(preset.kinds)
     rng = np.random.default_rng([seed, MODALITIES.index(modality)])
-    forest, names = observing.taught(lessons, modality, kinds, rng)
-    found = observing.asked_of(asked, modality, kinds, forest, names, rng).kinds
+    forest, names = observing.train_observer(lessons, modality, kinds, rng)
+    found = observing.evaluate_observer(asked, modality, kinds, forest, names, rng).kinds
     counted = (found.events > 0) & np.array([kind not in AT_THE_ENDS for kind in kinds])
     groups = np.array(groups_of(kinds))
     recalls = []
@@ -120,8 +128,8 @@ def main() -> None:
     preset = ov.load_preset(options.preset)
     rows: dict[tuple[str, str, str, float], list[tuple[float, float]]] = {}
     for repeat in range(options.repeats):
-        lessons = noticed_at(preset, LEARNED, 10_000 * repeat)
-        asked = noticed_at(preset, ASKED, 10_000 * repeat + 5_000_000)
+        lessons = observed_strokes(preset, LEARNED, 10_000 * repeat)
+        asked = observed_strokes(preset, ASKED, 10_000 * repeat + 5_000_000)
         for where, alpha in lessons:
             if not alpha and where != PLACES[0]:
                 continue  # alpha 0 is the same everywhere

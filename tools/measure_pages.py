@@ -67,7 +67,7 @@ async def page(
 async def measure(pages: int, updates: int, sound: bool, device: str) -> None:
     folder = Path(tempfile.mkdtemp())
     feed = folder / "match.feed"
-    feed.write_text('{"overview_feed": 1, "title": "A - B", "expect_s": 5700}\n'
+    feed.write_text('{"overview_feed": 1, "title": "A - B", "expected_duration_s": 5700}\n'
                     '{"event": {"time_s": 0, "kind": "period"}}\n')  # fmt: skip
     plays = [] if sound else ["--audio", "host", "--device", device, "--announce", "none"]
     server = subprocess.Popen(

@@ -32,8 +32,8 @@ FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 def observed(preset: ov.Preset) -> dict[str, Any]:
     """What an observer tells apart on random timelines, in all strokes and at mixed pace."""
     found: dict[str, Any] = {"preset_digest": preset_digest(preset)[:KEY_DIGITS], "strokes": []}
-    for hands in ("all", "mixed"):
-        (scores,) = (report := ov.measure.observe(preset, hands=hands)).to_json()["sets"]
+    for movement in ("all", "mixed"):
+        (scores,) = (report := ov.measure.observe(preset, movement=movement)).to_json()["sets"]
         found |= {"learned": report.learned, "timelines": scores["timelines"]}
         found["strokes"] += scores["strokes"]
     return found
@@ -68,9 +68,12 @@ def character_rows(names: Sequence[str]) -> Iterator[str]:
         with warnings.catch_warnings():
             # kinds of other data are felt as the default
             warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
-            found = {name: ov.measure.characters(ov.load_preset(name), timeline) for name in names}
+            found = {
+                name: ov.measure.perceptual_features(ov.load_preset(name), timeline)
+                for name in names
+            }
         for one, other in itertools.combinations(names, 2):
-            steps = ov.measure.level_matched_steps(found[one], found[other])
+            steps = ov.measure.level_matched_distance(found[one], found[other])
             most[one, other] = most[other, one] = max(steps, most.get((one, other), 0.0))
     yield f"| |{'|'.join(names)}|"
     yield "|---" * (len(names) + 1) + "|"

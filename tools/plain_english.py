@@ -68,7 +68,7 @@ IDIOM = re.compile(
 )
 BANNED_WORDS = set(
     "told tells said says kept given made came comes asked asks shown met happened happening door "
-    "doors everyday worth story struck wanted wish gathered noticed apart beside alike ahead hears "
+    "c_abi everyday worth story struck wanted wish gathered noticed apart beside alike ahead hears "
     "heard lies words chance obey begun bears nobody somebody hand hands place places speaks "
     "spoken due anew grown aside".split()
 )

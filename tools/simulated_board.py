@@ -1,7 +1,7 @@
-"""The motor knob of `simulated_motor.py` with the surface on its own board.
+"""Simulation of a motor knob with the surface on its own board (with `simulated_motor.py`).
 
-Its firmware is `firmware/knob/surface.h` itself, compiled here (cc, gcc or clang, or `zig cc`) and
-called KNOB_HZ times a second with the encoder's angle. Imports nothing of the package.
+The firmware is `firmware/knob/surface.h`, compiled here (cc, gcc or clang, or `zig cc`). It runs
+KNOB_HZ times per second with the encoder's angle. This module imports nothing of the package.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 
 
 def compiler() -> list[str] | None:
-    """A C compiler's command, or None."""
+    """Return the command of a C compiler, or None."""
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
             return [name]
@@ -62,7 +62,7 @@ def compiler() -> list[str] | None:
 
 @functools.cache
 def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
-    """The firmware, compiled; SystemExit without a compiler."""
+    """Return the compiled firmware; SystemExit without a compiler."""
     command = compiler()
     if command is None:
         sys.exit("a C compiler is needed (cc, gcc or clang; or pip install ziglang)")
@@ -87,7 +87,7 @@ def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
 
 
 class BoardMotor(Motor):
-    """A knob whose board runs the surface `hertz` times a second, and reports 500 times."""
+    """A knob whose board runs the surface `hertz` times and reports 500 times per second."""
 
     REPORTS_HZ = 500
 
@@ -110,7 +110,7 @@ class BoardMotor(Motor):
         self._reports_every = 2 * hertz // self.REPORTS_HZ
 
     def begin(self) -> None:
-        """As after power-on."""
+        """Reset to the state after power-on."""
         super().begin()
         self._applied = 0.0
         self._ticks = 0
@@ -123,22 +123,22 @@ class BoardMotor(Motor):
 
     @property
     def torque(self) -> float:
-        """What the motor gives now, N m."""
+        """Present torque of the motor, N m."""
         return self._applied
 
     @property
     def stored(self) -> float:
-        """What the board's springs and its disk hold, J; right where `ends_step` is True."""
+        """Energy in the board's springs and disk, J; valid where `ends_step` is True."""
         return float(self._library.board_stored(self._knob, self.angle))
 
     @property
     def ends_step(self) -> bool:
-        """Whether the board's next step is due now."""
+        """True when the board's next step is due."""
         return self._ticks % 2 == 0
 
     @property
     def disk(self) -> float:
-        """Where the disk is, 0 to 1."""
+        """Position of the disk, 0 to 1."""
         return float(self._library.board_disk(self._knob))
 
     @property
@@ -147,7 +147,7 @@ class BoardMotor(Motor):
         return int(self._library.board_table(self._knob))
 
     def patient(self, path: Callable[[float], float | None]) -> Callable[[float], float | None]:
-        """A hand's `path` (`simulated_motor.Hand`) that begins when the surface is there."""
+        """Return a `path` of `Fingers` that starts when the board has its surface."""
         began: list[float] = []
 
         def waiting(time: float) -> float | None:
@@ -158,7 +158,7 @@ class BoardMotor(Motor):
         return waiting
 
     def loop(self, received: bytes) -> bytes:
-        """One turn of the board's loop: bytes in, bytes out."""
+        """Run the board's loop once with the received bytes; return the bytes to send."""
         if received:
             self._library.board_receive(self._knob, received, len(received))
         if self._ticks % 2 == 0:

@@ -1,13 +1,12 @@
-"""The motor knob of `simulated_knob.py`: its physics, its firmware, its wire's delay, its hand.
+"""Simulation of a motor knob: physics, firmware, delay of the wire, and a user's fingers.
 
-    inertia * angle'' = motor + hand - damping * angle' - friction * sign(angle')
+    inertia * angle'' = motor + user - damping * angle' - friction * sign(angle')
 
-stepped at 10 kHz, which is also how often the firmware loops. The firmware speaks as much of
-SimpleFOC's Commander as a host needs, and ends the torque itself when the host is silent. The
-work of motor and hand is summed step by step, from the true angle: what a host reckons can be held
-to it.
+Physics and firmware run at 10 kHz. The firmware has the part of SimpleFOC's Commander that a host
+needs, and ends the torque when the host is silent. The work of motor and user is summed step by
+step from the true angle, so that the energies in a host's report can be compared with it.
 
-Imports nothing of the package. Deterministic; knows no real clock.
+This module imports nothing of the package. It is deterministic and uses no real clock.
 """
 
 from __future__ import annotations
@@ -22,25 +21,25 @@ LONGEST_LINE = 20
 
 
 class Delay:
-    """A wire on which bytes take their time."""
+    """A wire with a delay."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
-        self._under_way: deque[tuple[float, bytes]] = deque()
+        self._pending: deque[tuple[float, bytes]] = deque()
 
     def put(self, now: float, data: bytes) -> None:
         if data:
-            self._under_way.append((now + self._seconds, data))
+            self._pending.append((now + self._seconds, data))
 
     def take(self, now: float) -> bytes:
         out = b""
-        while self._under_way and self._under_way[0][0] <= now:
-            out += self._under_way.popleft()[1]
+        while self._pending and self._pending[0][0] <= now:
+            out += self._pending.popleft()[1]
         return out
 
 
 class Motor:
-    """The knob and its board. `letter`: the motor's in its Commander."""
+    """The knob and its board; `letter` is the motor's letter in its Commander."""
 
     def __init__(
         self,
@@ -59,22 +58,22 @@ class Motor:
         self.step_rad = 2.0 * math.pi / counts
         self.watchdog = watchdog
         self.angle = self.speed = self.time = 0.0
-        self.put_in = self.given = self.hand_work = 0.0
+        self.absorbed = self.returned = self.user_work = 0.0
         self.silences = 0
         self.begin()
 
     def begin(self) -> None:
-        """As after power-on: silent, and without power."""
+        """Reset to the state after power-on: no reports and no power."""
         self.target = 0.0
         self.enabled, self.torque_mode, self.verbose = False, False, True
         self.variables, self.downsample = "0000000", 0
         self._line = bytearray()
         self._loops = 0
-        self._heard_at = -1e300
+        self._received_at = -1e300
 
     @property
     def torque(self) -> float:
-        """What the motor gives now, N m."""
+        """Present torque of the motor, N m."""
         if not (self.enabled and self.torque_mode):
             return 0.0
         return self.nm_per_unit * max(-self.limit, min(self.limit, self.target))
@@ -82,16 +81,16 @@ class Motor:
     # --- the firmware ----------------------------------------------------------------------------
 
     def loop(self, received: bytes) -> bytes:
-        """One turn of the board's loop: bytes in, bytes out."""
+        """Run the board's loop once with the received bytes; return the bytes to send."""
         out = ""
         for byte in received:
             self._line.append(byte)
             if byte == 10:
-                out += self._obey(self._line.decode("latin-1").strip())
+                out += self._execute(self._line.decode("latin-1").strip())
                 self._line.clear()
             elif len(self._line) >= LONGEST_LINE:
                 self._line.clear()
-        if self.watchdog and self.time - self._heard_at > SILENT_S and self.target != 0.0:
+        if self.watchdog and self.time - self._received_at > SILENT_S and self.target != 0.0:
             self.target = 0.0
             self.silences += 1
         self._loops += 1
@@ -105,68 +104,67 @@ class Motor:
         chosen = [f"{one:.4f}" for one, on in zip(values, self.variables, strict=True) if on == "1"]
         return "\t".join(chosen) + "\r\n"
 
-    def _obey(self, line: str) -> str:
+    def _execute(self, line: str) -> str:
         if line.startswith("@"):
             self.verbose = line[1:2] != "0"
             return "Verb:on!\r\n" if self.verbose else ""
         if not line.startswith(self.letter):
             return ""
-        self._heard_at = self.time
+        self._received_at = self.time
         what, value = line[1:3], line[1:]
-        said = ""
+        answer = ""
         if value[:1] in "-+0123456789" and value:
             self.target = _number(value)
-            said = f"Target: {self.target:.3f}"
+            answer = f"Target: {self.target:.3f}"
         elif what == "MS":
             self.variables = (value[2:9] + "0000000")[:7]
-            said = "Monitor | " + self.variables
+            answer = "Monitor | " + self.variables
         elif what == "MD":
             self.downsample = int(_number(value[2:]))
-            said = f"Monitor | downsample: {self.downsample}"
+            answer = f"Monitor | downsample: {self.downsample}"
         elif what[:1] == "C":
             self.torque_mode = value[1:2] == "0"
-            said = "Motion:" + ("torque" if self.torque_mode else "other")
+            answer = "Motion:" + ("torque" if self.torque_mode else "other")
         elif what[:1] == "E":
             self.enabled = value[1:2] == "1"
-            said = f"Status: {int(self.enabled)}"
+            answer = f"Status: {int(self.enabled)}"
         else:
-            said = "err"
-        return said + "\r\n" if self.verbose else ""
+            answer = "err"
+        return answer + "\r\n" if self.verbose else ""
 
     # --- the physics -----------------------------------------------------------------------------
 
-    def step(self, hand_torque: float) -> None:
-        """On by 0.1 ms, with a hand's torque (N m)."""
+    def step(self, user_torque: float) -> None:
+        """Advance the physics by 0.1 ms, with the user's torque (N m)."""
         motor = self.torque
-        pull = motor + hand_torque - self.damping * self.speed
+        pull = motor + user_torque - self.damping * self.speed
         speed = self.speed + self.dt * pull / self.inertia
         stopped = self.dt * self.friction / self.inertia
         speed = math.copysign(max(0.0, abs(speed) - stopped), speed)
         turned = 0.5 * self.dt * (speed + self.speed)
-        self.hand_work += hand_torque * turned
+        self.user_work += user_torque * turned
         work = motor * turned
         if work > 0.0:
-            self.given += work
+            self.returned += work
         else:
-            self.put_in -= work
+            self.absorbed -= work
         self.speed = speed
         self.angle += turned
         self.time += self.dt
 
 
 def _number(text: str) -> float:
-    # as C's atof: what is no number is 0
+    # as atof of C: a text that is not a number is 0
     try:
         return float(text)
     except ValueError:
         return 0.0
 
 
-class Hand:
-    """Fingers on the knob: a spring and a damper to where they want to be.
+class Fingers:
+    """Fingers on the knob: a spring and a damper towards a target angle.
 
-    `path` gives that place (rad from where they took hold) for a time (s), or None while they let
-    go.
+    `path` returns the target (rad from the start of the touch) at a time (s), or None for no touch.
     """
 
     def __init__(
@@ -177,66 +175,66 @@ class Hand:
         self._before = 0.0
 
     def torque(self, motor: Motor) -> float:
-        place = self._path(motor.time)
-        if place is None:
+        target = self._path(motor.time)
+        if target is None:
             self._held_at = None
             return 0.0
         if self._held_at is None:
-            self._held_at, self._before = motor.angle - place, place
-        moving, self._before = (place - self._before) / motor.dt, place
-        bent = self._held_at + place - motor.angle
-        return self._stiffness * bent + self._damping * (moving - motor.speed)
+            self._held_at, self._before = motor.angle - target, target
+        speed, self._before = (target - self._before) / motor.dt, target
+        bent = self._held_at + target - motor.angle
+        return self._stiffness * bent + self._damping * (speed - motor.speed)
 
 
 def sweep(hertz: float = 0.25, reach: float = 3.0, rest: float = 1.0) -> Callable[[float], float]:
-    """There and back, again and again, after a rest."""
+    """Return a path that repeatedly turns forward and back, after a rest."""
     return lambda t: 0.5 * reach * (1.0 - math.cos(2.0 * math.pi * hertz * max(0.0, t - rest)))
 
 
 def jiggle(
     hertz: float = 8.0, reach: float = 0.3, rest: float = 1.0, about: float = 1.5
 ) -> Callable[[float], float]:
-    """To and fro about a place (rad), faster than any delay is short."""
+    """Return a path that oscillates about an angle (rad), faster than the delay allows."""
     return lambda t: (
         about * min(1.0, t / rest) + reach * math.sin(2.0 * math.pi * hertz * max(0.0, t - rest))
     )
 
 
-def hold(place: float = 1.5, rest: float = 1.0) -> Callable[[float], float]:
-    """Turned to a place and held there."""
-    return lambda t: place * 0.5 * (1.0 - math.cos(math.pi * min(1.0, t / rest)))
+def hold(angle: float = 1.5, rest: float = 1.0) -> Callable[[float], float]:
+    """Return a path to an angle that is then held."""
+    return lambda t: angle * 0.5 * (1.0 - math.cos(math.pi * min(1.0, t / rest)))
 
 
 def flick(
     reach: float = 0.8, every: float = 2.0, rest: float = 1.0
 ) -> Callable[[float], float | None]:
-    """Thrown forward and back in turn: held for a fifth of a second, then let go."""
+    """Return a path that throws the knob forward and back: 0.2 s of touch, then release."""
 
     def path(t: float) -> float | None:
         if t < rest:
             return 0.0
         number, since = divmod(t - rest, every)
-        way = reach if int(number) % 2 == 0 else -reach
-        return way * (since / 0.2) ** 2 if since <= 0.2 else None
+        signed = reach if int(number) % 2 == 0 else -reach
+        return signed * (since / 0.2) ** 2 if since <= 0.2 else None
 
     return path
 
 
-HANDS = {"sweep": sweep, "jiggle": jiggle, "hold": hold, "flick": flick}
+MOVEMENTS = {"sweep": sweep, "jiggle": jiggle, "hold": hold, "flick": flick}
 
 
 class Session:
-    """A motor, its hand and its wire, in step with a clock that someone else keeps."""
+    """A motor, a user's fingers and a wire, driven by an external clock."""
 
-    def __init__(self, motor: Motor, hand: Hand, delay_s: float) -> None:
-        self.motor, self.hand = motor, hand
-        self._there, self._back = Delay(delay_s), Delay(delay_s)
+    def __init__(self, motor: Motor, fingers: Fingers, delay_s: float) -> None:
+        self.motor, self.fingers = motor, fingers
+        self._to_board, self._to_host = Delay(delay_s), Delay(delay_s)
 
     def exchange(self, until: float, received: bytes) -> bytes:
-        """Run on to `until` (s) with what the host sent by now; what has reached it by then."""
+        """Run until `until` (s) with the host's bytes; return those that reach the host."""
         motor = self.motor
-        self._there.put(motor.time, received)
+        self._to_board.put(motor.time, received)
         while motor.time < until:
-            self._back.put(motor.time, motor.loop(self._there.take(motor.time)))
-            motor.step(self.hand.torque(motor))
-        return self._back.take(motor.time)
+            self._to_host.put(motor.time, motor.loop(self._to_board.take(motor.time)))
+            motor.step(self.fingers.torque(motor))
+        return self._to_host.take(motor.time)

@@ -1,4 +1,4 @@
-"""Processor time of windows of a long series on their way to a surface: median and longest.
+"""Measure the processor time from windows of a long series to surfaces: median and longest.
 
 python tools/time_windows.py [SAMPLES, 1e8 if left out]
 

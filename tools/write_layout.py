@@ -1,4 +1,4 @@
-"""Write the numbers of kernels/layout.py and export/browser_memory.py, and what may be set.
+"""Write the numbers of kernels/layout.py and export/browser_memory.py, and the parameters.
 
 python tools/write_layout.py [LAYOUT.js]
 """

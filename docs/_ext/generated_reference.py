@@ -40,7 +40,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "render_to_file",
         "render_jobs",
         "render_many",
-        "Result",
+        "RenderResult",
         "Trace",
         "Strikes",
         "RenderJob",

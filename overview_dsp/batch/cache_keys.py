@@ -16,7 +16,7 @@ from overview_dsp import __version__
 from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.kernels.compiling import sources_digest
+from overview_dsp.kernels.sources import sources_digest
 
 KEY_DIGITS = 24
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from overview_dsp import __version__
 from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.storage import Storage
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import require_package
 

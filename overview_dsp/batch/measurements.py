@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
-from overview_dsp.measure.felt import event_levels
+from overview_dsp.measure.perceived_level import event_levels
 from overview_dsp.offline.rendering.many import RenderedJob
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.units import gain_to_db

@@ -137,6 +137,6 @@ def _plays(output: OutputDevice) -> str | None:
         actuator = remembered_actuator(output.full_name, output.channels)
     except OverviewError as error:
         return str(error)
-    if actuator is None and settings.placed == OutputSettings().placed:
+    if actuator is None and settings.channels_text == OutputSettings().channels_text:
         return None
-    return f"plays {settings.placed}" + (f", actuator {actuator}" if actuator else "")
+    return f"plays {settings.channels_text}" + (f", actuator {actuator}" if actuator else "")

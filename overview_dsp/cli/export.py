@@ -33,7 +33,7 @@ from overview_dsp.files.atomic import require_writable
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
-    from overview_dsp.offline.export.clip import FeltError
+    from overview_dsp.offline.export.clip import PerceptualError
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
@@ -99,9 +99,9 @@ def command(
     Only wav4 and web depend on --actuator. The other formats store perceived levels, which the
     playing device converts to its own drive.
     """
-    from overview_dsp.offline.rendering.event_log import happened
+    from overview_dsp.offline.rendering.event_log import passed_events
     from overview_dsp.offline.rendering.schedule import tail_of
-    from overview_dsp.signal.actuators.stage import protected_report
+    from overview_dsp.signal.actuators.stage import protection_json
 
     if len(timelines) > 1 and set(formats) != {SITE}:
         raise InputError(
@@ -149,9 +149,9 @@ def command(
                 "players": {name: _error(error) for name, error in done.players.items()},
             }
         else:
-            report["actuator"] = protected_report(driven, result.protected)
+            report["actuator"] = protection_json(driven, result.protected)
         reports.append(report)
-    log = write_transcripts(transcripts, happened(result.strikes, data), as_json)
+    log = write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
     if as_json:
         print_json([*reports, log] if log else reports)
         return
@@ -173,7 +173,7 @@ def command(
         click.echo(FIGURES)
 
 
-def _error(error: FeltError) -> dict[str, float]:
+def _error(error: PerceptualError) -> dict[str, float]:
     return {
         "median_error_db": round(error.median_db, 2),
         "largest_error_db": round(error.largest_db, 2),

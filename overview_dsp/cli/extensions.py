@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from overview_dsp.files.sound import sound_bytes
     from overview_dsp.files.toml import faults_at_their_line, parse_toml, read_text
     from overview_dsp.kernels.layout import CLICK, TACTOR
-    from overview_dsp.measure.felt import stroke_feel
+    from overview_dsp.measure.perceived_level import stroke_feel
     from overview_dsp.offline.plots import style as plot_style
     from overview_dsp.offline.plots.saving import save_figure
     from overview_dsp.signal.surface.angle_map import AngleMap
@@ -75,7 +75,7 @@ _MODULES = {
     "files.sound": "sound_bytes",
     "files.toml": "faults_at_their_line parse_toml read_text",
     "kernels.layout": "CLICK TACTOR",
-    "measure.felt": "stroke_feel",
+    "measure.perceived_level": "stroke_feel",
     "offline.plots.saving": "save_figure",
     "signal.surface.angle_map": "AngleMap",
     "web.assets": "START TYPES other_page_files",

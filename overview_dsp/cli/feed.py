@@ -29,11 +29,11 @@ def command(
 
     overview play --follow - and overview serve --follow - read it.
     """
-    from overview_dsp.data.feeds.feed_lines import encode_line, feed_of
+    from overview_dsp.data.feeds.feed_lines import encode_line, lines_of_timeline
 
     data = open_timeline(timeline, reading)
     start = time.monotonic()
-    for time_s, line in feed_of(data):
+    for time_s, line in lines_of_timeline(data):
         if speed != math.inf:
             time.sleep(max(start + time_s / speed - time.monotonic(), 0.0))
         sys.stdout.write(encode_line(line))

@@ -70,14 +70,14 @@ def open_player(
     OverviewError
         A device, file or value can't be used.
     """
-    from overview_dsp.live.session.opened import OpenedPlayer, PlayerSettings
+    from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
 
     settings = PlayerSettings(
         data.preset,
         compare,
         linear,
         data.window,
-        data.growth,
+        data.follow,
         device=output.device,
         block_size=default_block if output.block_size is None else output.block_size,
         sample_rate=output.sample_rate,
@@ -107,7 +107,7 @@ def play_headless(
 
         times, events, levels = zip(*passed, strict=True) if passed else ((), (), ())
         timeline = player.engine.timeline
-        return {"happened": as_records(of_events(times, levels, events, timeline))}
+        return {"events": as_records(of_events(times, levels, events, timeline))}
 
     for report in run(
         player, source, lambda: bool(received), note, seconds, None if logged else describe

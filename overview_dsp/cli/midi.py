@@ -56,7 +56,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     def decode(messages: list[bytes], now_s: float) -> Control | None:
         return next(filter(None, map(learner.read, messages)), None)
 
-    moved = listen(MidiPort(name), lambda: learner.ask, decode, learning.timeout,
+    moved = listen(MidiPort(name), lambda: learner.instruction, decode, learning.timeout,
                        lambda: f"no control for {target!r} was moved")  # fmt: skip
     found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)

@@ -54,10 +54,10 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         return learner.found(now_s)
 
     def failure() -> str:
-        received = f"received: {learner.heard}" if learner.heard else "nothing received"
+        received = f"received: {learner.received}" if learner.received else "nothing received"
         return f"no message for {target!r} ({received})"
 
-    found = listen(OscPort(port), lambda: learner.ask, decode, learning.timeout, failure)
+    found = listen(OscPort(port), lambda: learner.instruction, decode, learning.timeout, failure)
     found = replace(found, low=learning.low, high=learning.high)
     replaced = SENSED if target == DEVICE else (target,)
     same = (found.address, found.value)

@@ -78,19 +78,21 @@ def command(
             require_server()
             source = host = HostSession(player, source)
             routes = data.routes("host", choice.linear)
-            is_live = data.growth is not None
+            is_live = data.follow is not None
             address = stack.enter_context(open_server(server, host, routes, is_live)).text
         terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
         if screen == "json" or not terminal:
             play_headless(player, source, received, seconds, controls.osc_out is not None)
         elif screen == "lines":
-            from overview_dsp.live.screen.lines import run as run_lines
+            from overview_dsp.live.screen.plain_mode import run as run_lines
 
             run_lines(player, source, lambda: bool(received), say)
         else:
             from overview_dsp.live.screen import run
 
             run(player, source, lambda: bool(received), address)
-        if (lines := sources.lines) is not None and lines.refused:
-            note(f"{lines.refused} lines were not `theta2 touching`; first: {lines.first_refused}")
+        if (lines := sources.lines) is not None and lines.rejected:
+            note(
+                f"{lines.rejected} lines were not `theta2 touching`; first: {lines.first_rejected}"
+            )
     exit_if_stopped(received)

@@ -25,7 +25,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
-    from overview_dsp.offline.rendering.event_log import Happening
+    from overview_dsp.offline.rendering.event_log import PassedEvent
 
 
 TERMINAL = "-"
@@ -55,7 +55,7 @@ def require_transcripts(paths: Sequence[str]) -> None:
 
 
 def write_transcripts(
-    paths: Sequence[str], passed: Sequence[Happening], as_json: bool
+    paths: Sequence[str], passed: Sequence[PassedEvent], as_json: bool
 ) -> dict[str, Any]:
     """Write or print the events; return their part of the JSON report."""
     from overview_dsp.offline.rendering.event_log import as_records, as_text, save_transcript
@@ -69,7 +69,7 @@ def write_transcripts(
         click.echo(as_text(passed), nl=False)
     if not paths:
         return {}
-    return {"transcripts": files, "happened": as_records(passed)}
+    return {"transcripts": files, "events": as_records(passed)}
 
 
 @cli_command(
@@ -106,10 +106,10 @@ def command(
     (world-cup-final-2018).
     """
     from overview_dsp.files.cue_points import add_cues
-    from overview_dsp.offline.rendering.event_log import happened
+    from overview_dsp.offline.rendering.event_log import passed_events
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.offline.rendering.stems import stem_paths
-    from overview_dsp.signal.actuators.stage import protected_report
+    from overview_dsp.signal.actuators.stage import protection_json
     from overview_dsp.units import clock_text, gain_to_db
 
     require_transcripts(transcripts)
@@ -138,9 +138,9 @@ def command(
             loudness=measure_loudness,
             normalize=normalize,
         )
-    passed = happened(done.passed, done.engine.timeline) if done.passed is not None else []
+    passed = passed_events(done.passed, done.engine.timeline) if done.passed is not None else []
     if cue_points:
-        marked = [(round(one.time_s * sample_rate), one.words) for one in passed]
+        marked = [(round(one.time_s * sample_rate), one.text) for one in passed]
         add_cues(Path(output), marked)
     beside = [str(one) for one in stem_paths(Path(output))] if stems else []
     missed = [done.engine.timeline.events[i] for i in done.unreached]
@@ -154,7 +154,7 @@ def command(
                 "preset": chosen.name,
                 "duration_s": done.duration_s,
                 "strikes": done.strikes,
-                "left_out": dict(done.engine.surface.left_out),
+                "left_out": dict(done.engine.surface.omitted_events),
                 "unreached": [
                     {"time_s": event.time_s, "kind": event.kind, "label": event.label}
                     for event in missed
@@ -167,7 +167,7 @@ def command(
                 "click_gain_db": round(done.gain_db, 1),
                 "cues": len(passed) if cue_points else 0,
                 **write_transcripts(transcripts, passed, as_json),
-                "actuator": protected_report(driven, done.protected),
+                "actuator": protection_json(driven, done.protected),
             }
         )
         return
@@ -181,7 +181,7 @@ def command(
         click.echo(_loudness(done.lufs, done.gain_db, normalize))
     if driven and done.protected:
         click.echo(drive_line(driven, done.protected))
-    for kind, count in done.engine.surface.left_out.items():
+    for kind, count in done.engine.surface.omitted_events.items():
         click.echo(
             f"omitted: {count} {kind}, too dense to be felt one by one; use a shorter window"
         )

@@ -54,10 +54,10 @@ def setup(
         return watched.toml() if watched.done else None
 
     def failure() -> str:
-        return f"only {watched.twists} of 2 twists ({watched.problem or watched.ask})"
+        return f"only {watched.twists} of 2 twists ({watched.problem or watched.instruction})"
 
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    write_text(output, listen(opened, lambda: watched.ask, decode, timeout, failure))
+    write_text(output, listen(opened, lambda: watched.instruction, decode, timeout, failure))
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 

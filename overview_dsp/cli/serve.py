@@ -73,12 +73,12 @@ def command(
         if audio == "here":
             refuse_options("needs --audio host", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
-        if publish is not None and data.growth is not None:
+        if publish is not None and data.follow is not None:
             from overview_dsp.web.static_publisher import StaticPublisher
 
             preset = choice.load(data.preset)
-            stack.callback(StaticPublisher(data.growth.live, preset, publish, note).close)
-        growing = data.growth is not None
+            stack.callback(StaticPublisher(data.follow.live, preset, publish, note).close)
+        growing = data.follow is not None
         if audio == "host":
             from overview_dsp.web.session import HostSession
 

@@ -1,7 +1,7 @@
-"""The block driver: events, then runs of samples between them, then meters and the guard.
+"""Block processing: events, runs of samples between them, meters, and a guard.
 
-`process` cuts a block only where an event falls due or a coefficient glides, and every state column
-is carried from sample to sample in full, so no partition into blocks can change a bit.
+`process` divides a block only at events and while coefficients are smoothed. All state columns are
+carried from sample to sample, so the partition into blocks changes no bit.
 
 Thread: audio (`process`), main (`reset`, `tactor_stage`).
 """
@@ -9,21 +9,21 @@ Thread: audio (`process`), main (`reset`, `tactor_stage`).
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.compiling import entry_point, inlined, outlined
-from overview_dsp.kernels.control import (
-    apply_due,
-    drop_waiting,
+from overview_dsp.kernels.control_events import (
+    apply_pending,
+    discard_pending,
     glide_all,
     is_gliding,
-    next_due,
+    next_event_time,
 )
 from overview_dsp.kernels.dc_block import block_dc
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.math_functions import sin_turns
 from overview_dsp.kernels.modal_bank import ring
 from overview_dsp.kernels.motion import move
-from overview_dsp.kernels.ordering import store_release
 from overview_dsp.kernels.output import emit
 from overview_dsp.kernels.output_gain import on_grid, set_gain
 from overview_dsp.kernels.release import stop_waiting
@@ -37,8 +37,8 @@ SHORT = 64  # frames or fewer
 
 
 @outlined
-def speak(f64, i64, out, start, frames, channels, trace, traced):
-    """A chunk's sound into the output from frame `start` on, and its envelope into the trace."""
+def synthesize(f64, i64, out, start, frames, channels, trace, traced):
+    """Write a chunk's sound to the output from frame `start` on, and its envelope to the trace."""
     f64[layout.M_ENVELOPE] = f64[layout.D_AMPLITUDE + frames - 1]
     if traced:
         for n in range(frames):
@@ -48,10 +48,10 @@ def speak(f64, i64, out, start, frames, channels, trace, traced):
 
 @inlined
 def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced):
-    """Samples `start` to `stop` of a block, between events: the whole voice, `step` at a time.
+    """Process samples `start` to `stop` of a block, without events, in chunks of `step`.
 
-    The `waiting` samples before them still lack their sound, and so do the last ones afterwards:
-    how many is returned. It is made beside the next chunk's disk, as neither waits for the other.
+    The sound of a chunk is computed together with the motion of the next one, since the two are
+    independent. `waiting` samples before `start` have no sound yet; returns the number afterwards.
     """
     while start < stop:
         beyond = on_grid(i64)
@@ -60,7 +60,7 @@ def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced)
         frames = min(stop - start, step, layout.GAIN_GRID - beyond)
         move(f64, i64, u64, frames, waiting, trace, start * layout.TRACE, traced)
         if waiting > 0:
-            speak(f64, i64, out, start - waiting, waiting, channels, trace, traced)
+            synthesize(f64, i64, out, start - waiting, waiting, channels, trace, traced)
         shape(f64, frames, beyond)
         ring(f64, i64, frames)
         waiting = frames
@@ -70,16 +70,16 @@ def run(f64, i64, u64, out, channels, start, stop, step, waiting, trace, traced)
 
 
 @inlined
-def catch_up(f64, i64, u64, out, channels, stop, waiting, trace, traced):
-    """The sound of the `waiting` samples before frame `stop`."""
+def synthesize_pending(f64, i64, u64, out, channels, stop, waiting, trace, traced):
+    """Synthesize the `waiting` samples before frame `stop`."""
     if waiting > 0:
         sound(f64, u64, 0, waiting)
-        speak(f64, i64, out, stop - waiting, waiting, channels, trace, traced)
+        synthesize(f64, i64, out, stop - waiting, waiting, channels, trace, traced)
 
 
 @inlined
 def clear(f64, i64, u64):
-    """Every state column and meter as new; coefficients, rings and surfaces stay."""
+    """Clear all state columns and meters; keep coefficients, rings and surfaces."""
     for i in range(layout.STATE, layout.ACTIVE_SLOT):
         i64[i] = 0
     for i in range(layout.FADING_SLOT + 1, layout.TOTAL_STATE):
@@ -92,28 +92,28 @@ def clear(f64, i64, u64):
     stop_waiting(f64, i64)
     f64[layout.GAIN_FROM] = 1.0
     f64[layout.GAIN_TO] = 1.0
-    f64[layout.GRAIN_GAIN] = 1.0
+    f64[layout.TEXTURE_GAIN] = 1.0
     u64[layout.NOISE] = u64[layout.S_SEED]
 
 
 @inlined
 def is_finite(f64):
-    """Whether every recursive state column is a finite number."""
-    # in pairs, so that few sums wait for others
-    moved = (f64[layout.X] + f64[layout.V]) + (f64[layout.SMOOTH_1] + f64[layout.SMOOTH_2])
-    felt = (f64[layout.ENVELOPE_1] + f64[layout.ENVELOPE_2]) + (
+    """Return whether every recursive state column is a finite number."""
+    # in pairs, for fewer dependent additions
+    motion = (f64[layout.X] + f64[layout.V]) + (f64[layout.SMOOTH_1] + f64[layout.SMOOTH_2])
+    tactor = (f64[layout.ENVELOPE_1] + f64[layout.ENVELOPE_2]) + (
         f64[layout.FOLLOWER] + f64[layout.TACTOR_DC_OUT]
     )
-    heard = (f64[layout.CLICK_DC_OUT] + f64[layout.TEXTURE]) + (
+    click = (f64[layout.CLICK_DC_OUT] + f64[layout.TEXTURE]) + (
         f64[layout.PHASE] + f64[layout.BRISTLE]
     )
-    total = (moved + felt) + (heard + f64[layout.M_IMPULSE])
+    total = (motion + tactor) + (click + f64[layout.M_IMPULSE])
     return total - total == 0.0
 
 
 @inlined
 def recover(f64, i64, u64, clock, out, start, stop):
-    """After a block: a voice whose state isn't finite is as new, and its output zero."""
+    """Reset a voice whose state is not finite after a block, and mute its output."""
     if is_finite(f64):
         return
     blocks = i64[layout.M_BLOCKS]
@@ -128,7 +128,7 @@ def recover(f64, i64, u64, clock, out, start, stop):
 
 @entry_point
 def reset(f64, i64, u64):
-    """As new: state and meters cleared, glides and crossfades finished, waiting events dropped.
+    """Clear state and meters, finish smoothing and crossfades, and drop pending events.
 
     Thread: main, or audio between blocks.
     """
@@ -138,17 +138,17 @@ def reset(f64, i64, u64):
         if i64[layout.GLIDE_LEFT + i] > 0:
             f64[i] = f64[layout.TARGET + i]
             i64[layout.GLIDE_LEFT + i] = 0
-    drop_waiting(i64)
+    discard_pending(i64)
 
 
 @entry_point
 def process(f64, i64, u64, out, frames, channels, trace, traced):
-    """One block of audio.
+    """Process one block of audio.
 
     Parameters
     ----------
     f64, i64, u64 : float64, int64, uint64 [layout.TOTAL]
-        The memory block, seen three ways.
+        The memory block in three views.
     out : float32 [frames * channels]
         Interleaved output, overwritten.
     frames, channels : int64
@@ -160,37 +160,37 @@ def process(f64, i64, u64, out, frames, channels, trace, traced):
     """
     f64[layout.M_PEAK_CLICK] = 0.0
     f64[layout.M_PEAK_TACTOR] = 0.0
-    # the first chunk's disk and the last one's sound have nothing beside them
+    # only the motion of the first chunk and the sound of the last one are computed alone
     step = STEP if frames > SHORT else SHORT_STEP
     n = 0
     waiting = 0
     first = i64[layout.CLOCK]
     while n < frames:
-        apply_due(f64, i64)
+        apply_pending(f64, i64)
         stop = frames
         gliding = is_gliding(i64)
         if gliding:
-            # it is a new constant every sample, and what waits goes with the last one
-            catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
+            # smoothed coefficients change every sample; pending sound uses their last values
+            synthesize_pending(f64, i64, u64, out, channels, n, waiting, trace, traced)
             waiting = 0
             gliding = glide_all(f64, i64) > 0
         if gliding:
             stop = n + 1
         else:
-            due = next_due(i64) - first
+            due = next_event_time(i64) - first
             if due < stop:
-                # an event pushed just now may be due already
+                # a new event may already be due
                 stop = due if due > n else n + 1
         waiting = run(f64, i64, u64, out, channels, n, stop, step, waiting, trace, traced)
         n = stop
-    catch_up(f64, i64, u64, out, channels, n, waiting, trace, traced)
+    synthesize_pending(f64, i64, u64, out, channels, n, waiting, trace, traced)
     i64[layout.M_BLOCKS] += 1
     recover(f64, i64, u64, first + frames, out, 0, frames * channels)
 
 
 @entry_point
 def tactor_stage(f64, torque, out):
-    """The tactor channel of a torque signal alone, as `process` makes it from rest.
+    """Compute the tactor channel of a torque signal as `process` does from rest.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bristles under the disk: friction that sticks, breaks away and slides.
+"""Bristle friction: friction that sticks, breaks away and slides.
 
 The elasto-plastic model (Dupont, Hayward, Armstrong and Altpeter 2002; as sound: Avanzini, Serafin
 and Rocchesso 2005): the contact is a bristle deflected by z (rad of disk 1), which is elastic up to
@@ -8,10 +8,10 @@ its break-away and gives way beyond it:
     torque = stiffness * z + damping * z'
     zs     = sliding torque / stiffness * (1 + (static - 1) * exp(-(omega/stribeck)**2))
 
-A is the published alpha * z/zs with a straight line in place of half a sine, so that the step below
-has a closed form. In steady sliding z = zs. The viscous part is the surface's own B.
+A is the published alpha * z/zs with a linear instead of a sinusoidal transition, so that the step
+below has a closed form. In steady sliding z = zs. The surface's B is the viscous part.
 
-One step is implicit in z and in the speed. In the units of `two_disk` (cells, a sample),
+One step is implicit in z and in the speed. In the units of `two_disk` (cells, per sample),
 
     resistance * vm + k * z1 + d * (z1 - z0) = push,    z1 - z0 = vm * (1 - A(z1)),
 
@@ -20,8 +20,8 @@ stored energy S = stiffness * z**2/2 and dtheta = vm * dt,
 
     torque * dtheta = S1 - S0 + stiffness * (z1*A*dtheta + (z1 - z0)**2/2) + damping part,
 
-whose last three terms are losses >= 0. Damping acts only while the deflection grows: bristles that
-spring back in sliding would otherwise give energy.
+whose last three terms are losses >= 0. Damping acts only while the deflection grows, since bristles
+that spring back while sliding would otherwise add energy.
 
 Thread: audio.
 """
@@ -31,30 +31,30 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import exp
+from overview_dsp.kernels.math_functions import exp
 
-CREEP = 0.02  # rad/s: well below it a torque holds the disk, and isn't felt
+CREEP = 0.02  # rad/s: well below it a torque holds the disk without being perceived
 
 
 @inlined
 def moving(omega):
-    """How much of a torque that doesn't fade by itself is felt: 0 at rest, 1 in motion."""
+    """Return the perceived part of a torque that persists at rest: 0 at rest, 1 in motion."""
     squared = omega * omega
     return squared / (squared + CREEP * CREEP)
 
 
 @inlined
 def steady_torque(sliding, static, stribeck, omega):
-    """Torque of steady sliding (N m) at a speed (rad/s): falls from static to sliding torque."""
+    """Return the torque of steady sliding (N m) at a speed (rad/s)."""
     ratio = omega / stribeck
     return sliding * (1.0 + (static - 1.0) * exp(-ratio * ratio))
 
 
 @inlined
-def converted(z, before, stiffness):
-    """The deflection of bristles that become stiffer or softer: never with more energy.
+def convert_deflection(z, before, stiffness):
+    """Return the deflection of bristles after a change of stiffness, without added energy.
 
-    Stiffer ones keep the torque, softer ones the energy.
+    Stiffer bristles keep the torque, softer bristles the energy.
     """
     ratio = before / stiffness
     return z * ratio if ratio <= 1.0 else z * sqrt(ratio)
@@ -62,10 +62,10 @@ def converted(z, before, stiffness):
 
 @inlined
 def bristle_step(push, resistance, z0, stiffness, damping, steady, break_away):
-    """The step's midpoint speed vm (cells a sample), the deflection after it, torque / push's unit.
+    """Return a step's midpoint speed vm (cells per sample), deflection, and torque (unit of push).
 
-    `push` is the torque of inertia and springs for vm = 0, `resistance` what vm adds to it, both as
-    `two_disk` scales them; `stiffness` a cell in that unit; `steady` > 0 is zs in cells.
+    `push` is the torque of inertia and springs for vm = 0 and `resistance` its derivative by vm,
+    both scaled as in `two_disk`. `stiffness` is per cell in that unit, `steady` > 0 is zs in cells.
     """
     free = push - stiffness * z0
     sign = 1.0 if free >= 0.0 else -1.0
@@ -89,10 +89,10 @@ def bristle_step(push, resistance, z0, stiffness, damping, steady, break_away):
 
 @inlined
 def speed_after(v, middle):
-    """The speed after a step (cells a sample): 2 vm - v, as in `two_disk`, unless it overshoots.
+    """Return the speed after a step (cells per sample): 2 vm - v, limited to prevent overshoot.
 
-    Where bristles stop the disk within a sample the midpoint rule would throw it back; it leaves no
-    faster than the step's mean.
+    If bristles stop the disk within a sample, the midpoint rule would reverse it. The speed is then
+    limited to the step's mean.
     """
     after = 2.0 * middle - v
     if after * middle <= 0.0 and abs(after) > abs(middle):

@@ -1,27 +1,27 @@
-"""Friction clicks: a bank of modal resonators for each event kind, struck by the torque released.
+"""Friction clicks: a bank of modal resonators per event kind, excited by released torque.
 
-An event's friction turns the speed of the arriving disk into torque; when the disk passes it, or
-breaks loose from it after sticking there, that torque is released:
+An event's friction turns the speed of the arriving disk into torque. This torque is released when
+the disk passes the event or breaks loose from it:
 
-    torque = (the event's own friction) * (highest |omega1| of late, forgotten within 0.2 s)
+    torque = (the event's friction) * (highest recent |omega1|, decaying within 0.2 s)
     level  = c / (1 + c),   c = (torque / full)**p
 
-Bristles and end stops let go of the same torque at any speed; a slip of the bristles is a strike
-too, of the torque it lets go. A detent takes the speed that the disk has at its bottom.
+Bristles and end stops release the same torque at any speed. A slip of bristles is also a strike,
+by the torque it releases. A detent uses the speed of the disk at its bottom.
 
-A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w), heard as its imaginary part. A strike at
-a fraction of a sample turns the new rotation by the time that is left of the sample, so an onset is
-placed exactly and the sampled mode is that of continuous time:
+A mode is a damped rotation, z[n+1] = z[n] * r * exp(i w); its imaginary part is the output. A
+strike at a fraction of a sample rotates the new state by the rest of the sample. Onsets are thus
+exact, and the sampled mode equals that of continuous time:
 
     z += level * gain * exp((ln r + i w) * rest),    rest = samples from pulse to next sample
 
-Eight successive samples of a mode are kept, each turned by eight samples' rotation at a time, so
-they don't wait for each other. Which of them is heard is the clock's matter: blocks change no bit.
+Eight successive samples of a mode are stored, and each is rotated by eight samples at a time. They
+are independent of each other. The clock selects the output, so blocks change no bit.
 
-One pulse would start a sine in full, and its spectrum, falling by 12 dB an octave, would fold back.
-A strike is a short contact instead: a raised cosine of four samples, given as eight pulses half a
-sample apart. That is a low-pass in continuous time with its null at half the sample rate; what
-folds back stays below -60 dB. Modes above 0.49 of the sample rate are left out by the
+A single pulse would start a sine abruptly, and its spectrum of -12 dB per octave would alias.
+A strike is therefore a short contact: a raised cosine of four samples, made of eight pulses half a
+sample apart. This is a low-pass in continuous time with its null at half the sample rate, and
+aliases stay below -60 dB. Modes above 0.49 of the sample rate are omitted by the
 coefficients. A kind rings for a counted number of samples (to -160 dB) and is then exactly zero.
 
 Thread: audio.
@@ -32,10 +32,10 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.bristle import moving
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import cos_turns, exp, plain, power, sin_turns
-from overview_dsp.kernels.ordering import store_release
+from overview_dsp.kernels.math_functions import cos_turns, exp, plain, power, sin_turns
 from overview_dsp.kernels.simd.vector import load, store
 
 PULSE_SPACING = 0.5  # samples
@@ -45,9 +45,9 @@ LAST_SAMPLE = 9007199254740992.0  # 2**53: up to it a time has every sample
 
 @inlined
 def strike(f64, i64, slot, event, approach, speed, sample, fraction):
-    """Log that an event is passed `fraction` of a sample after time `sample`.
+    """Log the strike of an event that is passed `fraction` of a sample after `sample`.
 
-    `approach` is the speed the disk came with, `speed` the one it has, rad/s.
+    `approach` is the highest recent speed of the disk, `speed` the present one, rad/s.
     """
     counts = approach
     if i64[slot + layout.SLOT_MODELS] > 0:
@@ -62,7 +62,7 @@ def strike(f64, i64, slot, event, approach, speed, sample, fraction):
 
 @inlined
 def log_strike(f64, i64, event, torque, sample, fraction):
-    """Log that a torque (N m) is let go at an event (-1 = the bare surface)."""
+    """Log the release of a torque (N m) at an event (-1 = the base surface)."""
     hardness = torque * f64[layout.C_STRIKE_TORQUE]
     level = 0.0
     if hardness > 1e-12:
@@ -78,7 +78,7 @@ def log_strike(f64, i64, event, torque, sample, fraction):
 
 
 _sin_turns = plain(sin_turns)
-# part of a strike that is in each pulse: sin(pi (number + 1/2)/8)**2 / 4; they add up to 1
+# weight of each pulse of a strike: sin(pi (number + 1/2)/8)**2 / 4; their sum is 1
 PULSE_WEIGHT = np.array(
     [
         0.125 - 0.125 * _sin_turns((number + 0.5) * (1.0 / layout.CONTACT) + 0.25)
@@ -89,9 +89,9 @@ PULSE_WEIGHT = np.array(
 
 @inlined
 def pulse_factors(f64, i64, slot, first, modes, key, half, rest):
-    """What a pulse has given each mode when its sample ends; pulses two apart share it.
+    """Compute the state of each mode at the end of the sample of a pulse of unit weight.
 
-    Sets the modes' rotation too.
+    Every second pulse of a strike has the same state. Also sets the rotation of the modes.
     """
     if i64[layout.PULSE_KEY + half] == key and f64[layout.PULSE_REST + half] == rest:
         return
@@ -112,9 +112,9 @@ def pulse_factors(f64, i64, slot, first, modes, key, half, rest):
 
 @inlined
 def pulse(f64, i64, at, number, rest, sample):
-    """Give pulse `number` of the strike at log entry `at` to its modes, before `sample` sounds.
+    """Add pulse `number` of the strike at log entry `at` to its modes, before `sample`.
 
-    `rest` is how long before the end of that sample it fell, samples.
+    `rest` is the time from the pulse to the end of that sample, samples.
     """
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     event = i64[layout.LOG_EVENT + at]
@@ -130,11 +130,11 @@ def pulse(f64, i64, at, number, rest, sample):
     level = f64[layout.LOG_LEVEL + at] * PULSE_WEIGHT[number]
     first = kind * layout.MAX_MODES
     half = number % 2
-    # of this strike on this surface; never 0, as columns are after a reset
+    # identifies this strike on this surface; never 0, the value after a reset
     key = (i64[layout.STRIKES_SOUNDED + number] + 1) * layout.SLOTS + i64[layout.ACTIVE_SLOT]
     pulse_factors(f64, i64, slot, first, modes, key, half, rest)
     at = half * layout.MAX_MODES
-    clock = -sample & (layout.PHASES - 1)  # of the rotations, that which phase 0 gets
+    clock = -sample & (layout.PHASES - 1)  # rotation of phase 0
     for j in range(first, first + modes):
         mode = slot + layout.MODES + j * layout.MODE_SIZE
         amplitude = level * f64[mode + layout.MODE_GAIN]
@@ -152,9 +152,9 @@ def pulse(f64, i64, at, number, rest, sample):
 
 @inlined
 def sound_strikes(f64, i64, sample):
-    """Give every pulse that falls before the end of `sample` to the modes.
+    """Add every pulse before the end of `sample` to the modes.
 
-    Returns the sample in which the next pulse falls, of strikes not sounded in full; or NEVER.
+    Returns the sample of the next pulse of unfinished strikes, or NEVER.
     """
     due = NEVER
     for number in range(layout.CONTACT):
@@ -163,7 +163,7 @@ def sound_strikes(f64, i64, sample):
             time = f64[layout.LOG_TIME + at] + float(number) * PULSE_SPACING
             rest = float(sample + 1) - time
             if rest < 0.0:
-                # a pulse at a sample's very end is in it
+                # a pulse exactly at a sample's end belongs to it
                 later = int(time) if time < LAST_SAMPLE else NEVER
                 due = min(due, later - 1 if float(later) == time else later)
                 break

@@ -1,12 +1,11 @@
-"""How kernels are compiled: one policy for all of them."""
+"""Compilation of kernels with one set of options."""
 
 from __future__ import annotations
 
-import hashlib
 import os
 import warnings
 from collections.abc import Callable
-from functools import cache, update_wrapper
+from functools import update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -15,10 +14,12 @@ import platformdirs
 from numba.extending import typeof_impl
 
 from overview_dsp.errors import require_internals
+from overview_dsp.kernels import precompiled
+from overview_dsp.kernels.sources import CONFIG, runs_as_python, sources_digest
 
 NUMBA = "numba>=0.61,<0.69"
-"""As pyproject.toml has it. What `kernels` use of numba's inside may change with any version, so a
-new one is let in when the tests have passed with it."""
+"""Supported versions, as in pyproject.toml. Internals of numba may change with any version, so a
+new version is allowed after the tests have passed with it."""
 
 require_internals(
     numba,
@@ -31,17 +32,14 @@ require_internals(
     ),
     NUMBA,
 )
-# numba sets its options as attributes at run time
-_config: Any = numba.config
-
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-# numba counts a negative index from the array's end, which costs three instructions wherever the
-# compiler can't see a sign: `array[i & NOT_NEGATIVE]` shows it
+# numba checks for negative indices with three instructions unless the compiler knows the sign:
+# `array[i & NOT_NEGATIVE]` avoids them
 NOT_NEGATIVE = 0x7FFFFFFFFFFFFFFF
 
 OPTIONS: dict[str, Any] = {
-    # Python's model would raise, print and take the GIL on a division by zero
+    # the Python error model would raise and take the GIL on a division by zero
     "error_model": "numpy",
     "boundscheck": False,
     # reordered or fused arithmetic would differ between runners
@@ -50,50 +48,32 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-# a C function has no GIL to give up
-_GIL_KEPT = {key: value for key, value in OPTIONS.items() if key != "nogil"}
-
-
-@cache
-def sources_digest() -> str:
-    """Digest of every kernel source file, however its lines end."""
-    digest = hashlib.sha256()
-    folder = Path(__file__).parent
-    for source in sorted(folder.rglob("*.py")):
-        digest.update(source.relative_to(folder).as_posix().encode())
-        digest.update(source.read_bytes().replace(b"\r\n", b"\n"))
-    return digest.hexdigest()[:16]
+# C functions do not hold the GIL
+_GIL_HELD = {key: value for key, value in OPTIONS.items() if key != "nogil"}
 
 
 def cache_folder() -> Path:
-    """The folder of compiled kernels: `NUMBA_CACHE_DIR` if set, else the user's cache folder.
+    """Return the folder of compiled kernels: `NUMBA_CACHE_DIR` or the user's cache folder.
 
-    One for each state of the sources: numba's cache watches only a function's own file.
+    Its name depends on all sources, since numba's cache watches only a function's own file.
     """
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     root = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("overview-dsp"))
     return root / f"kernels-{sources_digest()}-{numba.__version__}"
 
 
-def runs_as_python() -> bool:
-    """Whether kernels aren't compiled at all (`NUMBA_DISABLE_JIT`)."""
-    return bool(_config.DISABLE_JIT)
-
-
 def is_compiled(function: str = "process") -> bool:
-    """Whether the first use of a kernel will compile nothing: it is on disk, or runs as Python."""
-    from overview_dsp.kernels import shipped
-
-    if runs_as_python() or shipped.usable(function):
+    """Return whether using a kernel needs no compilation."""
+    if runs_as_python() or precompiled.usable(function):
         return True
     folder = cache_folder()
     return folder.is_dir() and any(folder.rglob(f"*.{function}-*.nbc"))
 
 
 def inlined(function: Function) -> Function:
-    """Compile a function for other kernels to call: inlined, with no door to Python.
+    """Compile a function to be inlined in other kernels.
 
-    Python calls its plain form, `function.py_func`.
+    Python can only call its plain form, `function.py_func`.
     """
     inlined: dict[str, Any] = {
         "forceinline": True,
@@ -105,16 +85,16 @@ def inlined(function: Function) -> Function:
 
 
 def outlined(function: Function) -> Function:
-    """Compile a function for other kernels to call, not inlined: for what is large and rare."""
-    bare: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    compiled: Function = numba.njit(**OPTIONS, **bare)(function)
+    """Compile a function to be called by other kernels without inlining: large or rarely used."""
+    wrapped: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    compiled: Function = numba.njit(**OPTIONS, **wrapped)(function)
     return compiled
 
 
 class EntryPoint:
-    """A function that Python calls and kernels may: in the package's machine code, or numba's.
+    """Kernel that Python can call: precompiled machine code, or numba's.
 
-    `py_func` is its plain Python form, `compiled` numba's dispatcher.
+    `py_func` is its plain Python form, `compiled` is numba's dispatcher.
     """
 
     def __init__(self, function: Callable[..., Any], compiled: Any) -> None:
@@ -124,11 +104,9 @@ class EntryPoint:
         self._call: Callable[..., Any] | None = None
 
     def __call__(self, *arguments: Any) -> Any:
-        """Call it; the first call of all looks where."""
+        """Call the kernel; the first call selects the machine code."""
         if self._call is None:
-            from overview_dsp.kernels.shipped import shipped_door
-
-            self._call = shipped_door(self.py_func.__name__) or self.compiled
+            self._call = precompiled.precompiled_function(self.py_func.__name__) or self.compiled
         return self._call(*arguments)
 
 
@@ -138,24 +116,26 @@ def _type_of_entry_point(entry: EntryPoint, context: Any) -> Any:
 
 
 def entry_point(function: Function) -> Function:
-    """Compile a function that Python calls, and keep its machine code on disk."""
-    kept = _kept(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
-    return cast(Function, EntryPoint(function, kept))
+    """Compile a function that Python calls, with a cache on disk."""
+    compiled = _compiled_on_disk(function, lambda cache: numba.njit(cache=cache, **OPTIONS))
+    return cast(Function, EntryPoint(function, compiled))
 
 
 def briefly_called(function: Function) -> Function:
-    """As `entry_point`, of a few instructions: giving the GIL up, and back, would take longer."""
-    kept = _kept(function, lambda cache: numba.njit(cache=cache, **_GIL_KEPT))
-    return cast(Function, EntryPoint(function, kept))
+    """Compile a short `entry_point` that keeps the GIL, as releasing it would take longer."""
+    compiled = _compiled_on_disk(function, lambda cache: numba.njit(cache=cache, **_GIL_HELD))
+    return cast(Function, EntryPoint(function, compiled))
 
 
 def c_callback(signature: Any, function: Callable[..., Any]) -> Any:
-    """Compile a C function (`.address`), and keep its machine code on disk."""
-    return _kept(function, lambda cache: numba.cfunc(signature, cache=cache, **_GIL_KEPT))
+    """Compile a C function (`.address`), with a cache on disk."""
+    return _compiled_on_disk(
+        function, lambda cache: numba.cfunc(signature, cache=cache, **_GIL_HELD)
+    )
 
 
-def _kept(function: Any, compiler: Callable[[bool], Any]) -> Any:
-    before = _config.CACHE_DIR
+def _compiled_on_disk(function: Any, compiler: Callable[[bool], Any]) -> Any:
+    before = CONFIG.CACHE_DIR
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -164,14 +144,14 @@ def _kept(function: Any, compiler: Callable[[bool], Any]) -> Any:
         cache = False
     if not cache:
         warnings.warn(
-            f"{folder}: can't keep compiled kernels there, so each start compiles anew; "
-            "set NUMBA_CACHE_DIR to a folder you may write to",
+            f"{folder}: not writable, so kernels are compiled on each start; "
+            "set NUMBA_CACHE_DIR to a writable folder",
             RuntimeWarning,
             stacklevel=3,
         )
     try:
-        # numba takes the folder at decoration; other users of numba keep theirs
-        _config.CACHE_DIR = str(folder)
+        # numba reads the folder at decoration; other users of numba keep theirs
+        CONFIG.CACHE_DIR = str(folder)
         return compiler(cache)(function)
     finally:
-        _config.CACHE_DIR = before
+        CONFIG.CACHE_DIR = before

@@ -1,4 +1,4 @@
-"""DC blocker: a zero at 0 Hz and a pole just beside it.
+"""DC blocker: a zero at 0 Hz and a pole close to it.
 
     y = x - x_before + r * y_before,    r = exp(-2 pi * 20 Hz / sample_rate)
 
@@ -16,7 +16,7 @@ SILENCE = 1e-9
 
 @inlined
 def block_dc(x, x_before, y_before, pole):
-    """One sample; exactly zero once input and output have died away."""
+    """Return one output sample; exactly zero after input and output have decayed."""
     y = x - x_before + pole * y_before
     silence = choose(x == 0.0, SILENCE, 0.0)
     return rarely(max(y, -y) < silence, 0.0, y)

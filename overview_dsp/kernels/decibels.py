@@ -1,9 +1,9 @@
-"""Decibels to amplitude ratios, correctly rounded: what libm's `pow` gives on the best of days.
+"""Correctly rounded conversion of decibels to amplitude ratios.
 
     10**y = 2**k * exp(r),   r = y ln 10 - k ln 2,   |r| <= 0.35
 
-A double isn't exact enough for that, so numbers go in pairs: a double and what it lacks, as
-`exact_sum` and `exact_product` find it (Dekker 1971). The pair is good to 2**-70.
+A double is not exact enough, so numbers are pairs of a double and its rounding error, from
+`exact_sum` and `exact_product` (Dekker 1971). A pair is accurate to 2**-70.
 
 Thread: any.
 """
@@ -11,7 +11,7 @@ Thread: any.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.elementary import ONE_BITS, ROUND, plain
+from overview_dsp.kernels.math_functions import ONE_BITS, ROUND, plain
 from overview_dsp.kernels.simd.vector import bits_of, from_bits
 
 SPLIT = 134217729.0  # 2**27 + 1: halves a double's digits
@@ -25,7 +25,7 @@ HALVINGS = 5  # of r, so that few of the series' terms need pairs; squared as of
 
 @inlined
 def exact_sum(a, b):
-    """a + b, and what its rounding took off."""
+    """Return a + b and its rounding error."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
@@ -33,7 +33,7 @@ def exact_sum(a, b):
 
 @inlined
 def exact_product(a, b):
-    """a * b, and what its rounding took off."""
+    """Return a * b and its rounding error."""
     product = a * b
     shifted = SPLIT * a
     a_high = shifted - (shifted - a)
@@ -47,7 +47,7 @@ def exact_product(a, b):
 
 @outlined
 def db_to_gain(db):
-    """Amplitude ratio of a level in dB, -6000 to 6000."""
+    """Return the amplitude ratio of a level in dB, -6000 to 6000."""
     y = db / 20.0
     rounded = y * LOG2_10 + ROUND
     k = rounded - ROUND
@@ -57,7 +57,7 @@ def db_to_gain(db):
     part = 1.0 / (1 << HALVINGS)
     high = high * part
     low = low * part
-    # exp(r) = 1 + r + r**2/2 in pairs, the rest of the series as it is
+    # exp(r) = 1 + r + r**2/2 in pairs, the other terms in single doubles
     square, lost = exact_product(high, high)
     lost = lost + 2.0 * high * low
     tail = 0.0
@@ -80,5 +80,5 @@ _in_python = plain(db_to_gain)
 
 
 def gain_of_db(db: float) -> float:
-    """`db_to_gain` for callers in Python."""
+    """Return `db_to_gain` for callers in Python."""
     return float(_in_python(db))

@@ -1,10 +1,10 @@
-"""Parameters become coefficients: what a person sets, turned into what the kernels multiply by.
+"""Derivation of the kernels' coefficients from parameters.
 
-The memory block holds the parameters themselves, so that whoever has a block (an engine, a page, a
-plugin) can go to another sample rate or change a parameter, with the same bits. Every exponential
-and sine here is the kernels' own.
+The memory block holds the parameters, too. An engine, page or plugin with a block can thus change
+the sample rate or a parameter with the same bits. All exponentials and sines are
+the kernels' own functions.
 
-Thread: any; audio too, where nothing else changes parameters meanwhile.
+Thread: any, including audio, if no other thread changes parameters.
 """
 
 from __future__ import annotations
@@ -12,24 +12,24 @@ from __future__ import annotations
 import math
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import load_acquire, store_release
 from overview_dsp.kernels.clutch import OFF
 from overview_dsp.kernels.compiling import entry_point, inlined, outlined
 from overview_dsp.kernels.dc_block import CORNER_HZ
 from overview_dsp.kernels.decibels import db_to_gain
-from overview_dsp.kernels.elementary import ROUND, exp, sin_turns
-from overview_dsp.kernels.ordering import load_acquire, store_release
+from overview_dsp.kernels.math_functions import ROUND, exp, sin_turns
 
-CARRIER_LIMIT = 0.45  # the carrier's frequency stays below this part of the sample rate
-MODE_LIMIT = 0.49  # modes above this part of the sample rate are left out: they would fold back
-RING_DB = 160.0  # a click is exactly zero once it has fallen by this much
-GLIDE_S = 0.02  # how long a parameter takes to reach a new value
-FADE_S = 0.03  # how long one surface takes to give way to another
-APPROACH_S = 0.2  # memory of the arriving disk's speed: it may stick that long
-GRAIN_S = 0.05  # time constant of the grain's level: many small contacts don't start at once
-PACE_S = 0.08  # time constant of the hand's pace, behind the input smoother
-PACE_LEAST = 0.02  # timelines a second: slower, a finger rests (3.6 degrees a second)
-PACE_MOST = 6.0  # faster, the input jumps
-ARRIVAL_S = 2.5  # how long shaft 2 stays after a release at most
+CARRIER_LIMIT = 0.45  # highest carrier frequency relative to the sample rate
+MODE_LIMIT = 0.49  # modes above this part of the sample rate are omitted, as they would alias
+RING_DB = 160.0  # decay after which a click is exactly zero
+GLIDE_S = 0.02  # duration of parameter smoothing
+FADE_S = 0.03  # duration of a crossfade between surfaces
+APPROACH_S = 0.2  # memory of the arriving disk's speed, as long as it may stick
+TEXTURE_LEVEL_S = 0.05  # time constant of the texture's level: many small contacts start gradually
+PACE_S = 0.08  # time constant of the input's pace, after the input smoother
+PACE_LEAST = 0.02  # timelines per second: slower inputs are at rest (3.6 degrees per second)
+PACE_MOST = 6.0  # faster inputs are jumps
+ARRIVAL_S = 2.5  # longest engagement of shaft 2 after a release
 FOREVER = 1 << 40  # samples
 LOG_1000 = 6.907755278982137  # of a fall by 60 dB
 MILLIWATT = 1e-3
@@ -40,13 +40,13 @@ LOWEST_RATE, HIGHEST_RATE = 1_000.0, 768_000.0  # Hz
 
 @inlined
 def one_pole(time_constant_s, sample_rate):
-    """Coefficient a of y += a * (x - y) with that time constant."""
+    """Return the coefficient a of y += a * (x - y) for a time constant."""
     return 1.0 - exp(-1.0 / (time_constant_s * sample_rate))
 
 
 @outlined
 def derive_into(f64, to):
-    """Every gliding coefficient, into the `COEFFS` columns from `to` on (its own: `COEFF` = 0)."""
+    """Write all smoothed coefficients to the `COEFFS` columns from `to` on."""
     sample_rate = f64[layout.S_SAMPLE_RATE]
     dt = 1.0 / sample_rate
     inertia = f64[layout.PARAM_DISK_INERTIA]
@@ -59,7 +59,7 @@ def derive_into(f64, to):
     f64[to + layout.C_THETA] = to_theta1
     f64[to + layout.C_OMEGA] = to_theta1 * sample_rate
     f64[to + layout.C_SMOOTH] = one_pole(f64[layout.PARAM_INPUT_SMOOTHING_MS] * 1e-3, sample_rate)
-    f64[to + layout.C_TORQUE] = 1e3 / f64[layout.PARAM_TACTOR_FULL_TORQUE_MNM]
+    f64[to + layout.C_TORQUE] = 1e3 / f64[layout.PARAM_TACTOR_REFERENCE_TORQUE_MNM]
     f64[to + layout.C_GATE] = db_to_gain(f64[layout.PARAM_TACTOR_THRESHOLD_DB])
     f64[to + layout.C_EXPONENT] = f64[layout.PARAM_TACTOR_COMPRESSION]
     f64[to + layout.C_DECAY] = one_pole(f64[layout.PARAM_TACTOR_DECAY_MS] * 1e-3, sample_rate)
@@ -69,15 +69,16 @@ def derive_into(f64, to):
     f64[to + layout.C_TACTOR_GAIN] = 0.0 if f64[layout.PARAM_TACTOR_MUTE] > 0.0 else tactor
     click = db_to_gain(f64[layout.PARAM_CLICK_GAIN_DB])
     f64[to + layout.C_CLICK_GAIN] = 0.0 if f64[layout.PARAM_CLICK_MUTE] > 0.0 else click
-    f64[to + layout.C_STRIKE_TORQUE] = 1e3 / f64[layout.PARAM_CLICK_FULL_TORQUE_MNM]
+    f64[to + layout.C_STRIKE_TORQUE] = 1e3 / f64[layout.PARAM_CLICK_REFERENCE_TORQUE_MNM]
     f64[to + layout.C_STRIKE_EXPONENT] = f64[layout.PARAM_CLICK_COMPRESSION]
-    # white noise has its power in half the sample rate, the grain's low-pass keeps a fixed band
-    grain = math.sqrt(WHITE * sample_rate / USUAL_RATE) / math.sqrt(MILLIWATT)
-    f64[to + layout.C_TEXTURE_GAIN] = db_to_gain(f64[layout.PARAM_TEXTURE_GAIN_DB]) * grain
+    # white noise spreads its power over half the sample rate; the texture's low-pass has a fixed
+    # band
+    noise_scale = math.sqrt(WHITE * sample_rate / USUAL_RATE) / math.sqrt(MILLIWATT)
+    f64[to + layout.C_TEXTURE_GAIN] = db_to_gain(f64[layout.PARAM_TEXTURE_GAIN_DB]) * noise_scale
     brightness = f64[layout.PARAM_TEXTURE_BRIGHTNESS_HZ]
     f64[to + layout.C_TEXTURE_CUTOFF] = 2.0 * math.pi * brightness * dt
     f64[to + layout.C_CEILING] = db_to_gain(f64[layout.PARAM_OUTPUT_CEILING_DB])
-    f64[to + layout.C_GRAIN] = one_pole(GRAIN_S, sample_rate)
+    f64[to + layout.C_TEXTURE_LEVEL] = one_pole(TEXTURE_LEVEL_S, sample_rate)
     f64[to + layout.C_FORGET] = exp(-dt / APPROACH_S)
     ratio = f64[layout.PARAM_CLUTCH_MAX_SPEED_RATIO]
     f64[to + layout.C_SPEED_RATIO] = ratio if ratio > 0.0 else 1.0
@@ -102,13 +103,13 @@ def derive_into(f64, to):
 
 @inlined
 def derive_mode(f64, mode, turns, decay, gain_db):
-    """A modal resonator's columns, from `mode` on: its turns and ln of the decay a sample."""
+    """Write a mode's columns from its turns and the log of its decay per sample."""
     for n in range(layout.PHASES + 1):
         radius = exp(float(n) * decay)
         re = radius * sin_turns(float(n) * turns + 0.25)
         im = radius * sin_turns(float(n) * turns)
         if n < layout.PHASES:
-            # twice over, so that they can be read from any of them on
+            # stored twice, so that PHASES columns can be read from any phase
             f64[mode + layout.MODE_RE + n] = re
             f64[mode + layout.MODE_RE + layout.PHASES + n] = re
             f64[mode + layout.MODE_IM + n] = im
@@ -122,8 +123,8 @@ def derive_mode(f64, mode, turns, decay, gain_db):
 
 
 @inlined
-def rounded_up(x):
-    """The least whole number that is not below x >= 0; `FOREVER` if that is more, or x is NaN."""
+def ceil_to_int(x):
+    """Return x >= 0 rounded up, at most `FOREVER`; `FOREVER` for NaN."""
     if not x < FOREVER:
         return FOREVER
     whole = int(x)
@@ -132,39 +133,39 @@ def rounded_up(x):
 
 @entry_point
 def derive_clicks(f64, i64, slot):
-    """The modes of a surface's kinds, from the clicks they are given.
+    """Derive the modes of a surface's kinds from their clicks.
 
     Parameters
     ----------
     f64, i64 : float64, int64 [layout.SURFACES + layout.SLOT_SIZE or more]
         The memory block, seen two ways.
     slot : int64
-        Where the surface begins.
+        First column of the surface.
     """
     sample_rate = f64[layout.S_SAMPLE_RATE]
     for kind in range(layout.BANKS):
-        heard = 0
+        audible = 0
         longest = 0
         for number in range(i64[slot + layout.KIND_CLICK + kind]):
             click = kind * layout.MAX_MODES + number
-            given = slot + layout.CLICKS + click * layout.CLICK_SIZE
-            turns = f64[given + layout.CLICK_FREQUENCY_HZ] / sample_rate
+            source = slot + layout.CLICKS + click * layout.CLICK_SIZE
+            turns = f64[source + layout.CLICK_FREQUENCY_HZ] / sample_rate
             if not 0.0 < turns <= MODE_LIMIT:
                 continue
-            decay_ms = f64[given + layout.CLICK_DECAY_MS]
+            decay_ms = f64[source + layout.CLICK_DECAY_MS]
             decay = -LOG_1000 / (decay_ms * 1e-3 * sample_rate)
-            mode = kind * layout.MAX_MODES + heard
+            mode = kind * layout.MAX_MODES + audible
             mode = slot + layout.MODES + mode * layout.MODE_SIZE
-            derive_mode(f64, mode, turns, decay, f64[given + layout.CLICK_GAIN_DB])
-            longest = max(longest, rounded_up(RING_DB / 60.0 * decay_ms * 1e-3 * sample_rate))
-            heard += 1
-        i64[slot + layout.KIND_MODES + kind] = heard
+            derive_mode(f64, mode, turns, decay, f64[source + layout.CLICK_GAIN_DB])
+            longest = max(longest, ceil_to_int(RING_DB / 60.0 * decay_ms * 1e-3 * sample_rate))
+            audible += 1
+        i64[slot + layout.KIND_MODES + kind] = audible
         i64[slot + layout.KIND_RING + kind] = longest
 
 
 @entry_point
 def derive(f64, i64):
-    """The coefficients of the parameters and the sample rate, as they are after a `reset`.
+    """Derive the coefficients from parameters and sample rate, without smoothing.
 
     Parameters
     ----------
@@ -184,9 +185,9 @@ def derive(f64, i64):
 
 @inlined
 def derive_at(f64, i64, sample_rate):
-    """Everything that depends on the sample rate (Hz), of all surfaces; whether that can be.
+    """Derive everything that depends on the sample rate (Hz); return whether the rate is valid.
 
-    A `reset` comes next.
+    Call `reset` afterwards.
     """
     carrier = f64[layout.PARAM_TACTOR_FREQUENCY_HZ]
     # written so that NaN fails
@@ -201,7 +202,7 @@ def derive_at(f64, i64, sample_rate):
 
 @inlined
 def push_change(f64, i64, at, stamp, what, value):
-    """Write a parameter event as entry number `at` of the host's ring, not yet published."""
+    """Write a parameter event as entry `at` of the host's ring without publishing it."""
     at = at % layout.HOST_RING
     i64[layout.HOST_TIME + at] = stamp
     i64[layout.HOST_WHAT + at] = what
@@ -210,18 +211,18 @@ def push_change(f64, i64, at, stamp, what, value):
 
 @entry_point
 def push_parameters(f64, i64, stamp):
-    """Push what the parameters ask for anew: glides that begin together; whether all fitted.
+    """Push the changed coefficients of the parameters; return whether the ring had space.
 
-    What didn't fit is asked for by the next call.
+    If not, the next call pushes them.
 
     Parameters
     ----------
     f64, i64 : float64, int64 [layout.TOTAL]
         The memory block, seen two ways.
     stamp : int64
-        When, in samples since reset; -1 is as soon as possible.
+        Time in samples since reset; -1 is as soon as possible.
 
-    Thread: the one that changes parameters.
+    Thread: that which changes parameters.
     """
     derive_into(f64, layout.DERIVED)
     written = i64[layout.HOST_WRITTEN]
@@ -245,10 +246,10 @@ def push_parameters(f64, i64, stamp):
 
 @inlined
 def set_parameter(f64, i64, number, value, stamp):
-    """Set the parameter in column `PARAMS` + `number` from a sample on (-1: as soon as possible).
+    """Set parameter `number` from a sample on (-1: as soon as possible).
 
-    False if there is none, or none of such a value, or too many wait: then it is set by the next
-    one that finds room.
+    Return False if the number or the value is invalid, or if the ring is full. In the last case the
+    next successful call sets it.
     """
     if number < 0 or number >= layout.PARAMETERS or value - value != 0.0:
         return False

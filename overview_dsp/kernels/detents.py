@@ -1,16 +1,16 @@
-"""Detents, hills and end stops: torque that only depends on where the disk is.
+"""Detents, hills and end stops: torque that only depends on the position of the disk.
 
     torque = -dU/dtheta1
 
-The surface holds the pull dU/dtheta1 at its points, joined by lines, and its integral U, so energy
-and torque agree exactly. Beyond an end of the surface a spring pushes back. A step takes the mean
-pull along its way (a discrete gradient, Gonzalez 1996),
+The surface stores the pull dU/dtheta1 at its points, linearly interpolated, and its integral U, so
+that energy and torque agree exactly. Beyond the ends of the surface a spring pushes back. A step
+uses the mean pull over its distance (a discrete gradient, Gonzalez 1996),
 
     pull = (U(x1) - U(x0)) / (x1 - x0),
 
-so that what the disk loses the detent has: the ledger of `two_disk` holds with U in it, for any
-step. The pull depends on the speed that is sought and the speed on the pull; for detents a disk can
-swing in the two agree after two or three rounds, and always by the last.
+so that the detent gains the energy that the disk loses: the energy balance of `two_disk` holds with
+U for any step. Pull and speed depend on each other. For detents in which a disk can
+oscillate, the iteration converges after two or three rounds, and always by the last.
 
 Units: U in N m cells (times `C_THETA`: J), pull in N m.
 
@@ -22,18 +22,18 @@ from __future__ import annotations
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.bristle import bristle_step
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 
-SHORT = 0.5  # cells: on a shorter way no difference of energies is taken, which would cancel
+SHORT = 0.5  # cells: for shorter steps a difference of energies would cancel
 ROUNDS = 120
-BISECTED = 10  # the round from which halving takes over
-CLOSE = 1e-13  # of the pull
-CLOSE_ENERGY = 1e-15  # of the energy, whose rounding is as large
+BISECTED = 10  # first round of bisection
+CLOSE = 1e-13  # tolerance relative to the pull
+CLOSE_ENERGY = 1e-15  # tolerance relative to the energy, the size of its rounding
 
 
 @inlined
-def within(position):
-    """A position (cells) kept to the surface."""
+def clamp(position):
+    """Return a position (cells) clamped to the surface."""
     # a NaN fails both comparisons and must not become an index
     if not position > 0.0:
         return 0.0
@@ -42,10 +42,10 @@ def within(position):
 
 @inlined
 def pull_at(f64, i64, slot, position):
-    """The pull of a surface slot at a position (cells), N m."""
+    """Return the pull of a surface slot at a position (cells), N m."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    inside = within(position)
+    inside = clamp(position)
     if inside != position:
         return (position - inside) * f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
     return friction_at(f64, slot + layout.SLOT_PULL, position)
@@ -53,7 +53,7 @@ def pull_at(f64, i64, slot, position):
 
 @inlined
 def energy_at(f64, i64, slot, inside):
-    """The energy of a surface slot's detents at a position on the surface (cells), N m cells."""
+    """Return the energy of a surface slot's detents at a clamped position (cells), N m cells."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
     i = int(inside)
@@ -64,11 +64,11 @@ def energy_at(f64, i64, slot, inside):
 
 @inlined
 def mean_pull(f64, i64, slot, x, way):
-    """The mean pull of a surface slot (N m) on a way of some cells, other than 0, from x."""
+    """Return the mean pull of a surface slot (N m) over a distance `way` != 0 (cells) from x."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    start = within(x)
-    end = within(x + way)
+    start = clamp(x)
+    end = clamp(x + way)
     over = x - start
     over_after = x + way - end
     spring = f64[slot + layout.SLOT_END_STIFFNESS] * f64[layout.C_THETA]
@@ -76,7 +76,7 @@ def mean_pull(f64, i64, slot, x, way):
     if abs(end - start) > SHORT:
         risen = energy_at(f64, i64, slot, end) - energy_at(f64, i64, slot, start)
         return risen / way + stop
-    # at most one point of the table is passed, where the pull bends
+    # at most one point of the table, where the slope changes, is passed
     table = slot + layout.SLOT_PULL
     first = friction_at(f64, table, start)
     last = friction_at(f64, table, end)
@@ -90,14 +90,14 @@ def mean_pull(f64, i64, slot, x, way):
 
 
 @inlined
-def mixed(new, old, old_part):
-    """A value of the slot in use with a part of the one faded from."""
+def crossfade(new, old, old_part):
+    """Return a crossfade from the value of the old slot to that of the new one."""
     return new + (old - new) * old_part if old_part > 0.0 else new
 
 
 @inlined
 def contact(push, resistance, z, stiffness, damping, steady, break_away):
-    """One step without detents, with bristles where they give way at steady > 0 cells."""
+    """Compute a step without detents, with bristles if `steady` > 0 cells."""
     if steady > 0.0:
         return bristle_step(push, resistance, z, stiffness, damping, steady, break_away)
     return push / resistance, 0.0, 0.0
@@ -105,15 +105,17 @@ def contact(push, resistance, z, stiffness, damping, steady, break_away):
 
 @outlined
 def step_in_detents(
-    f64, i64, slot, old_slot, old_part, x, ahead, push, resistance,
+    f64, i64, slot, old_slot, old_part, x, midpoint, push, resistance,
     z, stiffness, damping, steady, break_away,
 ):  # fmt: skip
-    """One step in the detents of a slot; the arguments are those of `sliding` and `bristle`.
+    """Compute a step in the detents of a slot; arguments are those of `slide` and `bristle_step`.
 
-    Returns speed, deflection and torque as `contact`, and the mean pull (N m).
+    Returns speed, deflection and torque like `contact`, and the mean pull (N m).
     """
     per_omega = 1.0 / f64[layout.C_OMEGA]
-    pull = mixed(pull_at(f64, i64, slot, ahead), pull_at(f64, i64, old_slot, ahead), old_part)
+    pull = crossfade(
+        pull_at(f64, i64, slot, midpoint), pull_at(f64, i64, old_slot, midpoint), old_part
+    )
     middle, bent, torque = 0.0, 0.0, 0.0
     last_pull, last_miss = 0.0, 0.0
     low, high = 0.0, 0.0
@@ -123,9 +125,9 @@ def step_in_detents(
             push - pull * per_omega, resistance, z, stiffness, damping, steady, break_away
         )
         if middle == 0.0:
-            found = mixed(pull_at(f64, i64, slot, x), pull_at(f64, i64, old_slot, x), old_part)
+            found = crossfade(pull_at(f64, i64, slot, x), pull_at(f64, i64, old_slot, x), old_part)
         else:
-            found = mixed(
+            found = crossfade(
                 mean_pull(f64, i64, slot, x, middle),
                 mean_pull(f64, i64, old_slot, x, middle),
                 old_part,
@@ -133,7 +135,7 @@ def step_in_detents(
         miss = found - pull
         if abs(miss) <= CLOSE * (abs(found) + abs(pull)):
             break
-        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(f64, i64, slot, within(x))):
+        if abs(miss * middle) <= CLOSE_ENERGY * abs(energy_at(f64, i64, slot, clamp(x))):
             break
         if miss > 0.0:
             low, lows = pull, 1

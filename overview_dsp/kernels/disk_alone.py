@@ -1,4 +1,4 @@
-"""The disk alone: torque of a hand that holds on, without sound, events or control events.
+"""Torque of a held disk without sound, events or control events.
 
 For measuring what the physics costs; the step is `two_disk`'s.
 
@@ -9,22 +9,22 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 from overview_dsp.kernels.two_disk import midpoint_speed
 
 
 @entry_point
-def disk_alone(f64, table, hand, torque):
-    """The torque at each sample of a held disk that starts at rest at 0.
+def disk_alone(f64, table, input_angle, torque):
+    """Compute the torque at each sample of a held disk that starts at rest at 0.
 
     Parameters
     ----------
     f64 : float64 [layout.TOTAL]
         Only coefficients and the surface are read.
     table : int64
-        Where the surface's friction table starts in m.
-    hand : float64 [frames]
-        Where the finger points, cells; as it is, without smoothing.
+        First column of the surface's friction table.
+    input_angle : float64 [frames]
+        Input position, cells, without smoothing.
     torque : float64 [frames]
         Overwritten, N m.
     """
@@ -36,7 +36,9 @@ def disk_alone(f64, table, hand, torque):
     half = 0.0
     for n in range(torque.size):
         friction = friction_at(f64, table, x + half)
-        middle = midpoint_speed(2.0 * half, hand[n] - x, spring, inertia, denominator, friction)
+        middle = midpoint_speed(
+            2.0 * half, input_angle[n] - x, spring, inertia, denominator, friction
+        )
         x = x + middle
         half = middle - half
         torque[n] = friction * (middle * to_omega)

@@ -1,9 +1,9 @@
-"""From torque to the vibration's amplitude: threshold, compression, rise and decay.
+"""Envelope of the vibration: threshold, compression, rise and decay of the torque.
 
     t = max(0, |torque| / full - gate)
     c = t**p
-    a = c (27 + c**2)/(27 + 9 c**2)       compressed, bending to 1 like tanh (its Pade form)
-    h = max(a, h + decay * (a - h))       peak follower: a spike shorter than the skin needs lasts
+    a = c (27 + c**2)/(27 + 9 c**2)       compression, saturating at 1 (Pade form of tanh)
+    h = max(a, h + decay * (a - h))       peak follower: extends peaks too short for the skin
     e = two one-pole low-passes of h      keeps the vibration's sidebands near its carrier
 
 Thread: audio.
@@ -12,7 +12,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import power
+from overview_dsp.kernels.math_functions import power
 from overview_dsp.kernels.simd.vector import choose, rarely
 
 FAINTEST = 1e-12  # of the full torque: below it, a torque has no amplitude
@@ -21,7 +21,7 @@ SILENCE = 1e-7  # an amplitude at -140 dBFS, below the last bit of 24: from here
 
 @inlined
 def compress(torque, scale, gate, exponent):
-    """Amplitude in [0, 1] of a torque (N m); without branches, so that it vectorises."""
+    """Return the amplitude in [0, 1] of a torque (N m); branch-free, so that it vectorises."""
     t = abs(torque) * scale - gate
     # a NaN fails the comparison and is silent
     felt = t > FAINTEST
@@ -33,7 +33,7 @@ def compress(torque, scale, gate, exponent):
 
 @inlined
 def follow(amplitude, follower, e1, e2, decay, rise):
-    """One sample of follower and low-passes; exactly zero once inaudible."""
+    """Return follower and low-passes after one sample; exactly zero once inaudible."""
     falling = follower + decay * (amplitude - follower)
     follower = choose(amplitude > follower, amplitude, falling)
     silence = choose(amplitude == 0.0, SILENCE, 0.0)

@@ -1,7 +1,7 @@
-"""The events that the disk enters: the edges next above and below it, and their strikes.
+"""Event crossings: neighbouring edges of the disk's position, and strikes of events.
 
-An event is struck where the disk enters it, as the knock that is felt begins there: at its lower
-edge upwards, at its upper edge downwards. Leaving it is silent.
+An event is struck where the disk enters it, as its friction begins there: at its lower
+edge in upward direction, at its upper edge in downward direction. Leaving it is silent.
 
 Thread: audio.
 """
@@ -13,12 +13,12 @@ from overview_dsp.kernels.click import strike
 from overview_dsp.kernels.compiling import inlined, outlined
 
 FAR = 1e300  # cells: beyond any position
-RETREAT = 1e-6  # cells: how far the disk must go back before an edge counts as passed again
+RETREAT = 1e-6  # cells: hysteresis before an edge counts as passed again
 
 
 @inlined
 def edges_below(f64, i64, slot, edges, position):
-    """How many edges of a slot's events lie at or below `position` (cells): binary search.
+    """Return the number of edges of a slot at or below `position` (cells) by binary search.
 
     `edges` is `layout.SLOT_LOWER` or `layout.SLOT_UPPER`.
     """
@@ -35,7 +35,7 @@ def edges_below(f64, i64, slot, edges, position):
 
 @inlined
 def edge_above(f64, i64, slot, edges, following):
-    """The position (cells) from which on the edge in column `following` is passed upwards."""
+    """Return the position (cells) of the edge in column `following`, or FAR."""
     number = i64[following]
     if number < i64[slot + layout.SLOT_EVENTS]:
         return f64[slot + edges + number]
@@ -44,7 +44,7 @@ def edge_above(f64, i64, slot, edges, following):
 
 @inlined
 def edge_below(f64, i64, slot, edges, following):
-    """The position (cells) below which the edge before that is passed again, downwards."""
+    """Return the position (cells) below which the previous edge is passed downwards."""
     number = i64[following]
     if number > 0:
         return f64[slot + edges + number - 1] - RETREAT
@@ -53,7 +53,7 @@ def edge_below(f64, i64, slot, edges, following):
 
 @inlined
 def event_above(f64, i64):
-    """The position (cells) from which on the next edge of the active surface is passed upwards."""
+    """Return the position (cells) of the next edge above the disk."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     return min(
         edge_above(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER),
@@ -63,7 +63,7 @@ def event_above(f64, i64):
 
 @inlined
 def event_below(f64, i64):
-    """The position (cells) below which the last edge is passed again, downwards."""
+    """Return the position (cells) below which the last edge is passed downwards."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     return max(
         edge_below(f64, i64, slot, layout.SLOT_LOWER, layout.NEXT_LOWER),
@@ -73,7 +73,7 @@ def event_below(f64, i64):
 
 @outlined
 def pass_events(f64, i64, n, was):
-    """Strike every event entered between the position `was` (cells) before sample n and now."""
+    """Strike all events entered between the position `was` (cells) before sample n and now."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     x = f64[layout.X]
     approach = f64[layout.APPROACH]

@@ -1,6 +1,6 @@
-"""What kernels write out as LLVM instructions of their own: the compiler's side of it.
+"""Compiler interface for functions that emit their own LLVM instructions.
 
-numba and llvmlite promise less of this than of the rest, so it is looked for here, first of all.
+These parts of numba and llvmlite are not stable, so this module checks for them on import.
 
 Thread: main.
 """
@@ -59,11 +59,11 @@ models = _extending.models
 
 
 def intrinsic(function: Callable[..., Any]) -> Any:
-    """What the compiler writes out where it is called; its first argument is the compiler's."""
+    """Declare a function that emits LLVM instructions; its first argument is the compiler's."""
     return _extending.intrinsic(function)
 
 
 def column_pointer(context: Any, builder: Any, of_array: Any, array: Any, at: Any) -> Any:
-    """Where an array has its element `at`, which is not negative."""
+    """Return a pointer to element `at` >= 0 of an array."""
     data = context.make_array(of_array)(context, builder, array).data
     return builder.gep(data, [at])

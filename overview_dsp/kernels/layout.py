@@ -1,26 +1,26 @@
-"""The one memory block: where each coefficient, state, ring, meter and surface slot lies.
+"""Memory layout: offsets of coefficients, state, rings, meters and surface slots in one block.
 
-The block is one 8-byte-aligned run of `TOTAL` float64 columns, seen three ways: `f64` (float64),
+The block has `TOTAL` 8-byte-aligned float64 columns with three views: `f64` (float64),
 `i64` (int64: counters, indices, times) and `u64` (uint64: random state). It is the engine's memory
 offline, PortAudio's user data live and the heap image in the browser, so every offset is a
 compile-time constant. `reset` (in `block.py`) writes every column between `STATE` and
 `TOTAL_STATE`; coefficients, rings and surface slots survive it.
 
 Units: the disk's angle is kept as a position on the surface table (cells, 0 to `CELLS` for the
-whole timeline) and its speed in cells a sample, so that the angle is the table's index.
+whole timeline) and its speed in cells per sample, so that the angle is the table's index.
 """
 
 from __future__ import annotations
 
 
 class Columns:
-    """Columns one after the other: `columns(size)` is where the next `size` of them begin."""
+    """Allocator of consecutive columns: `columns(size)` returns the first of the next `size`."""
 
     def __init__(self) -> None:
-        self.end = 0  # of those given out so far
+        self.end = 0  # number of columns allocated
 
     def __call__(self, size: int) -> int:
-        """Give out the next `size`; where they begin."""
+        """Allocate `size` columns and return the first."""
         start = self.end
         self.end += size
         return start
@@ -28,16 +28,16 @@ class Columns:
 
 # --- capacities -----------------------------------------------------------------------------
 # Surface table: cells of the whole half turn, CELLS + 1 points. At 16384 the kinks of the linear
-# interpolation, met at 2 cells a sample in a tap, cost the disk 2e-4 rad; here they don't count.
+# interpolation, met at 2 cells per sample in a tap, cost the disk 2e-4 rad; here they don't count.
 CELLS = 65536
 STEEP_BLOCK = 32  # cells (a power of two) that share a mark of how B is found there
 MAX_EVENTS = 16384  # of a slot
 MAX_KINDS = 32  # event kinds with clicks of their own
-BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the bare surface (the last)
+BANKS = MAX_KINDS + 1  # clicks: of each kind, and of the base surface (the last)
 MAX_MODES = 6  # modal resonators of a kind
 PHASES = 8  # samples of a mode that are turned side by side: as many as there are lanes
 SOURCES = 6  # touch, twist, serial, OSC, MIDI, remote: this order settles ties
-RING = 4096  # control events waiting, a source (a power of two)
+RING = 4096  # control events waiting, per source (a power of two)
 HOST_RING = 1024  # parameter and surface events waiting
 CONTACT = 8  # pulses of one strike
 STRIKE_LOG = 16384  # strikes kept until they are read
@@ -54,18 +54,18 @@ CLICK, TACTOR = range(SIGNALS)  # the order of the signals
 column = Columns()
 COEFF = column(COEFFS)
 (
-    C_SPRING_HELD,  # (k1 + k2) / J * dt**2, cells a sample**2 a cell
+    C_SPRING_HELD,  # (k1 + k2) / J * dt**2, cells per sample**2 a cell
     C_SPRING_FREE,  # k1 / J * dt**2
     C_INERTIA,  # J / dt, N m s/rad
     C_THETA,  # cells -> theta1, rad
-    C_OMEGA,  # cells a sample -> omega1, rad/s
+    C_OMEGA,  # cells per sample -> omega1, rad/s
     C_SMOOTH,  # the input smoother's one-pole coefficient
     C_TORQUE,  # 1 / the tactor's full torque, rad/(N m)
     C_GATE,  # torque below which nothing vibrates, of the full torque
     C_EXPONENT,  # the tactor's compression
-    C_DECAY,  # the envelope's fall, a sample
-    C_RISE,  # the envelope's rise, a sample
-    C_CARRIER,  # carrier turns a sample
+    C_DECAY,  # the envelope's fall, per sample
+    C_RISE,  # the envelope's rise, per sample
+    C_CARRIER,  # carrier turns per sample
     C_TACTOR_GAIN,
     C_CLICK_GAIN,
     C_STRIKE_TORQUE,  # 1 / the torque of a full strike
@@ -74,19 +74,19 @@ COEFF = column(COEFFS)
     C_TEXTURE_CUTOFF,  # one-pole coefficient per rad/s of omega1
     C_CEILING,
     C_DC_POLE,
-    C_GRAIN,  # the grain's level smoothing, a sample
-    C_FORGET,  # how fast the disk's approach speed is forgotten, a sample
-    C_SPEED_RATIO,  # clutch: highest speed of the disk, of the hand's pace
+    C_TEXTURE_LEVEL,  # the texture's level smoothing, per sample
+    C_FORGET,  # decay of the disk's approach speed per sample
+    C_SPEED_RATIO,  # clutch: highest speed of the disk, relative to the input's pace
     C_REACH,  # clutch: stretch at a speed and a friction of 1, cells; clutch.OFF = rigid shaft
-    C_TAP_RATE,  # clutch: part of the stretch that is covered in a sample at least
-    C_LAG_RATE,  # clutch: part of the lag that is made up in a sample
-    C_WINDUP,  # clutch: growth of the stretch, of the hand's pace
-    C_MAX_SPEED,  # clutch: nothing pulls the disk faster, cells a sample
-    C_BACKLASH,  # clutch: play between hand and shaft, cells
-    C_PACE,  # smoothing of the hand's pace, a sample
-    C_PACE_LEAST,  # slower, a finger rests, cells a sample
-    C_PACE_MOST,  # faster is a jump, cells a sample
-    C_SLOW_EXPONENT,  # output gain of a slow hand
+    C_TAP_RATE,  # clutch: least part of the stretch that is covered per sample
+    C_LAG_RATE,  # clutch: part of the lag that is recovered per sample
+    C_WINDUP,  # clutch: growth of the stretch, relative to the input's pace
+    C_MAX_SPEED,  # clutch: highest speed of the disk, cells per sample
+    C_BACKLASH,  # clutch: play between input and shaft, cells
+    C_PACE,  # smoothing of the input's pace, per sample
+    C_PACE_LEAST,  # slower inputs are at rest, cells per sample
+    C_PACE_MOST,  # faster inputs are jumps, cells per sample
+    C_SLOW_EXPONENT,  # output gain of slow inputs
     C_RECOIL_EXPONENT,  # output gain of the recoil
 ) = range(COEFF, COEFF + 34)
 TARGET = column(COEFFS)
@@ -106,10 +106,10 @@ SETTINGS = column(8)
     S_ARRIVAL,  # i64: samples that shaft 2 stays after a release at most
 ) = range(SETTINGS, SETTINGS + 8)
 
-# --- parameters, as a person sets them: derive.py makes coefficients of them ---------------------
+# --- parameters, from which derive.py makes coefficients -----------------------------------------
 PARAMETERS = 28
 PARAMS = column(32)
-(  # each is called after its parameter's id, and in its unit
+(  # each is named after its parameter's id, and in its unit
     PARAM_DISK_INERTIA,
     PARAM_DISK_K1,
     PARAM_DISK_K2,
@@ -121,7 +121,7 @@ PARAMS = column(32)
     PARAM_CLUTCH_MAX_SPEED,
     PARAM_CLUTCH_BACKLASH_PERCENT,
     PARAM_INPUT_SMOOTHING_MS,
-    PARAM_TACTOR_FULL_TORQUE_MNM,
+    PARAM_TACTOR_REFERENCE_TORQUE_MNM,
     PARAM_TACTOR_COMPRESSION,
     PARAM_TACTOR_THRESHOLD_DB,
     PARAM_TACTOR_RISE_MS,
@@ -131,7 +131,7 @@ PARAMS = column(32)
     PARAM_TACTOR_MUTE,  # 0 or 1
     PARAM_TACTOR_SLOW_GAIN_EXPONENT,
     PARAM_TACTOR_RECOIL_GAIN_EXPONENT,
-    PARAM_CLICK_FULL_TORQUE_MNM,
+    PARAM_CLICK_REFERENCE_TORQUE_MNM,
     PARAM_CLICK_COMPRESSION,
     PARAM_CLICK_GAIN_DB,
     PARAM_CLICK_MUTE,  # 0 or 1
@@ -139,10 +139,10 @@ PARAMS = column(32)
     PARAM_TEXTURE_BRIGHTNESS_HZ,
     PARAM_OUTPUT_CEILING_DB,
 ) = range(PARAMS, PARAMS + PARAMETERS)
-ASKED = column(COEFFS)  # the coefficients of the parameters, as last asked for
-ASKED_RETURNS = column(1)  # i64: and S_RELEASE_RETURNS
-DERIVED = column(COEFFS)  # those that are compared with them
-SET_UP = column.end  # columns that a coefficient depends on, and those it is written to
+ASKED = column(COEFFS)  # coefficients requested last
+ASKED_RETURNS = column(1)  # i64: S_RELEASE_RETURNS requested last
+DERIVED = column(COEFFS)  # new coefficients, for comparison
+SET_UP = column.end  # end of the columns that `derive` reads and writes
 
 # --- state: everything `reset` clears ---------------------------------------------------------
 STATE = column(48)
@@ -150,13 +150,13 @@ STATE = column(48)
     CLOCK,  # i64: samples since reset
     APPROACH,  # highest recent |omega1|, rad/s
     X,  # disk 1, cells
-    V,  # disk 1, cells a sample
+    V,  # disk 1, cells per sample
     INPUT,  # smoother: its target theta2 behind the clutch's backlash, cells
     SMOOTH_1,  # smoother: first pole, cells
     SMOOTH_2,  # smoother: second pole = the theta2 in use, cells
     ENGAGED,  # i64: 1 = shaft 2 is engaged
-    HOLDER,  # i64: source that holds the disk, -1 = none
-    TOUCH_COUNT,  # i64: engagements so far: who touched last
+    HOLDER,  # i64: active input (source that controls the disk), -1 = none
+    TOUCH_COUNT,  # i64: touches so far, which orders the sources
     NEXT_LOWER,  # i64: lower edges of the active surface's events at or below the disk
     NEXT_UPPER,  # i64: upper edges
     ACTIVE_SLOT,  # i64
@@ -168,7 +168,7 @@ STATE = column(48)
     PHASE,  # tactor: carrier, turns
     TACTOR_DC_IN,
     TACTOR_DC_OUT,
-    GRAIN,  # texture: its level
+    TEXTURE_LEVEL,  # texture: its level
     TEXTURE,  # texture: the low-pass
     CLICK_DC_IN,
     CLICK_DC_OUT,
@@ -177,19 +177,19 @@ STATE = column(48)
     BRISTLE,  # deflection of the bristles, cells
     BRISTLE_STIFFNESS,  # of the bristles deflected, N m/rad
     SLIP_PEAK,  # highest |torque| of the bristles since they stuck, N m; -1 = they slide
-    PACE,  # of the hand, cells a sample
-    TARGET_POSITION,  # of the hand that holds the disk, or held it last, without backlash, cells
+    PACE,  # of the input, cells per sample
+    TARGET_POSITION,  # of the active or last input, without backlash, cells
     WOUND,  # clutch: stretch of shaft 2 in the last sample, cells
-    SLIP,  # clutch: what a rigid shaft would have been stretched by beyond that, cells
-    WANTED,  # clutch: speed that the disk may have, cells a sample
+    SLIP,  # clutch: stretch of a rigid shaft minus that, cells
+    WANTED,  # clutch: allowed speed of the disk, cells per sample
     WAITING,  # i64: 1 = released, and shaft 2 stays until the disk has arrived
     RELEASE_DUE,  # i64: sample at which it disengages at the latest
-    ARRIVAL_ABOVE,  # position (cells) from which on the disk has arrived; FAR where nothing waits
+    ARRIVAL_ABOVE,  # position (cells) from which on the disk has arrived; FAR if none is expected
     ARRIVAL_BELOW,  # position below which it has
     GAIN_FROM,  # output gain at the last sample of the grid
-    GAIN_STEP,  # its growth a sample
+    GAIN_STEP,  # its growth per sample
     GAIN_TO,  # at the next
-    GRAIN_GAIN,  # output gain of the grain, since the last sample of the grid
+    TEXTURE_GAIN,  # output gain of the texture, since the last sample of the grid
 ) = range(STATE, STATE + 43)
 SOURCE_TOUCHING = column(SOURCES)  # i64: of each source
 SOURCE_TOUCHED_AT = column(SOURCES)  # i64: TOUCH_COUNT when it last touched
@@ -199,9 +199,9 @@ BANK_LEFT = column(BANKS)  # i64: samples until a kind is silent
 BANK_MODES = column(BANKS)  # i64: modes of a kind when struck
 BANK_SIZE = 2 * PHASES + 8
 BANK = column(BANKS * MAX_MODES * BANK_SIZE)  # the modes, kind by kind: see "a mode that rings"
-PULSE_KEY = column(2)  # i64: whose factors follow, of even and odd pulses
+PULSE_KEY = column(2)  # i64: strike of the factors below, of even and odd pulses
 PULSE_REST = column(2)  # samples
-PULSE_RE = column(2 * MAX_MODES)  # what each mode has of such a pulse when its sample ends
+PULSE_RE = column(2 * MAX_MODES)  # state of each mode at the end of the pulse's sample
 PULSE_IM = column(2 * MAX_MODES)
 METERS = column(16)
 
@@ -227,8 +227,8 @@ METERS = column(16)
 TOTAL_STATE = column.end
 
 # --- rings: written by the control thread, read by the audio thread ----------------------------
-RING_WRITTEN = column(SOURCES)  # i64: events ever written, a source
-RING_READ = column(SOURCES)  # i64: events ever read, a source
+RING_WRITTEN = column(SOURCES)  # i64: events ever written, per source
+RING_READ = column(SOURCES)  # i64: events ever read, per source
 HOST_WRITTEN = column(1)  # i64
 HOST_READ = column(1)  # i64
 STRIKES_READ = column(1)  # i64: strikes the reader has taken (of M_STRIKES)
@@ -241,7 +241,7 @@ HOST_VALUE = column(HOST_RING)
 COMMAND_SURFACE = -1  # value: slot to crossfade to
 COMMAND_RELEASE_RETURNS = -2  # value: 0 or 1
 LOG_TIME = column(STRIKE_LOG)  # strike log: sample with its fraction
-LOG_EVENT = column(STRIKE_LOG)  # i64: index in the surface's event table, -1 = the bare surface
+LOG_EVENT = column(STRIKE_LOG)  # i64: index in the surface's event table, -1 = the base surface
 LOG_TORQUE = column(STRIKE_LOG)  # torque released, N m
 LOG_LEVEL = column(STRIKE_LOG)  # strike amplitude after compression
 STRIKES_SOUNDED = column(CONTACT)  # i64: strikes the bank has taken, a pulse of CONTACT
@@ -261,8 +261,8 @@ D_FRICTION = column(CHUNK)
 D_ENGAGED = column(CHUNK)  # for traces alone
 D_AMPLITUDE = column(CHUNK)  # from the shaping
 D_SINE = column(CHUNK)
-D_GRAIN = column(CHUNK)
-D_COLOUR = column(CHUNK)
+D_TEXTURE_LEVEL = column(CHUNK)
+D_BRIGHTNESS = column(CHUNK)
 D_RING = column(CHUNK)  # from the modes
 D_CLICK = column(CHUNK)  # from the voice
 D_TACTOR = column(CHUNK)
@@ -273,13 +273,13 @@ LIVE = column(16)  # the audio device's own columns, kept by reset
     L_FADED,  # i64: frames faded so far
     L_CALLBACKS,  # i64
     L_FRAMES,  # i64: frames delivered
-    L_UNDERFLOWS,  # i64: callbacks that were told of an output underflow
+    L_UNDERFLOWS,  # i64: callbacks with an output underflow
     L_LATE,  # i64: callbacks that took longer than their own frames last
     L_LONGEST,  # longest callback, s
     L_SECONDS,  # i64: clock_gettime's two fields
     L_NANOSECONDS,  # i64
     L_LINE,  # i64: frames ever written to the delay lines
-    L_ALSO_CLICK,  # i64: the click's channels beside its first, a bit each
+    L_ALSO_CLICK,  # i64: bit mask of the click's additional channels
     L_ALSO_TACTOR,  # i64
 ) = range(LIVE, LIVE + 13)
 BUSY_BINS = 96
@@ -298,30 +298,30 @@ L_DELAY_LEFT = column(SIGNALS)  # i64: frames left of that crossfade
 L_DELAY_WANTED = column(SIGNALS)  # i64
 L_PEAK = column(SIGNALS)  # highest since the control thread cleared it
 L_LINES = column(SIGNALS * DELAY_LINE)  # the two delay lines
-L_BUSY = column(BUSY_BINS)  # i64: histogram of callback times, BINS_AN_OCTAVE from SHORTEST_S up
-BINS_AN_OCTAVE = 4
+L_BUSY = column(BUSY_BINS)  # i64: histogram of callback times, BINS_PER_OCTAVE from SHORTEST_S up
+BINS_PER_OCTAVE = 4
 SHORTEST_S = 1e-7
-# an actuator's drive (actuator.py), relative to its start: coefficients, state, meters, and what
-# the coefficients are made of (derive_actuator.py)
+# an actuator's drive (actuator.py), relative to its start: coefficients, state, meters, and inputs
+# of the coefficients (derive_actuator.py)
 (
     ACT_ON,  # i64: 1 = the signal goes through it
     ACT_NOMINAL,  # drive of a signal of 1, of full scale
-    ACT_BEND,  # where the drive asked for begins to bend towards the peak
-    ACT_PEAK,  # no drive passes it
-    ACT_ROOM,  # from that bend to the peak
-    ACT_FORWARD,  # inverse filter: what of the drive asked for is given,
-    ACT_FROM_POSITION,  # and what of the modelled mass's position
-    ACT_FROM_SPEED,  # and speed is taken off
-    ACT_A11,  # the modelled mass, a sample: position from position
+    ACT_BEND,  # requested drive above which it is soft-limited to the peak
+    ACT_PEAK,  # highest drive
+    ACT_ROOM,  # from ACT_BEND to the peak
+    ACT_FORWARD,  # inverse filter: gain of the requested drive
+    ACT_FROM_POSITION,  # feedback from the modelled mass's position
+    ACT_FROM_SPEED,  # feedback from its speed
+    ACT_A11,  # the modelled mass, per sample: position from position
     ACT_A12,  # position from speed
     ACT_A21,
     ACT_A22,
     ACT_B1,  # position from drive
     ACT_B2,
-    ACT_LEAK,  # how fast heat is lost, a sample
-    ACT_LIMIT,  # heat that is never passed, full scale squared
-    ACT_KNEE,  # 1 / the heat below that within which the drive is taken back
-    ACT_FOLLOW,  # smoothing of that, a sample
+    ACT_LEAK,  # loss of heat per sample
+    ACT_LIMIT,  # highest heat, full scale squared
+    ACT_KNEE,  # 1 / the range of heat below ACT_LIMIT in which the drive is reduced
+    ACT_FOLLOW,  # smoothing of the reduction per sample
     ACT_W0,  # the skin's weighting: a second-order section
     ACT_W1,
     ACT_W2,
@@ -335,10 +335,10 @@ SHORTEST_S = 1e-7
     ACT_POSITION,  # of the modelled mass, in drives: where a steady drive of 1 would hold it
     ACT_SPEED,  # over its resonance's angular frequency
     ACT_HEAT,  # mean square of the drive, leaking
-    ACT_TAKEN,  # part of the drive's power that is taken back
-    ACT_MOST_TAKEN,  # highest of that so far
+    ACT_TAKEN,  # reduction of the drive's power, 0 to 1
+    ACT_MOST_TAKEN,  # highest reduction so far
     ACT_AT_PEAK,  # i64: samples held at the peak so far
-    ACT_SILENT,  # i64: samples since the drive was last other than zero
+    ACT_SILENT,  # i64: samples since the last non-zero drive
 ) = range(ACT_STATE, ACT_STATE + 9)
 (
     GIVEN_NOMINAL,  # amplitude of the rated drive, of full scale
@@ -346,11 +346,11 @@ SHORTEST_S = 1e-7
     GIVEN_PEAK,  # of full scale
     GIVEN_MEAN_SQUARE,  # of full scale squared, that the mean over the window may not pass
     GIVEN_WINDOW_S,
-    GIVEN_DUTY,  # part of the time that it may be driven in full
+    GIVEN_DUTY,  # share of time at the rated drive
     GIVEN_RESONANCE_HZ,
     GIVEN_Q,
-    GIVEN_SHARPENED_Q,
-    GIVEN_EQUAL_SENSATION,  # 0 or 1: what the skin feels less is raised
+    GIVEN_OVERDRIVE_Q,
+    GIVEN_PERCEPTUAL_WEIGHTING,  # 0 or 1
 ) = range(ACT_STATE + 9, ACT_STATE + 19)
 ACT_SIZE = 48
 L_ACTUATOR = column(ACT_SIZE)
@@ -364,7 +364,7 @@ HAS_BRISTLES = 1
 HAS_DETENTS = 2  # or end stops
 SLOT_END_STIFFNESS = slot(1)  # of the springs beyond the ends, N m/rad
 SLOT_END_DAMPING = slot(1)  # N m s/rad
-SLOT_HOLD = slot(1)  # the most that bristles and detents hold the disk with anywhere, N m
+SLOT_HOLD = slot(1)  # highest torque of bristles and detents, N m
 slot(3)  # unused
 SLOT_TABLE = slot(2 * (CELLS + 1))  # friction and its slope to the next point, interleaved
 SLOT_INTEGRAL = slot(CELLS + 1)  # friction's integral from 0, N m s/rad cells
@@ -373,15 +373,15 @@ SLOT_LOWER = slot(MAX_EVENTS)  # where events are struck upwards, cells, ascendi
 SLOT_LOWER_EVENT = slot(MAX_EVENTS)  # i64: which event that is
 SLOT_UPPER = slot(MAX_EVENTS)  # where events are struck downwards, cells, ascending
 SLOT_UPPER_EVENT = slot(MAX_EVENTS)  # i64
-SLOT_RELEASE = slot(MAX_EVENTS)  # friction that lets go there, N m s/rad
+SLOT_RELEASE = slot(MAX_EVENTS)  # friction released there, N m s/rad
 SLOT_KIND = slot(MAX_EVENTS)  # i64: kind of each event
 KIND_MODES = slot(BANKS)  # i64: modes of each kind
-KIND_RING = slot(BANKS)  # i64: samples a kind rings
+KIND_RING = slot(BANKS)  # i64: samples per kind rings
 MODE_SIZE = 4 * PHASES + 8
 MODES = slot(BANKS * MAX_MODES * MODE_SIZE)  # of each kind: see "a mode of a surface"
-KIND_CLICK = slot(BANKS)  # i64: modes that each kind is given; too high for the rate, one is silent
+KIND_CLICK = slot(BANKS)  # i64: modes of each kind, including those too high for the sample rate
 CLICK_SIZE = 3
-CLICKS = slot(BANKS * MAX_MODES * CLICK_SIZE)  # of each kind, as a person sets them:
+CLICKS = slot(BANKS * MAX_MODES * CLICK_SIZE)  # of each kind, in the preset's units:
 CLICK_FREQUENCY_HZ, CLICK_DECAY_MS, CLICK_GAIN_DB = range(CLICK_SIZE)
 SLOT_SLIDING_TORQUE = slot(2 * (CELLS + 1))  # sliding torque, N m, as SLOT_TABLE
 SLOT_OWNER = slot(CELLS + 1)  # i64: the event whose bristles are there, -1 = the surface
@@ -397,9 +397,9 @@ BRISTLES = slot(BANKS * BRISTLE_PARAMETERS)  # the parameters of each bank's bri
     P_BREAK_AWAY,  # part of the deflection that is elastic only
     P_STRIKE,  # i64: how hard the kind's events strike, one of:
 ) = range(6)
-STRIKE_BY_APPROACH = 0  # release times the highest recent speed: what viscous friction took
-STRIKE_BY_TORQUE = 1  # release, at any speed: what bristles or a stop held
-STRIKE_BY_SPEED = 2  # release times the speed: what the disk brings to the bottom of a detent
+STRIKE_BY_APPROACH = 0  # release times the highest recent speed, for viscous friction
+STRIKE_BY_TORQUE = 1  # release at any speed, for bristles and stops
+STRIKE_BY_SPEED = 2  # release times the present speed, for detents
 SLOT_SIZE = (slot.end + 7) // 8 * 8
 TOTAL = SURFACES + SLOTS * SLOT_SIZE
 
@@ -415,8 +415,8 @@ MODE_IM = 2 * PHASES
 (
     MODE_COS,  # the same in PHASES samples
     MODE_SIN,
-    MODE_TURNS,  # turns a sample
-    MODE_DECAY,  # ln of the decay a sample
+    MODE_TURNS,  # turns per sample
+    MODE_DECAY,  # ln of the decay per sample
     MODE_GAIN,
 ) = range(4 * PHASES, 4 * PHASES + 5)
 

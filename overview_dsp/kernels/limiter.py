@@ -1,4 +1,4 @@
-"""Limiter: nothing below its knee is changed, nothing passes the ceiling.
+"""Limiter: samples below the knee are unchanged, and none exceeds the ceiling.
 
     y = x                                                        |x| <= knee
     y = sign(x) * (knee + (top - knee) * tanh((|x| - knee)/(top - knee)))    above
@@ -11,7 +11,7 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import tanh_positive
+from overview_dsp.kernels.math_functions import tanh_positive
 
 KNEE = 0.5  # of the ceiling
 TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it
@@ -19,7 +19,7 @@ TOP = 0.999999  # of the ceiling: rounding to float32 can't pass it
 
 @inlined
 def limit(x, ceiling):
-    """x held under the ceiling."""
+    """Return x limited to the ceiling."""
     knee = KNEE * ceiling
     if abs(x) <= knee:
         return x

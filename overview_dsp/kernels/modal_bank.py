@@ -1,8 +1,8 @@
-"""What rings: the modes of every kind that was struck, for one chunk at a time.
+"""Modal bank: ringing modes of all struck kinds, one chunk at a time.
 
-Between two pulses, and until a kind falls silent, nothing changes but the modes' own rotation: then
-each is turned through the whole run with its state at hand. Sums are taken in the order of the
-kinds and their modes, as sample after sample would.
+Between two pulses, and until a kind becomes silent, only the modes' rotation changes. Each mode
+then rotates through the whole run at once. Sums are in the order of the
+kinds and their modes, as for single samples.
 
 Thread: audio.
 """
@@ -19,7 +19,7 @@ LAST = layout.PHASES - 1
 
 @inlined
 def turn(f64, j, phase):
-    """A mode's sample at one phase of the clock, and that phase turned to its next."""
+    """Return a mode's sample at a phase of the clock, and rotate that phase."""
     mode = (layout.BANK + j * layout.BANK_SIZE) & NOT_NEGATIVE
     at = mode + phase
     re = f64[at + layout.BANK_RE]
@@ -33,7 +33,7 @@ def turn(f64, j, phase):
 
 @inlined
 def ring_once(f64, i64, sample):
-    """One sample of everything that rings; what falls silent in it is put away."""
+    """Return one sample of all ringing kinds; remove kinds that become silent."""
     total = 0.0
     i = 0
     while i < i64[layout.RINGING]:
@@ -55,7 +55,7 @@ def ring_once(f64, i64, sample):
 
 @inlined
 def turn_alone(f64, j, clock, start, stop):
-    """Add a mode to a few samples of the D_RING column, one after another."""
+    """Add a mode to samples of the D_RING column, one by one."""
     for n in range(start, stop):
         f64[layout.D_RING + n] += turn(f64, j, (clock + n) & LAST)
 
@@ -81,7 +81,7 @@ def ring_mode(f64, j, clock, start, stop):
 
 @inlined
 def ring_on(f64, i64, start, stop):
-    """Samples `start` to `stop` of the D_RING column, in which nothing falls silent."""
+    """Fill samples `start` to `stop` of D_RING, in which no kind becomes silent."""
     for n in range(start, stop):
         f64[layout.D_RING + n] = 0.0
     for i in range(i64[layout.RINGING]):
@@ -94,7 +94,7 @@ def ring_on(f64, i64, start, stop):
 
 @inlined
 def ring(f64, i64, frames):
-    """Fill the D_RING column of one chunk: in runs, between pulses and kinds that fall silent."""
+    """Fill the D_RING column of a chunk in runs between pulses and ends of kinds."""
     clock = i64[layout.CLOCK]
     n = 0
     while n < frames:

@@ -1,4 +1,4 @@
-"""First stage: the hand moves the disk over the surface; its torque, and every event it passes.
+"""First stage: motion of the disk over the surface, its torque, and passed events.
 
 Thread: audio.
 """
@@ -6,19 +6,19 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.atomics import store_release
 from overview_dsp.kernels.click import log_strike
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.event_crossing import pass_events
-from overview_dsp.kernels.friction import friction_between, is_steep, mean_friction, on_table
-from overview_dsp.kernels.glide import smooth_step
+from overview_dsp.kernels.friction_lookup import friction_between, is_steep, mean_friction, on_table
 from overview_dsp.kernels.nonviscous_step import slide
-from overview_dsp.kernels.ordering import store_release
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.release import arrive, has_arrived, next_above, next_below
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.kernels.viscous import STANDSTILL, snapped, travel
+from overview_dsp.kernels.viscous import STANDSTILL, advance_disk, flush_to_zero
 from overview_dsp.kernels.voice import sound
 
 RAD_PER_CELL = 3.141592653589793 / layout.CELLS
@@ -29,19 +29,19 @@ STUCK = 1e-4  # rad/s: where friction can hold the disk, this is rest too
 
 @inlined
 def slot_of(i64, column):
-    """Where the surface slot starts whose number is in a column."""
+    """Return the first column of the surface slot with the number in a column."""
     return layout.SURFACES + i64[column] * layout.SLOT_SIZE
 
 
 @inlined
 def faded_from(i64):
-    """Where the slot faded from starts; that of the active one when nothing fades."""
+    """Return the first column of the slot faded from, or of the active one."""
     return slot_of(i64, layout.FADING_SLOT if i64[layout.FADE_LEFT] > 0 else layout.ACTIVE_SLOT)
 
 
 @outlined
 def step(f64, i64, n, old_slot, modelled):
-    """Sample n of a chunk on any surface, or between two; writes the disk's columns."""
+    """Move the disk by sample n of a chunk on any surface or in a crossfade; write its columns."""
     slot = slot_of(i64, layout.ACTIVE_SLOT)
     x = f64[layout.X]
     v = f64[layout.V]
@@ -51,7 +51,7 @@ def step(f64, i64, n, old_slot, modelled):
     )
     f64[layout.SMOOTH_1] = y1
     f64[layout.SMOOTH_2] = y2
-    ahead = x + 0.5 * v
+    midpoint = x + 0.5 * v
     left = 0.0
     if i64[layout.FADE_LEFT] > 0:
         per_fade = 1.0 / float(i64[layout.S_FADE])
@@ -59,7 +59,7 @@ def step(f64, i64, n, old_slot, modelled):
         i64[layout.FADE_LEFT] -= 1
     table = slot + layout.SLOT_TABLE
     old_table = old_slot + layout.SLOT_TABLE
-    friction = friction_between(f64, table, old_table, left, ahead)
+    friction = friction_between(f64, table, old_table, left, midpoint)
     engaged = i64[layout.ENGAGED] == 1
     hold = 1.0 if engaged else 0.0
     moved = abs(y2 - was)
@@ -74,11 +74,11 @@ def step(f64, i64, n, old_slot, modelled):
     windup = f64[layout.C_WINDUP] if engaged else OFF
     ratio = f64[layout.C_SPEED_RATIO]
     free = friction * reach + MIDDLE
-    # any speed but 0 will do where the shaft is rigid
+    # any speed but 0 is valid for a rigid shaft
     load = (f64[layout.WANTED] if reach < OFF else 1.0) * free
     held_back = free * pace
     if modelled and reach < OFF:
-        # what bristles and detents hold the disk with does not depend on its speed
+        # the torque of bristles and detents does not depend on the speed
         most = max(f64[slot + layout.SLOT_HOLD], f64[old_slot + layout.SLOT_HOLD])
         held = most / f64[layout.C_OMEGA] * reach
         load = load + ratio * held
@@ -89,7 +89,7 @@ def step(f64, i64, n, old_slot, modelled):
     f64[layout.WOUND] = stretch
     f64[layout.SLIP] = slip
     lag_rate, tap_rate = f64[layout.C_LAG_RATE], f64[layout.C_TAP_RATE]
-    wanted = wanted_speed(rigid, held_back, pace, ratio, lag_rate, tap_rate, max_speed)
+    wanted = allowed_speed(rigid, held_back, pace, ratio, lag_rate, tap_rate, max_speed)
     if not moves:
         wanted = slowed(wanted, rigid, v, friction, 1.0 / f64[layout.C_INERTIA])
     f64[layout.WANTED] = wanted if reach < OFF else 0.0
@@ -98,7 +98,7 @@ def step(f64, i64, n, old_slot, modelled):
     denominator = inertia * (2.0 + 0.5 * spring)
     to_omega = f64[layout.C_OMEGA]
     middle = midpoint_speed(v, stretch, spring, inertia, denominator, friction)
-    there = on_table(ahead)
+    there = on_table(midpoint)
     if is_steep(i64, table, there) or (left > 0.0 and is_steep(i64, old_table, there)):
         friction, middle = mean_friction(
             f64, table, old_table, left, x, v, stretch, spring, inertia, middle
@@ -115,10 +115,10 @@ def step(f64, i64, n, old_slot, modelled):
         torque = friction * (middle * to_omega)
         v = 2.0 * middle - v
     omega = middle * to_omega
-    f64[layout.X] = snapped(x + middle, STANDSTILL)
-    f64[layout.V] = snapped(v, STANDSTILL)
+    f64[layout.X] = flush_to_zero(x + middle, STANDSTILL)
+    f64[layout.V] = flush_to_zero(v, STANDSTILL)
     approach = max(abs(omega), f64[layout.APPROACH] * f64[layout.C_FORGET])
-    f64[layout.APPROACH] = snapped(approach, STANDSTILL)
+    f64[layout.APPROACH] = flush_to_zero(approach, STANDSTILL)
     f64[layout.PHASE] = advance(f64[layout.PHASE], f64[layout.C_CARRIER])
     i = n % layout.CHUNK  # which tells the compiler that it isn't negative
     f64[layout.D_TORQUE + i] = torque
@@ -131,8 +131,8 @@ def step(f64, i64, n, old_slot, modelled):
 
 
 @inlined
-def stands(f64, i64, n, stuck):
-    """Whether the disk is at rest in sample n of a chunk; `stuck` is the speed that is rest too."""
+def is_at_rest(f64, i64, n, stuck):
+    """Return whether the disk is at rest in sample n of a chunk; slower than `stuck` is at rest."""
     rest = f64[layout.INPUT] if i64[layout.ENGAGED] == 1 else 0.0
     near = abs(f64[layout.D_POSITION + n] - rest) < NEAR_REST
     return near or abs(f64[layout.D_OMEGA + n]) < stuck
@@ -140,13 +140,13 @@ def stands(f64, i64, n, stuck):
 
 @inlined
 def note_stillness(f64, i64, first, stop, modelled):
-    """Count the samples since the disk was last away from where its springs rest.
+    """Count the samples since the disk was last away from its rest position.
 
-    From sample `first` of a chunk to `stop`, in which shaft 2 was not changed.
+    Looks at samples `first` to `stop` of a chunk, in which shaft 2 does not change.
     """
     stuck = STUCK if modelled else 0.0
     last = stop - 1
-    while last >= first and stands(f64, i64, last, stuck):
+    while last >= first and is_at_rest(f64, i64, last, stuck):
         last -= 1
     if last >= first:
         i64[layout.M_STILL] = stop - 1 - last
@@ -166,7 +166,7 @@ def sum_torque(f64, i64, frames):
 
 @inlined
 def write_trace(f64, i64, frames, trace, at):
-    """The disk's columns of one chunk as trace rows from index `at` on."""
+    """Write the disk's columns of a chunk to trace rows from index `at` on."""
     touching = 1.0 if i64[layout.HOLDER] >= 0 else 0.0
     for n in range(frames):
         position = f64[layout.D_POSITION + n]
@@ -184,10 +184,10 @@ def write_trace(f64, i64, frames, trace, at):
 
 @inlined
 def move(f64, i64, u64, frames, sounding, trace, at, traced):
-    """Move the disk for one chunk; writes its columns, strikes, and the trace if `traced`.
+    """Move the disk by one chunk; write its columns, strikes, and the trace if `traced`.
 
-    `at` is the trace index of the chunk's first frame. The chunk before, whose `sounding` samples
-    have no sound yet, gets it on the way.
+    `at` is the trace index of the chunk's first frame. Also computes the sound of the previous
+    chunk's `sounding` samples.
     """
     old_slot = faded_from(i64)
     models = i64[slot_of(i64, layout.ACTIVE_SLOT) + layout.SLOT_MODELS]
@@ -206,7 +206,7 @@ def move(f64, i64, u64, frames, sounding, trace, at, traced):
         else:
             if sounded < min(n, sounding):  # after steps, or what the last chunk had more
                 sound(f64, u64, sounded, min(n, sounding))
-            n, passed = travel(f64, i64, u64, n, frames, sounding)
+            n, passed = advance_disk(f64, i64, u64, n, frames, sounding)
             sounded = min(n, sounding)
         note_stillness(f64, i64, first, n, modelled)
         if traced:
@@ -222,6 +222,6 @@ def move(f64, i64, u64, frames, sounding, trace, at, traced):
     f64[layout.M_FRICTION] = f64[layout.D_FRICTION + frames - 1]
     sum_torque(f64, i64, frames)
     if i64[layout.FADING_SLOT] >= 0 and i64[layout.FADE_LEFT] == 0:
-        store_release(i64, layout.FADING_SLOT, -1)  # from here on it is free to be written
+        store_release(i64, layout.FADING_SLOT, -1)  # free for writing from here on
     if traced:
         write_trace(f64, i64, frames, trace, at)

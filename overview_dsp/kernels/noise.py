@@ -20,7 +20,7 @@ TWO_TO_MINUS_52 = 2.220446049250313e-16
 
 @inlined
 def next_state(state):
-    """The next word of xorshift64* (Vigna 2016, arXiv:1402.6246); state is never zero."""
+    """Return the next word of xorshift64* (Vigna 2016, arXiv:1402.6246); state is never zero."""
     state = state ^ (state >> SHIFT_A)
     state = state ^ (state << SHIFT_B)
     return state ^ (state >> SHIFT_C)
@@ -28,12 +28,12 @@ def next_state(state):
 
 @inlined
 def white(state):
-    """A uniform value in [-1, 1) from a state word (variance 1/3)."""
+    """Return a uniform value in [-1, 1) from a state word (variance 1/3)."""
     return count((state * MULTIPLIER) >> SHIFT_TO_53_BITS) * TWO_TO_MINUS_52 - 1.0
 
 
 def seed_state(seed: int) -> int:
-    """A detent-mixed, non-zero state word of any integer seed (splitmix64's finaliser)."""
+    """Return a well-mixed, non-zero state word of any integer seed (splitmix64's finaliser)."""
     mask = (1 << 64) - 1
     z = (seed + 0x9E3779B97F4A7C15) & mask
     z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask

@@ -1,7 +1,7 @@
-"""Bristles, detents and end stops: the disk's step, the torque that is felt, and the strikes.
+"""Steps of the disk with bristles, detents and end stops, their perceived torque and strikes.
 
-Felt is the torque of the bristles and detents while the disk moves; it fades at rest, where they
-hold the disk without a feel, as the paper's friction does by itself.
+The torque of bristles and detents is output while the disk moves and fades at rest, where they hold
+the disk imperceptibly. The paper's viscous friction vanishes at rest by itself.
 
 Thread: audio.
 """
@@ -11,21 +11,21 @@ from __future__ import annotations
 from math import sqrt
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.bristle import converted, moving, speed_after, steady_torque
+from overview_dsp.kernels.bristle import convert_deflection, moving, speed_after, steady_torque
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.detents import contact, mixed, step_in_detents, within
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.detents import clamp, contact, crossfade, step_in_detents
+from overview_dsp.kernels.friction_lookup import friction_at
 
-LEAST_SLIDING_TORQUE = 1e-12  # N m: from here there are no bristles
-SLIP = 0.05  # of the sliding torque: the least that a slip lets go
+LEAST_SLIDING_TORQUE = 1e-12  # N m: below it there are no bristles
+SLIP = 0.05  # least release of a slip, relative to the sliding torque
 STANDSTILL = 1e-150  # cells: smaller would become denormal
-GIVES = 0.5  # part of the disk's way that its bristles don't follow
+GIVES = 0.5  # part of the disk's movement that its bristles don't follow
 STOPPED = 0.5  # of the Stribeck speed: below it the disk sticks again
 
 
 @inlined
 def sliding_torque_at(f64, i64, slot, position):
-    """Sliding torque of a surface slot's bristles at a position (cells), N m."""
+    """Return the sliding torque of a surface slot's bristles at a position (cells), N m."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_BRISTLES == 0:
         return 0.0
     return friction_at(f64, slot + layout.SLOT_SLIDING_TORQUE, position)
@@ -33,7 +33,7 @@ def sliding_torque_at(f64, i64, slot, position):
 
 @inlined
 def owner_at(i64, slot, position):
-    """The event whose bristles are at a position (cells), -1 = the bare surface's."""
+    """Return the event that owns the bristles at a position (cells), -1 = the base surface."""
     # a NaN fails both comparisons and must not become an index
     if not position > 0.0:
         position = 0.0
@@ -44,21 +44,21 @@ def owner_at(i64, slot, position):
 
 @inlined
 def end_damping(f64, i64, slot):
-    """Friction beyond the ends of a surface slot, N m s/rad."""
+    """Return the friction beyond the ends of a surface slot, N m s/rad."""
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
     return f64[slot + layout.SLOT_END_DAMPING]
 
 
 @inlined
-def knock(f64, i64, slot, before, after, omega):
-    """Torque (N m) with which the disk meets an end stop in this sample, 0 if it doesn't.
+def end_stop_torque(f64, i64, slot, before, after, omega):
+    """Return the torque (N m) of an impact on an end stop in this sample, or 0.
 
-    It is what the stop's spring holds against when it has taken all speed: omega sqrt(stiffness J).
+    It is the torque of the stop's spring after it has absorbed all speed: omega sqrt(stiffness J).
     """
     if i64[slot + layout.SLOT_MODELS] & layout.HAS_DETENTS == 0:
         return 0.0
-    if within(after) == after or within(before) != before:
+    if clamp(after) == after or clamp(before) != before:
         return 0.0
     inertia = f64[layout.C_INERTIA] / f64[layout.S_SAMPLE_RATE]
     return abs(omega) * sqrt(f64[slot + layout.SLOT_END_STIFFNESS] * inertia)
@@ -66,10 +66,10 @@ def knock(f64, i64, slot, before, after, omega):
 
 @inlined
 def slip(f64, torque, omega, gives, sliding, stribeck):
-    """Torque (N m) let go in this sample, 0 if the disk went on as it did.
+    """Return the torque (N m) released by a slip in this sample, or 0.
 
-    Stuck bristles have slipped once the disk is faster than the Stribeck speed and they give way:
-    by more than half of its way, `gives` (or it only swings in them).
+    Stuck bristles slip when the disk is faster than the Stribeck speed and they do not follow more
+    than half of its movement (`gives`); otherwise the disk only oscillates in them.
     """
     peak = f64[layout.SLIP_PEAK]
     speed = abs(omega)
@@ -88,21 +88,21 @@ def slip(f64, torque, omega, gives, sliding, stribeck):
 
 @outlined
 def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
-    """One step over a surface with bristles, detents or end stops.
+    """Compute a step over a surface with bristles, detents or end stops.
 
     `old_part` of the torque is that of the slot faded from. The other arguments are as in
     `two_disk` and `bristle`.
 
-    Returns the midpoint speed and the speed after it (cells a sample), the torque felt (N m), the
-    torque let go by a slip or met at an end stop (N m, 0 = none) and the event it belongs to (-1 =
-    the bare surface).
+    Returns the midpoint speed and the speed after the step (cells per sample), the output torque (N
+    m), the torque of a slip or an impact on an end stop (N m, 0 = none) and its event (-1 =
+    the base surface).
     """
-    ahead = x + 0.5 * v
+    midpoint = x + 0.5 * v
     to_omega = f64[layout.C_OMEGA]
-    sliding = sliding_torque_at(f64, i64, slot, ahead)
+    sliding = sliding_torque_at(f64, i64, slot, midpoint)
     rows = slot
     if old_part > 0.0:
-        sliding = sliding + (sliding_torque_at(f64, i64, old_slot, ahead) - sliding) * old_part
+        sliding = sliding + (sliding_torque_at(f64, i64, old_slot, midpoint) - sliding) * old_part
         if i64[slot + layout.SLOT_MODELS] & layout.HAS_BRISTLES == 0:
             rows = old_slot
     z = 0.0
@@ -112,7 +112,7 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
     event = -1
     row = rows + layout.BRISTLES
     if sliding > LEAST_SLIDING_TORQUE:
-        owner = owner_at(i64, rows, ahead)
+        owner = owner_at(i64, rows, midpoint)
         event = owner if rows == slot else -1
         bank = layout.MAX_KINDS if owner < 0 else i64[rows + layout.SLOT_KIND + owner]
         row = row + bank * layout.BRISTLE_PARAMETERS
@@ -120,15 +120,15 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
         per_cell = stiffness * f64[layout.C_THETA]
         z = f64[layout.BRISTLE]
         if z != 0.0 and stiffness != f64[layout.BRISTLE_STIFFNESS]:
-            z = converted(z, f64[layout.BRISTLE_STIFFNESS], stiffness)
+            z = convert_deflection(z, f64[layout.BRISTLE_STIFFNESS], stiffness)
         f64[layout.BRISTLE_STIFFNESS] = stiffness
         before = z
         static = f64[row + layout.P_STATIC]
         torque = steady_torque(sliding, static, f64[row + layout.P_STRIBECK], v * to_omega)
         steady = torque / per_cell
     stop = 0.0
-    if within(ahead) != ahead:
-        stop = mixed(end_damping(f64, i64, slot), end_damping(f64, i64, old_slot), old_part)
+    if clamp(midpoint) != midpoint:
+        stop = crossfade(end_damping(f64, i64, slot), end_damping(f64, i64, old_slot), old_part)
     stiffness = per_cell / to_omega
     damping = f64[row + layout.P_DAMPING]
     break_away = f64[row + layout.P_BREAK_AWAY]
@@ -139,7 +139,7 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
         middle, z, torque = contact(push, resistance, z, stiffness, damping, steady, break_away)
     else:
         middle, z, torque, pull = step_in_detents(
-            f64, i64, slot, old_slot, old_part, x, ahead, push, resistance + stop,
+            f64, i64, slot, old_slot, old_part, x, midpoint, push, resistance + stop,
             z, stiffness, damping, steady, break_away,
         )  # fmt: skip
     after = 2.0 * middle - v
@@ -154,9 +154,9 @@ def slide(f64, i64, slot, old_slot, old_part, x, v, push, resistance):
         released = slip(f64, torque, omega, gives, sliding, f64[row + layout.P_STRIBECK])
     else:
         f64[layout.SLIP_PEAK] = -1.0
-    met = knock(f64, i64, slot, x, x + middle, omega)
-    if met > released:
-        released = met
+    impact = end_stop_torque(f64, i64, slot, x, x + middle, omega)
+    if impact > released:
+        released = impact
         event = -1
     felt = (torque + pull) * moving(omega) + stop * omega
     return middle, after, felt, released, event

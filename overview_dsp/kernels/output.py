@@ -1,4 +1,4 @@
-"""Last stage: both signals under the ceiling, into the output's channels, and metered.
+"""Last stage: limiter, output channels and meters of both signals.
 
 Thread: audio.
 """
@@ -16,8 +16,8 @@ MAGNITUDE = 0x7FFFFFFFFFFFFFFF  # of a float64's bits, all but the sign
 
 @inlined
 def limit_column(f64, i64, column, frames, ceiling):
-    """Hold one signal under the ceiling; its peak and the number of limited samples."""
-    # magnitudes are compared as integers, which compilers do several at a time
+    """Limit one signal to the ceiling; return its peak and the number of limited samples."""
+    # integer comparison of magnitudes, which compilers vectorise
     highest = 0
     for n in range(frames):
         highest = max(highest, i64[(column + n) & NOT_NEGATIVE] & MAGNITUDE)
@@ -63,7 +63,7 @@ def write(f64, i64, out, start, frames, channels):
 
 @inlined
 def emit(f64, i64, out, start, frames, channels):
-    """Both signals of one chunk under the ceiling, into the output and the meters."""
+    """Limit both signals of a chunk and write them to the output and the meters."""
     ceiling = f64[layout.C_CEILING]
     click, bent = limit_column(f64, i64, layout.D_CLICK, frames, ceiling)
     tactor, also = limit_column(f64, i64, layout.D_TACTOR, frames, ceiling)
@@ -74,7 +74,7 @@ def emit(f64, i64, out, start, frames, channels):
     last = frames - 1
     while last >= 0 and f64[layout.D_CLICK + last] == 0.0 and f64[layout.D_TACTOR + last] == 0.0:
         last -= 1
-    # samples since the last that sounded: in this chunk, or in those before too
+    # samples since the last non-zero one, in this chunk or before it
     if last >= 0:
         i64[layout.M_SILENT] = frames - 1 - last
     else:

@@ -1,13 +1,13 @@
-"""Output gains of a slow hand and of the recoil: of the torque that the tactor gets, and of grain.
+"""Output gains of tactor and texture for slow inputs and for the recoil.
 
-    engaged:   (0.4 / pace)**a,   pace = the hand's, 0.02 to 0.4 timelines a second
+    engaged:   (0.4 / pace)**a,   pace = the input's, 0.02 to 0.4 timelines per second
     recoil:    cursor**-b,        cursor from 0.02 up
 
-A slow disk has little torque, as B*omega is, and so has one whose spring is nearly unwound; a
-person's threshold stays. The grain's level, sqrt(torque*omega), falls twice as fast with the pace
-and gets the gain twice (with a = 1/2 it is the same at any slow pace); in the recoil it gets its
-root, as its torque does. The model's torque, the clicks and the trace are not changed. The gain is
-known at every `layout.GAIN_GRID`-th sample and linear between, counted from reset, so that no
+A slow disk has little torque B*omega, and so has a disk near the end of the recoil, but the user's
+threshold is constant. The texture's level, sqrt(torque*omega), falls twice as fast with the pace
+and gets the squared gain (with a = 1/2 it is constant for slow paces). In the recoil it gets the
+root of the gain. The model's torque, the clicks and the trace are not changed. The gain is
+computed at every `layout.GAIN_GRID`-th sample since reset and interpolated linearly, so that no
 partition into blocks changes a bit. With an exponent of 0 it is exactly 1.
 
 Thread: audio.
@@ -19,7 +19,7 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.elementary import power
+from overview_dsp.kernels.math_functions import power
 
 USUAL_PACE, SLOWEST_PACE = 0.4, 0.02  # timelines a second
 LEAST_CURSOR = 0.02
@@ -28,7 +28,7 @@ PER_GRID = 1.0 / layout.GAIN_GRID
 
 @outlined
 def gain_now(f64, i64):
-    """The gain that the state at this sample asks for."""
+    """Return the gain for the present state."""
     if i64[layout.ENGAGED] == 1:
         pace = f64[layout.PACE] * (f64[layout.S_SAMPLE_RATE] / layout.CELLS)
         pace = min(max(pace, SLOWEST_PACE), USUAL_PACE)
@@ -39,14 +39,14 @@ def gain_now(f64, i64):
 
 @inlined
 def set_gain(f64, i64):
-    """At a sample of the grid: the gain's way to the next."""
+    """Set the gain at a sample of the grid and its slope to the next one."""
     before = f64[layout.GAIN_TO]
     gain = 1.0
-    grain = 1.0
+    texture = 1.0
     if max(f64[layout.C_SLOW_EXPONENT], f64[layout.C_RECOIL_EXPONENT]) > 0.0:
         gain = gain_now(f64, i64)
-        grain = gain * gain if i64[layout.ENGAGED] == 1 else sqrt(gain)
-    f64[layout.GRAIN_GAIN] = grain
+        texture = gain * gain if i64[layout.ENGAGED] == 1 else sqrt(gain)
+    f64[layout.TEXTURE_GAIN] = texture
     f64[layout.GAIN_FROM] = before
     f64[layout.GAIN_TO] = gain
     f64[layout.GAIN_STEP] = (gain - before) * PER_GRID
@@ -54,5 +54,5 @@ def set_gain(f64, i64):
 
 @inlined
 def on_grid(i64):
-    """How many samples the clock is beyond the last sample of the grid."""
+    """Return the number of samples since the last sample of the grid."""
     return i64[layout.CLOCK] & (layout.GAIN_GRID - 1)

@@ -1,8 +1,8 @@
-"""Release: the last target stays until the disk has arrived there, then shaft 2 disengages.
+"""Release: shaft 2 stays engaged until the disk has arrived at the last target.
 
-So a tap is a target that is released at once, and a swipe that is released early still ends where
-the finger was. It has arrived when it is near the target and every event on the way is behind it.
-A disk that does not arrive in `derive.ARRIVAL_S` is released all the same; a new
+A tap is thus a target that is released at once, and a swipe that is released early still ends at
+the last input angle. The disk has arrived when it is near the target and past all events before it.
+A disk that does not arrive in `derive.ARRIVAL_S` is released after that time. A new
 touch ends the wait. Where the preset's release is `return`, shaft 2 stays and theta2 falls to 0.
 
 Thread: audio.
@@ -14,12 +14,12 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.event_crossing import FAR, edges_below, event_above, event_below
 
-NEAR = 0.006 * layout.CELLS  # cells: a disk so close to its target has arrived
+NEAR = 0.006 * layout.CELLS  # cells: a disk this close to its target has arrived
 
 
 @inlined
 def stop_waiting(f64, i64):
-    """Nothing waits for an arrival."""
+    """Stop waiting for an arrival."""
     i64[layout.WAITING] = 0
     f64[layout.ARRIVAL_ABOVE] = FAR
     f64[layout.ARRIVAL_BELOW] = -FAR
@@ -27,9 +27,9 @@ def stop_waiting(f64, i64):
 
 @inlined
 def arrive(f64, i64):
-    """The disk has arrived after a release, or is waited for no longer."""
+    """Disengage shaft 2, or return to 0, after a release."""
     stop_waiting(f64, i64)
-    i64[layout.M_STILL] = 0  # its springs rest elsewhere now
+    i64[layout.M_STILL] = 0  # the rest position changes
     if i64[layout.S_RELEASE_RETURNS] == 1:
         f64[layout.INPUT] = 0.0
         f64[layout.PACE] = f64[layout.C_TAP_RATE] * layout.CELLS
@@ -40,14 +40,14 @@ def arrive(f64, i64):
 
 @inlined
 def has_arrived(f64):
-    """Whether a disk that is waited for is where its target is, or beyond."""
+    """Return whether a released disk is at its target or beyond."""
     x = f64[layout.X]
     return x >= f64[layout.ARRIVAL_ABOVE] or x < f64[layout.ARRIVAL_BELOW]
 
 
 @inlined
 def last_edge_below(f64, i64, target):
-    """The last edge of an event at or below the target (cells); -FAR where there is none."""
+    """Return the last edge of an event at or below the target (cells), or -FAR."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     lower = edges_below(f64, i64, slot, layout.SLOT_LOWER, target)
     upper = edges_below(f64, i64, slot, layout.SLOT_UPPER, target)
@@ -59,7 +59,7 @@ def last_edge_below(f64, i64, target):
 
 @inlined
 def first_edge_above(f64, i64, target):
-    """The first edge of an event above the target (cells); FAR where there is none."""
+    """Return the first edge of an event above the target (cells), or FAR."""
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     events = i64[slot + layout.SLOT_EVENTS]
     lower = edges_below(f64, i64, slot, layout.SLOT_LOWER, target)
@@ -72,7 +72,7 @@ def first_edge_above(f64, i64, target):
 
 @inlined
 def wait_for_disk(f64, i64):
-    """The last hand has let go: wait for the disk's arrival, which may have been already."""
+    """Wait for the disk's arrival after the last release, unless it has arrived."""
     target = f64[layout.INPUT]
     i64[layout.WAITING] = 1
     i64[layout.RELEASE_DUE] = i64[layout.CLOCK] + i64[layout.S_ARRIVAL]
@@ -86,11 +86,11 @@ def wait_for_disk(f64, i64):
 
 @inlined
 def next_above(f64, i64):
-    """The position (cells) from which on an event is passed upwards, or the disk has arrived."""
+    """Return the position (cells) of the next event or of arrival, upwards."""
     return min(event_above(f64, i64), f64[layout.ARRIVAL_ABOVE])
 
 
 @inlined
 def next_below(f64, i64):
-    """The position (cells) below which an event is passed downwards, or the disk has arrived."""
+    """Return the position (cells) of the next event or of arrival, downwards."""
     return max(event_below(f64, i64), f64[layout.ARRIVAL_BELOW])

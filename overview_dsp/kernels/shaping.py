@@ -1,6 +1,6 @@
-"""Second stage: what each sample of torque is worth, sample by sample alone.
+"""Second stage: memoryless functions of torque and speed.
 
-No sample here needs its neighbour, so the compiler does several at once.
+Samples are independent of each other, so the compiler vectorises this stage.
 
 Thread: audio.
 """
@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import inlined
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress
-from overview_dsp.kernels.texture import brightness, grain_level
+from overview_dsp.kernels.math_functions import sin_turns
+from overview_dsp.kernels.texture import brightness, texture_level
 
-SIDE_BY_SIDE = 16  # what lies behind a chunk's end is made too: several cost no more than one
+SIDE_BY_SIDE = 16  # the number of samples is rounded up to this, which costs no time
 
 
 @inlined
 def shape(f64, frames, beyond):
-    """Fill the D_AMPLITUDE, D_SINE, D_GRAIN and D_COLOUR columns of one chunk from the disk's.
+    """Fill the D_AMPLITUDE, D_SINE, D_TEXTURE_LEVEL and D_BRIGHTNESS columns of one chunk from the
+    disk's.
 
     It begins `beyond` samples after one of the output gain's grid.
     """
@@ -27,7 +28,7 @@ def shape(f64, frames, beyond):
     scale = f64[layout.C_TORQUE]
     gate = f64[layout.C_GATE]
     exponent = f64[layout.C_EXPONENT]
-    gain = f64[layout.C_TEXTURE_GAIN] * f64[layout.GRAIN_GAIN]
+    gain = f64[layout.C_TEXTURE_GAIN] * f64[layout.TEXTURE_GAIN]
     cutoff = f64[layout.C_TEXTURE_CUTOFF]
     for n in range((frames + SIDE_BY_SIDE - 1) & -SIDE_BY_SIDE):
         torque = f64[layout.D_TORQUE + n]
@@ -35,5 +36,5 @@ def shape(f64, frames, beyond):
         f64[layout.D_AMPLITUDE + n] = compress(torque * raised, scale, gate, exponent)
         f64[layout.D_SINE + n] = sin_turns(f64[layout.D_PHASE + n])
         omega = f64[layout.D_OMEGA + n]
-        f64[layout.D_GRAIN + n] = grain_level(torque, omega, gain)
-        f64[layout.D_COLOUR + n] = brightness(omega, cutoff)
+        f64[layout.D_TEXTURE_LEVEL + n] = texture_level(torque, omega, gain)
+        f64[layout.D_BRIGHTNESS + n] = brightness(omega, cutoff)

@@ -1,4 +1,4 @@
-"""The tactor's carrier: a phase-continuous sine, whose amplitude is the envelope.
+"""Carrier of the tactor: a phase-continuous sine with the envelope as amplitude.
 
 Thread: audio.
 """
@@ -11,6 +11,6 @@ from overview_dsp.kernels.simd.vector import choose
 
 @inlined
 def advance(phase, increment):
-    """The carrier's next phase, turns in [0, 1)."""
+    """Return the carrier's next phase, turns in [0, 1)."""
     phase = phase + increment
     return choose(phase >= 1.0, phase - 1.0, phase)

@@ -1,9 +1,9 @@
-"""The disk over viscous friction alone, from one passed event to the next.
+"""Motion of the disk with viscous friction only, from one passed event to the next.
 
-This is the chain that can't be shortened: each sample's position decides the next sample's
-friction. So its state is at hand: half the speed, which is exact and saves the chain two
-multiplications, and no test for numbers near zero that the next sample waits for. What a processor
-has left meanwhile goes to the sound of the chunk before, which waits for nothing here.
+This loop is a chain of dependent operations: the position of each sample decides the friction of
+the next. It therefore keeps half the speed, which is exact and saves two
+multiplications, and has no test for numbers near zero within the chain. The remaining capacity of a
+processor computes the sound of the previous chunk, which is independent.
 
 Thread: audio.
 """
@@ -11,9 +11,9 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
-from overview_dsp.kernels.friction import friction_on, is_steep, mean_friction, on_table
+from overview_dsp.kernels.friction_lookup import friction_on, is_steep, mean_friction, on_table
 from overview_dsp.kernels.release import next_above, next_below
 from overview_dsp.kernels.simd.vector import choose
 from overview_dsp.kernels.smoother import smooth
@@ -26,22 +26,23 @@ from overview_dsp.kernels.voice import (
     sound_state,
 )
 
-STANDSTILL = 1e-150  # cells, cells a sample, rad/s: smaller would become denormal
+STANDSTILL = 1e-150  # cells, cells per sample, rad/s: smaller would become denormal
 
 
 @inlined
-def snapped(x, least):
-    """x, or exactly 0 if it is nearer to it than `least`."""
+def flush_to_zero(x, least):
+    """Return x, or exactly 0 if its magnitude is below `least`."""
     return choose(abs(x) < least, 0.0, x)
 
 
 @outlined
-def travel(f64, i64, u64, start, frames, sounding):
+def advance_disk(f64, i64, u64, start, frames, sounding):
     """Move the disk from sample `start` of a chunk on.
 
-    Up to the first sample in which it passes an event, or arrives after a release. Returns the
-    sample after it, or the chunk's end, and whether one was. Writes the disk's columns. Beside each
-    sample goes the `sound` of the same one of the chunk before, of `sounding` samples.
+    It stops after the first sample in which it passes an event or arrives after a release. Returns
+    the next sample or the chunk's end, and whether it stopped. Writes the disk's columns. Together
+    with each sample it computes the sound of the same one of the previous chunk, of `sounding`
+    samples.
     """
     sound_before = sound_state(f64, u64)
     coefficients = sound_coefficients(f64)
@@ -88,8 +89,8 @@ def travel(f64, i64, u64, start, frames, sounding):
             sound_before = sound_once(f64, n % layout.CHUNK, sound_before, coefficients)
         was = y2
         y1, y2 = smooth(target, y1, y2, smoothing)
-        ahead = on_table(x + half)
-        friction = friction_on(f64, table, ahead)
+        midpoint = on_table(x + half)
+        friction = friction_on(f64, table, midpoint)
         moved = abs(y2 - was)
         moves = least < moved < most
         if moves and (moved > pace or slip == 0.0):
@@ -104,12 +105,12 @@ def travel(f64, i64, u64, start, frames, sounding):
             slip = rigid - stretch
             if abs(slip) > 0.0:
                 used = x + stretch
-            wanted = wanted_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
+            wanted = allowed_speed(rigid, free * pace, pace, ratio, lag_rate, tap_rate, max_speed)
             if not moves:
                 wanted = slowed(wanted, rigid, 2.0 * half, friction, per_inertia)
         wound = stretch
         middle = midpoint_speed(2.0 * half, stretch, spring, inertia, denominator, friction)
-        if is_steep(i64, table, ahead):
+        if is_steep(i64, table, midpoint):
             friction, middle = mean_friction(
                 f64, table, table, 0.0, x, 2.0 * half, stretch, spring, inertia, middle
             )
@@ -118,9 +119,9 @@ def travel(f64, i64, u64, start, frames, sounding):
         omega = middle * to_omega
         approach = max(abs(omega), approach * forget)
         if min(abs(x), abs(half)) < STANDSTILL:
-            x = snapped(x, STANDSTILL)
-            half = snapped(half, 0.5 * STANDSTILL)
-            approach = snapped(approach, STANDSTILL)
+            x = flush_to_zero(x, STANDSTILL)
+            half = flush_to_zero(half, 0.5 * STANDSTILL)
+            approach = flush_to_zero(approach, STANDSTILL)
         phase = advance(phase, carrier)
         i = n % layout.CHUNK  # which tells the compiler that it isn't negative
         f64[layout.D_TORQUE + i] = friction * omega

@@ -1,7 +1,6 @@
-"""What a finger or an ear gets: feel reports, levels, onsets, an observer; presets tuned by them.
+"""Perceptual measurements: feel reports, levels, onsets, an observer, and tuning of presets.
 
-`ov.measure` is for who designs presets or studies what is felt. Each name is imported when it is
-first used.
+`ov.measure` is for designers of presets and for research. Each name is imported on first use.
 
 Examples
 --------
@@ -21,20 +20,33 @@ from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.measure.arm import ArmReport, ArmStroke, arm_report
-    from overview_dsp.measure.character import Character, characters, level_matched_steps
     from overview_dsp.measure.event_table import FeltEvents, felt_events
-    from overview_dsp.measure.felt import (
-        Stroke,
-        event_levels,
-        events_felt_apart,
-        strokes,
-        window_db,
+    from overview_dsp.measure.level_matching import (
+        PerceptualFeatures,
+        level_matched_distance,
+        perceptual_features,
     )
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
     from overview_dsp.measure.observer.scoring import ObserverScores
     from overview_dsp.measure.onset_detector import Onsets, onsets
-    from overview_dsp.measure.random_data import (
+    from overview_dsp.measure.perceived_level import (
+        Stroke,
+        count_resolved_events,
+        event_levels,
+        strokes,
+        window_db,
+    )
+    from overview_dsp.measure.random_movements import random_movement
+    from overview_dsp.measure.report import (
+        FeelReport,
+        KindFeel,
+        StrokeReport,
+        character_distance,
+        feel_report,
+        jnd_distance,
+    )
+    from overview_dsp.measure.synthetic_data import (
         random_crowd,
         random_events,
         random_heart,
@@ -43,51 +55,42 @@ if TYPE_CHECKING:
         random_timelines,
         random_weather,
     )
-    from overview_dsp.measure.random_hands import random_hand
-    from overview_dsp.measure.report import (
-        FeelReport,
-        KindFeel,
-        StrokeReport,
-        character_steps,
-        feel_report,
-        steps_apart,
-    )
     from overview_dsp.measure.tuning import TuningResult, tune
 
 __all__ = [
     "ArmReport",
     "ArmStroke",
-    "Character",
     "FeelReport",
     "FeltEvents",
     "KindFeel",
     "ObserverReport",
     "ObserverScores",
     "Onsets",
+    "PerceptualFeatures",
     "SetScores",
     "Stroke",
     "StrokeReport",
     "StrokeScores",
     "TuningResult",
     "arm_report",
-    "character_steps",
-    "characters",
+    "character_distance",
+    "count_resolved_events",
     "event_levels",
-    "events_felt_apart",
     "feel_report",
     "felt_events",
-    "level_matched_steps",
+    "jnd_distance",
+    "level_matched_distance",
     "observe",
     "onsets",
+    "perceptual_features",
     "random_crowd",
     "random_events",
-    "random_hand",
     "random_heart",
     "random_match",
+    "random_movement",
     "random_share",
     "random_timelines",
     "random_weather",
-    "steps_apart",
     "strokes",
     "tune",
     "window_db",
@@ -95,22 +98,22 @@ __all__ = [
 
 _NAMES = {
     "arm": "ArmReport ArmStroke arm_report",
-    "character": "Character characters level_matched_steps",
-    "report": "FeelReport KindFeel StrokeReport character_steps feel_report steps_apart",
-    "felt": "Stroke event_levels events_felt_apart strokes window_db",
+    "level_matching": "PerceptualFeatures perceptual_features level_matched_distance",
+    "report": "FeelReport KindFeel StrokeReport character_distance feel_report jnd_distance",
+    "perceived_level": "Stroke event_levels count_resolved_events strokes window_db",
     "event_table": "FeltEvents felt_events",
     "observer.observing": "observe",
     "observer.report": "ObserverReport SetScores StrokeScores",
     "observer.scoring": "ObserverScores",
     "onset_detector": "Onsets onsets",
-    "random_data": (
+    "synthetic_data": (
         "random_crowd random_events random_heart random_match random_share random_timelines "
         "random_weather"
     ),
-    "random_hands": "random_hand",
+    "random_movements": "random_movement",
     "tuning": "TuningResult tune",
 }
-"""Of each module."""
+"""Public names of each module."""
 
 if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(

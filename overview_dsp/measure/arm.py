@@ -1,8 +1,9 @@
-"""What a human arm gets of a preset, beside a steady sweep that waits for the disk.
+"""Report of a preset under the movements of a human arm, compared with steady sweeps.
 
 An arm speeds up, slows down, releases early and scrubs (`ov.arm`, `ov.flick`, `ov.scrub`). The
-report says how far the disk lags, which events it never reaches, whether the strongest kinds are
-felt, where a tap turns back, whether scrubbing is followed and how much of the curve is felt.
+report lists the lag of the disk, the events that it never reaches, and whether the strongest kinds
+are felt. It also lists where the disk turns back after a tap, whether it follows scrubbing, and the
+felt range of the intensity curve.
 """
 
 from __future__ import annotations
@@ -19,19 +20,25 @@ from overview_dsp.design.gestures import Gesture, arm, flick, scrub, sweep, tap
 from overview_dsp.design.gestures.scripts import APPROACH_REST_S, APPROACH_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.event_table import FLOOR_DB, FeltEvents, felt_events
-from overview_dsp.measure.observer.noticed import APART_MS, TOUCH_WINDOW_S, levels, touch_pulses
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
-from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS
+from overview_dsp.measure.perceived_level import (
+    AFTER_MS,
+    BEFORE_MS,
+    MIN_PULSE_GAP_MS,
+    levels,
+    touch_pulses,
+)
 from overview_dsp.measure.report_base import Report, cell
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
+from overview_dsp.units import FELT_WINDOW_S
 
 RATE = 16_000.0
-"""Hz. The disk and its vibration are the same at any rate."""
+"""Sample rate, Hz. The disk and its vibration do not depend on it."""
 
 TAIL_S = 3.0
-"""Rendered after the release: the disk arrives first."""
+"""Time rendered after the release, s, in which the disk arrives."""
 
 STROKES: Mapping[str, Gesture] = {
     **{f"sweep {s} s": sweep(s) for s in (1, 2, 4, 6)},
@@ -59,7 +66,7 @@ class ArmStroke:
     Attributes
     ----------
     name : str
-        `sweep 2 s`, `arm 2 s`, say.
+        Name of the gesture, such as `arm 2 s`.
     events, missed : int
         Events that the finger passes; those that the disk never reaches.
     main, main_missed, main_felt : int
@@ -98,7 +105,7 @@ class ArmStroke:
 
 @dataclass(frozen=True)
 class ArmReport(Report):
-    """How a preset feels to a human arm.
+    """Report of a preset under the movements of a human arm.
 
     Attributes
     ----------
@@ -151,7 +158,8 @@ class ArmReport(Report):
         return data
 
     def _lines(self) -> Iterator[str]:
-        yield f"{self.preset}, a human arm beside a sweep: {counted(self.timelines, 'timeline')}"
+        timelines = counted(self.timelines, "timeline")
+        yield f"{self.preset}, movements of an arm and sweeps: {timelines}"
         yield (
             f"{'':<14}{'lag, ms':>15}{'lag, %':>15}{'missed':>12}{'main missed':>13}{'felt':>10}"
             f"{'spread, dB':>12}{'cards close':>13}"
@@ -194,18 +202,18 @@ def arm_report(
     gestures: Mapping[str, Gesture] = STROKES,
     progress: Callable[[float], None] = lambda part: None,
 ) -> ArmReport:
-    """Measure what a human arm gets of a preset, beside a steady sweep.
+    """Measure a preset under the movements of a human arm, compared with steady sweeps.
 
     Parameters
     ----------
     preset : Preset
-        What is to be felt.
+        Preset that is measured.
     timelines : sequence of Timeline
-        With events.
+        Timelines with events.
     gestures : mapping of str to Gesture
-        By name; sweeps and arms of 1 to 6 s and a flick if left out.
+        Gestures by name; default: sweeps and arms of 1 to 6 s and a flick.
     progress : callable
-        Called with the part done, 0 to 1.
+        Called with the completed share, 0 to 1.
 
     Returns
     -------
@@ -224,16 +232,18 @@ def arm_report(
     0
     """
     taps = {f"tap {target:g}": tap(target, TAP_S) for target in TAPS}
-    wanted = {**gestures, **taps, CURVE: sweep(4.0)}
-    parts = len(wanted) + len(SCRUB_HZ)
-    tables = outward(preset, timelines, wanted, lambda part: progress(part * len(wanted) / parts))
+    all_gestures = {**gestures, **taps, CURVE: sweep(4.0)}
+    parts = len(all_gestures) + len(SCRUB_HZ)
+    tables = outward(
+        preset, timelines, all_gestures, lambda part: progress(part * len(all_gestures) / parts)
+    )
     main, weakest = main_kinds(preset, timelines)
     scrubs = []
     for done, hz in enumerate(SCRUB_HZ, 1):
         found = [both for one in scrubbed(preset, timelines, main, hz) for both in one]
         followed, felt = (sum(one[i] for one in found) for i in (0, 1))
         scrubs.append((hz, len(found), followed, felt))
-        progress((len(wanted) + done) / parts)
+        progress((len(all_gestures) + done) / parts)
     ranges = [felt_range_db(one) for one in tables[CURVE] if one.timeline.intensity is not None]
     known = [value for value in ranges if np.isfinite(value)] or [np.nan]
     return ArmReport(
@@ -252,16 +262,16 @@ def arm_report(
 
 def main_kinds(preset: Preset, timelines: Iterable[Timeline]) -> tuple[tuple[str, ...], str]:
     """Return the strongest kinds of the timelines' events, and the weakest kind."""
-    there = {event.kind for timeline in timelines for event in timeline.events}
+    present = {event.kind for timeline in timelines for event in timeline.events}
     height = {
-        kind: preset.kinds.get(kind, preset.kinds["default"]).height for kind in sorted(there)
+        kind: preset.kinds.get(kind, preset.kinds["default"]).height for kind in sorted(present)
     }
     if not height:
         return (), ""
     strongest, weakest = max(height, key=height.__getitem__), min(height, key=height.__getitem__)
     group = GROUPS.get(strongest, MINOR)
-    also = (kind for kind in height if kind != strongest and GROUPS.get(kind) == group)
-    return (strongest, *also), weakest
+    others = (kind for kind in height if kind != strongest and GROUPS.get(kind) == group)
+    return (strongest, *others), weakest
 
 
 def outward(
@@ -313,13 +323,13 @@ def _count(parts: Iterable[NDArray[np.bool_]]) -> int:
 
 
 def felt_above(one: FeltEvents, rows: NDArray[np.bool_], weakest: str) -> NDArray[np.bool_]:
-    """Return which of the rows are detected and above every event of the weakest kind apart."""
+    """Return which rows are detected and stronger than every distant event of the weakest kind."""
     on = one.reached & rows
-    apart = APART_MS / 1e3
+    gap_s = MIN_PULSE_GAP_MS / 1e3
     below = -np.inf
     for row in np.flatnonzero(one.of(weakest) & one.reached & ~rows).tolist():
-        near = (one.first_s[row] < one.last_s[on] + apart) & (
-            one.first_s[on] < one.last_s[row] + apart
+        near = (one.first_s[row] < one.last_s[on] + gap_s) & (
+            one.first_s[on] < one.last_s[row] + gap_s
         )
         if not near.any():
             below = max(below, float(one.level_db[row]))
@@ -373,7 +383,7 @@ def felt_range_db(one: FeltEvents) -> float:
 def scrubbed(
     preset: Preset, timelines: Iterable[Timeline], main: tuple[str, ...], hz: float
 ) -> Iterator[list[tuple[bool, bool]]]:
-    """Scrub over each event of these kinds: of each crossing, whether it is followed, and felt."""
+    """Yield for each event of these kinds whether its crossings are followed, and felt."""
     from overview_dsp.signal.surface.build import build_surface
 
     jobs, rows = [], []
@@ -389,15 +399,15 @@ def scrubbed(
 
 
 def crossings(done: RenderedJob[Trace], row: int, hz: float) -> list[tuple[bool, bool]]:
-    """Return, of each crossing of an event in scrubbing, whether it is followed, and felt.
+    """Return for each crossing of an event in scrubbing whether it is followed, and felt.
 
-    The finger crosses in the middle of each half period. The disk follows if it crosses too before
-    the finger does so again; that is felt if a pulse of the event of -35 dBFS or more comes then.
+    The finger crosses in the middle of each half period. The disk follows if it crosses before the
+    finger crosses again. It is felt if a pulse of the event of -35 dBFS or more occurs in between.
     """
     per_ms = done.sample_rate / 1e3
     course = done.trace.cursor
     cursor = course[np.arange(0.0, len(course), per_ms).astype(np.int64)]
-    level = levels(done.samples[:, 1], done.sample_rate, TOUCH_WINDOW_S, FLOOR_DB)
+    level = levels(done.samples[:, 1], done.sample_rate, FELT_WINDOW_S, FLOOR_DB)
     start, end = done.surface.span[row]
     # in milliseconds, of all samples: a disk may pass a narrow event in less than one
     on = np.unique(np.flatnonzero((course >= start) & (course <= end)) // per_ms)
@@ -417,6 +427,6 @@ def crossings(done: RenderedJob[Trace], row: int, hz: float) -> list[tuple[bool,
         until = first + int(500.0 / hz)
         beyond = cursor[first:until] > done.surface.position[row]
         followed = bool(beyond.any() and not beyond.all())
-        there = ((pulses >= first) & (pulses < until)).any()
-        found.append((followed, followed and bool(there)))
+        felt = ((pulses >= first) & (pulses < until)).any()
+        found.append((followed, followed and bool(felt)))
     return found

@@ -1,6 +1,7 @@
-"""One row per event and stroke: when the disk reaches an event, how far it lags, what is felt.
+"""Table of felt events with one row per event and stroke.
 
-An outward stroke ends where the disk turns back, which may be after the release (`felt.strokes`).
+An outward stroke ends where the disk turns back, which may be after the release
+(`perceived_level.strokes`).
 Each row has
 
 - *reached*: whether the disk comes to the event's position;
@@ -9,13 +10,13 @@ Each row has
 - *level*: highest RMS over 10 ms while the disk is on the event, dB of full scale;
 - *contrast*: level above the median of all windows of 10 ms that overlap no event;
 - *sharpness*: steepest rise of the torque, N m/s;
-- *duration*: how long the level stays within 6 dB of its highest, ms (of what stands out by less
-  than 12 dB: in the upper half of its contrast);
+- *duration*: how long the level stays within 6 dB of its highest, ms (of an
+  event with a contrast below 12 dB: in the upper half of the contrast);
 - *click*: highest RMS over 10 ms of the click, dB of full scale, and when it is struck;
-- *detected*: a pulse (`observer.noticed`) belongs to the event;
-- *masked*: it is less than a step above what is no event;
-- *merged*: it strikes within 30 ms of another event, and both are felt as one;
-- *lost*: that other event has more friction, and is felt in its place.
+- *detected*: a pulse (`perceived_level.touch_pulses`) belongs to the event;
+- *masked*: its level is less than one JND above the level between the events;
+- *merged*: it strikes within 30 ms of another event, so that both are felt as one;
+- *lost*: that other event has more friction and hides it.
 """
 
 from __future__ import annotations
@@ -32,23 +33,26 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, shown
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.felt import (
+from overview_dsp.measure.perceived_level import (
+    AFTER_MS,
+    BEFORE_MS,
     FALL_DB,
     GESTURES,
     MERGED_S,
     STEP_DB,
+    TRAILING_S,
     Stroke,
+    levels,
     near_peak,
     passages,
     strokes,
+    touch_pulses,
 )
-from overview_dsp.measure.observer.noticed import TOUCH_WINDOW_S, levels, touch_pulses
-from overview_dsp.measure.observer.strokes import AFTER_MS, BEFORE_MS, TRAILING_S
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
-from overview_dsp.units import HALF_TURN
+from overview_dsp.units import FELT_WINDOW_S, HALF_TURN
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -57,17 +61,17 @@ FLOOR_DB = -90.0
 """Lowest level of a row."""
 
 ARRIVED = 0.005
-"""A disk this near to its end, as a share of the timeline, has arrived: held there, it gives
-nothing, which does not count for the level between the events."""
+"""Distance from the end of the stroke, as a share of the timeline, at which a disk has arrived. A
+disk held there produces no output, which does not count for the level between the events."""
 
 NEAR_MS = 5
-"""Half a window: a window's centre may lie so far from what it overlaps."""
+"""Half a window: the largest distance of a window's centre from a frame that it overlaps."""
 
 _PEAK_MS = 30
-"""The tactor's peak of an event comes this long after the disk enters it, or while it is on it."""
+"""Longest time from entering an event to its peak of vibration, unless the disk stays longer."""
 
 _CLICK_MS = 55
-"""Windows of a click's level have their centres from its strike on for so long."""
+"""Time from a strike in which the level of its click is measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,13 +81,13 @@ class FeltEvents:
     Attributes
     ----------
     name : str
-        The gesture's name, with `recoil` for the way back: `fast`, `fast recoil`.
+        The gesture's name, followed by `recoil` for the recoil: `fast`, `fast recoil`.
     timeline : Timeline
-        What the disk moved on.
+        Timeline of the surface.
     stroke : Stroke
         `out` or `recoil`, with its frames.
     sample_rate : float
-        Of these frames, Hz.
+        Sample rate of the frames, Hz.
     target : float
         Furthest position of the input disk in the stroke.
     turn : float
@@ -109,7 +113,7 @@ class FeltEvents:
     detected : bool (events,)
         Whether a pulse belongs to the event.
     release : float64 (events,)
-        Friction that lets go, N m s/rad.
+        Friction released by the event, N m s/rad.
     click_s, click_db : float64 (events,)
         When the event is struck, s, and the highest level of the click, dB; NaN if it is not.
     click_lag_ms : float64 (events,)
@@ -117,9 +121,9 @@ class FeltEvents:
     merged : bool (events,)
         Whether another event is struck within 30 ms.
     lost_to : str (events,)
-        The kind of the event of more friction among those, or "".
+        The kind of the merged event with more friction, or "".
     pulse_s : float64 (pulses,)
-        When a pulse is felt, s.
+        Time of each felt pulse, s.
     free_db : float
         Median level of the windows that overlap no event, dB; NaN if all overlap one.
     course, level : float64 (milliseconds,)
@@ -131,7 +135,7 @@ class FeltEvents:
 
     See Also
     --------
-    felt_events : Makes them.
+    felt_events : Measures them.
 
     Examples
     --------
@@ -182,21 +186,21 @@ class FeltEvents:
 
     @property
     def masked(self) -> Flags:
-        """Whether an event is less than a step above what is no event."""
+        """Events whose level is less than one JND above the level between the events."""
         return np.asarray(self.contrast_db < STEP_DB)
 
     def of(self, *kinds: str) -> Flags:
-        """Find the events that are passed, of some kinds or of all.
+        """Return which events are passed, of the given kinds or of all.
 
         Parameters
         ----------
         *kinds : str
-            Their names; none: all kinds.
+            Names of the kinds; none: all kinds.
 
         Returns
         -------
         bool (events,)
-            Which rows.
+            True for the rows that match.
 
         Examples
         --------
@@ -209,7 +213,7 @@ class FeltEvents:
     def __repr__(self) -> str:
         return (
             f"<FeltEvents {short(self.name)}: {counted(len(self.event), 'event')} of "
-            f"{short(self.timeline.title)}, {int(np.isfinite(self.level_db).sum())} met>"
+            f"{short(self.timeline.title)}, {int(np.isfinite(self.level_db).sum())} felt>"
         )
 
 
@@ -288,7 +292,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     torque = np.abs(done.trace.torque[stroke.start : stroke.stop])
     slope = np.diff(torque, prepend=torque[:1]) * rate
     heard = done.samples[stroke.start : stroke.stop + (round(TRAILING_S * rate) if outward else 0)]
-    level = levels(heard[:, TACTOR], rate, TOUCH_WINDOW_S, FLOOR_DB)
+    level = levels(heard[:, TACTOR], rate, FELT_WINDOW_S, FLOOR_DB)
     course = cursor[np.arange(0.0, len(cursor), per_ms).astype(np.int64)]
     away = np.flatnonzero(np.abs(cursor - cursor[-1]) > ARRIVED)
     arrived = min(int(away[-1]) + 2 if len(away) else len(cursor), len(cursor))
@@ -409,7 +413,7 @@ def _clicks(
     whether that is within 30 ms of others, and which kind hides it.
     """
     rate, envelope, release = done.sample_rate, done.trace.envelope, done.surface.release
-    level = levels(click, rate, TOUCH_WINDOW_S, FLOOR_DB)
+    level = levels(click, rate, FELT_WINDOW_S, FLOOR_DB)
     row_of = {event: row for row, event in enumerate(done.surface.event.tolist())}
     struck, loud, lag = np.full((3, len(kinds)), np.nan)
     merged, lost_to = np.zeros(len(kinds), dtype=bool), np.full_like(kinds, "")

@@ -1,9 +1,9 @@
-"""Onsets: where a signal suddenly gets louder.
+"""Onset detector: times at which a signal suddenly gets louder.
 
-The detector: the signal is high-passed at 250 Hz (what lies below is rumble), its level taken over
-2 ms Hann windows every 0.25 ms; an onset is where the level has risen by at least 9 dB over the
-highest of the 8 ms before, and is above a floor. Its time is the steepest point of the rise, and
-its strength the highest level of the 5 ms from there. Onsets closer than 5 ms count as one, at the
+The signal is high-passed at 250 Hz to remove rumble. Its level is taken over 2 ms Hann windows
+every 0.25 ms. An onset is a rise of the level by at least 9 dB over the highest of the 8 ms before,
+above a floor. Its time is the steepest point of the rise, and its strength the highest level of the
+5 ms from there. Onsets closer than 5 ms count as one, at the
 steepest of them.
 """
 
@@ -27,12 +27,12 @@ FLOOR_DB = -90.0
 
 @dataclass(frozen=True, eq=False)
 class Onsets:
-    """Where a signal suddenly gets louder, in order.
+    """Onsets of a signal in order of time.
 
     Attributes
     ----------
     time_s : float64 (onsets,)
-        Seconds.
+        Times of the onsets, s.
     level_db : float64 (onsets,)
         RMS over 2 ms, dB of full scale.
 
@@ -55,13 +55,13 @@ class Onsets:
 def level_curve(
     signal: NDArray[np.float32], sample_rate: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times (s, window centres) and levels (dB) that the detector looks at."""
+    """Return the times (s, window centres) and levels (dB) of the detector."""
     from scipy.signal import butter, fftconvolve, sosfilt
 
     data = validation.floats(signal, "signal")
     if not validation.positive(sample_rate, "sample_rate") > 2.0 * HIGH_PASS_HZ:
         raise InputError(
-            f"sample_rate is {sample_rate:g} Hz; onsets are found from {2 * HIGH_PASS_HZ:g} Hz up"
+            f"sample_rate is {sample_rate:g} Hz; must be above {2 * HIGH_PASS_HZ:g} Hz"
         )
     if not len(data):
         return data, data
@@ -76,7 +76,7 @@ def level_curve(
 
 
 def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
-    """Find the onsets of a signal: where it suddenly gets louder.
+    """Find the onsets of a signal, at which it suddenly gets louder.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
     sample_rate : float
         Hz.
     floor_db : float
-        What is fainter is none, dB of full scale.
+        Lowest level of an onset, dB of full scale.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
         strength = float(level[steepest : steepest + reach].max())
         if found_times and times[steepest] - found_times[-1] < MERGE_S:
             found_levels[-1] = max(found_levels[-1], strength)
-            # grain that sets in just before a click is not its onset
+            # texture that begins just before a click is not its onset
             if slope[steepest] > sharpest:
                 found_times[-1], sharpest = float(times[steepest]), float(slope[steepest])
             continue

@@ -1,4 +1,4 @@
-"""Pictures of presets: what each kind sounds and feels like, and what it is taken for."""
+"""Pictures of presets: rendered kinds, contrasts and confusions."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from overview_dsp.offline.plots.style import (
     tidy,
 )
 from overview_dsp.offline.rendering.audition import audition
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,21 +29,21 @@ if TYPE_CHECKING:
 
 CELL_IN = 0.3
 LEFT_IN, TOP_IN, BOTTOM_IN, GAP_IN = 1.0, 0.75, 0.8, 0.35
-"""Of an observer's confusion matrices, inches."""
+"""Sizes of an observer's confusion matrices, inches."""
 
 
 def plot_preset(preset: Preset) -> Figure:
-    """Every kind of a preset, rendered and drawn as `plot_gallery` does."""
+    """Render every kind of a preset and plot it with `plot_gallery`."""
     return plot_gallery(audition(preset), preset)
 
 
-def plot_gallery(result: Result, preset: Preset) -> Figure:
-    """What is heard and felt of each kind of event, in the order it is passed."""
+def plot_gallery(result: RenderResult, preset: Preset) -> Figure:
+    """Plot click and vibration of each kind of event, in the order of the render."""
     figure = new_figure(11.0, 4.6)
     heard, felt = figure.subplots(2, 1, sharex=True)
     rate = result.sample_rate
     trace = result.trace
-    # out only: the recoil is the same backwards, and slower
+    # only the outward stroke: the recoil repeats it backwards
     count = int(np.argmax(trace.engaged < 0.5)) or len(trace.time)
     time = trace.time[:count]
     heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
@@ -82,7 +82,7 @@ def plot_gallery(result: Result, preset: Preset) -> Figure:
 
 
 def plot_feel(report: FeelReport) -> Figure:
-    """How far each kind stands out of the rest, stroke by stroke, with the steps of touch."""
+    """Plot the contrast of each kind in each stroke; contrasts below one JND are red."""
     kinds = list(dict.fromkeys(kind.kind for stroke in report.strokes for kind in stroke.kinds))
     figure = new_figure(9.0, 1.4 + 0.36 * len(kinds))
     axes = figure.subplots()
@@ -90,7 +90,7 @@ def plot_feel(report: FeelReport) -> Figure:
     for column, stroke in enumerate(report.strokes):
         for kind in stroke.kinds:
             table[kinds.index(kind.kind), column] = kind.contrast_db
-    shown = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
+    image = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
     for (row, column), value in np.ndenumerate(table):
         if np.isfinite(value):
             axes.text(
@@ -100,7 +100,7 @@ def plot_feel(report: FeelReport) -> Figure:
                 ha="center",
                 va="center",
                 fontsize=8,
-                # a step of 2.3 dB is the least that is felt
+                # one JND is 2.3 dB
                 color=VERMILION if value < 2.3 else "white" if value < 18.0 else "black",
                 fontweight="bold" if value < 2.3 else "normal",
             )
@@ -108,45 +108,45 @@ def plot_feel(report: FeelReport) -> Figure:
     axes.tick_params(axis="x", rotation=25, labelsize=8)
     axes.set_yticks(range(len(kinds)), kinds)
     axes.grid(visible=False)
-    figure.colorbar(shown, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
+    figure.colorbar(image, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
     axes.set_title(report.table().partition("\n")[0], loc="left", fontsize=10)
     figure.tight_layout()
     return figure
 
 
 def plot_observer(report: ObserverReport) -> Figure:
-    """Of 100 events of each kind (rows), how many were taken for what (columns).
+    """Plot confusion matrices: true kinds in rows, answers in columns, in hundredths.
 
-    Of the timelines that were given, or of random ones. Kinds that weren't met have no row. Each
-    matrix has the mean recall of the kinds in its title.
+    The last set of timelines is plotted. Kinds without events have no row. The title of each matrix
+    has the mean recall of the kinds.
     """
-    shown = report.sets[-1]
-    strokes = list(shown.strokes)
-    modalities = list(shown.strokes[strokes[0]])
-    first = shown.strokes[strokes[0]][modalities[0]].kinds
-    met = [
+    scores_set = report.sets[-1]
+    strokes = list(scores_set.strokes)
+    modalities = list(scores_set.strokes[strokes[0]])
+    first = scores_set.strokes[strokes[0]][modalities[0]].kinds
+    rows = [
         row
         for row in range(len(first.kinds))
-        if any(by[m].kinds.events[row] for by in shown.strokes.values() for m in modalities)
+        if any(by[m].kinds.events[row] for by in scores_set.strokes.values() for m in modalities)
     ]
-    side = CELL_IN * (len(met) + 1)
+    side = CELL_IN * (len(rows) + 1)
     figure = new_figure(
         LEFT_IN + len(strokes) * (side + GAP_IN),
         TOP_IN + BOTTOM_IN + len(modalities) * (side + GAP_IN),
     )
     grid = figure.subplots(len(modalities), len(strokes), squeeze=False)
-    names = [*(first.kinds[row] for row in met), NOTHING]
+    names = [*(first.kinds[row] for row in rows), NOTHING]
     for axes_row, modality in zip(grid, modalities, strict=True):
         for axes, stroke in zip(axes_row, strokes, strict=True):
-            scores = shown.strokes[stroke][modality].kinds
-            _matrix(axes, scores, met)
+            scores = scores_set.strokes[stroke][modality].kinds
+            _matrix(axes, scores, rows)
             axes.set_title(f"{stroke}, {modality}: {100.0 * scores.balanced:.0f} %", fontsize=8)
-        axes_row[0].set_yticks(range(len(met)), names[:-1], fontsize=7)
+        axes_row[0].set_yticks(range(len(rows)), names[:-1], fontsize=7)
     for axes in grid[-1]:
         axes.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)
     width, height = figure.get_size_inches()
     figure.suptitle(
-        f"{report.preset}, {shown.name}\nof 100 of each kind, taken for",
+        f"{report.preset}, {scores_set.name}\nof 100 of each kind, taken for",
         x=0.1 / width,
         y=1.0 - 0.1 / height,
         va="top",
@@ -164,9 +164,9 @@ def plot_observer(report: ObserverReport) -> Figure:
     return figure
 
 
-def _matrix(axes: Axes, scores: ObserverScores, met: list[int]) -> None:
-    counts = scores.confusion[np.ix_(met, [*met, len(scores.kinds)])]
-    total = scores.confusion[met].sum(axis=1, keepdims=True)
+def _matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
+    counts = scores.confusion[np.ix_(rows, [*rows, len(scores.kinds)])]
+    total = scores.confusion[rows].sum(axis=1, keepdims=True)
     parts: NDArray[np.float64] = 100.0 * counts / np.maximum(total, 1)
     axes.imshow(parts, cmap="cividis", vmin=0.0, vmax=100.0, aspect="equal")
     for (row, column), part in np.ndenumerate(parts):

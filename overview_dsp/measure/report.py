@@ -1,15 +1,15 @@
-"""What a person gets of each kind of event, stroke by stroke, and what can't be distinguished.
+"""Feel report: level, contrast, sharpness and click of each kind of event, by stroke.
 
 A report groups the rows of `felt_events` by stroke and kind, over all timelines. Levels are
 weighted by the skin's sensitivity at the carrier's frequency (`pacinian_db`).
 
-Steps: 2.3 dB of level (Israr and Tan 2006: 2.2 to 2.5 dB); a quarter of duration (0.2 to 0.25 is
-what touch needs for frequency, the same authors); a factor of two in sharpness (our own rule: no
-study gives one for such pulses). Pulses within 30 ms are felt as one. An event less than a step
-above the rest is masked.
+Just noticeable differences (JNDs) are 2.3 dB of level (Israr and Tan 2006: 2.2 to 2.5 dB), a ratio
+of 1.25 of duration (from the same authors' 0.2 to 0.25 for frequency) and a factor of two in
+sharpness (an assumption: no study measured it for such pulses). Pulses within 30 ms are felt as
+one. An event less than one JND above the level between the events is masked.
 
-Kinds may have an order of importance; it is kept where each kind's median is a step above the next
-one's.
+Kinds may have an order of importance. It holds where the median of each kind is one JND above the
+next.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.measure.event_table import NEAR_MS, FeltEvents, felt_events
-from overview_dsp.measure.felt import (
+from overview_dsp.measure.perceived_level import (
     GESTURES,
-    KNOCK_HOP_S,
+    JND_DURATION,
+    JND_SHARPNESS,
     MERGED_S,
+    PULSE_HOP_S,
     STEP_DB,
-    STEP_DURATION,
-    STEP_SHARPNESS,
-    knocks,
-    ratio_steps,
+    pulse_indices,
+    ratio_jnds,
 )
 from overview_dsp.measure.report_base import Report, called, cell
 from overview_dsp.offline.rendering.schedule import Tail
@@ -46,35 +46,35 @@ from overview_dsp.public import counted, short
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
 
 LOW, HIGH = 10.0, 90.0
-"""The spread of a kind's levels, percentiles."""
+"""Percentiles of the spread of a kind's levels."""
 
 
 @dataclass(frozen=True)
 class KindFeel:
-    """One kind of event in one stroke: medians over its events; NaN where none was met.
+    """One kind of event in one stroke: medians over its events; NaN without any.
 
     Attributes
     ----------
     kind : str
-        Its name.
+        Name.
     events, missed : int
-        How many there are, and how many of these the disk never met.
+        Number of events, and number of those that the disk never reached.
     level_db, low_db, high_db : float
         Highest RMS over 10 ms on the event, dB of full scale, weighted by the skin's sensitivity:
         median, tenth and ninetieth percentile.
     contrast_db : float
-        Above the median of all that is no event, dB.
+        Level above the median level between the events, dB.
     sharpness : float
         Steepest rise of the torque, N m/s.
     duration_ms : float
-        How long the level stays near its highest, ms.
+        Time that the level stays near its highest, ms.
     click_db : float
         Highest RMS over 10 ms of the click, dB of full scale.
     lag_ms : float
-        Distance of click and knock, ms.
+        Time between click and felt pulse, ms.
     masked, merged, lost : int
-        Events less than a step above the rest; struck within 30 ms of another one; and hidden by it
-        since it has more friction.
+        Events less than one JND above the level between the events; events struck within 30 ms of
+        another one; and those of them that are hidden by the friction of the other one.
 
     Examples
     --------
@@ -100,21 +100,21 @@ class KindFeel:
     lost: int
 
     @property
-    def met(self) -> int:
-        """How many events the disk met."""
+    def passed(self) -> int:
+        """Number of events that the disk passed."""
         return self.events - self.missed
 
     def __repr__(self) -> str:
         return (
             f"<KindFeel {short(self.kind)}: {counted(self.events, 'event')}, "
-            f"{self.level_db:.1f} dB, {self.contrast_db:.1f} dB above the rest, "
+            f"{self.level_db:.1f} dB, {self.contrast_db:.1f} dB of contrast, "
             f"{self.duration_ms:.0f} ms>"
         )
 
 
 @dataclass(frozen=True)
 class StrokeReport:
-    """One stroke of one gesture, over all timelines.
+    """One stroke of one gesture over all timelines.
 
     Attributes
     ----------
@@ -127,17 +127,17 @@ class StrokeReport:
     sharpness : float
         Steepest rise of the torque in the median tenth of a second, N m/s.
     density_hz : float
-        Pulses that are felt apart, a second: peaks a step above their surroundings, 30 ms apart.
+        Pulses per second that are felt separately: at least one JND high, 30 ms from each other.
     kinds : tuple of KindFeel
-        In the order of importance; without one, in that of the surface.
-    alike : tuple of (str, str, float)
-        Pairs of kinds less than a step apart in level, sharpness and duration, and how far they
-        are.
+        Kinds in the order of importance, or else of the surface.
+    indistinct : tuple of (str, str, float)
+        Pairs of kinds that differ by less than one JND in level, sharpness and duration, and their
+        distance in JNDs.
     gaps : tuple of (str, str, float)
-        Each kind, the next one in the order of importance, and the just noticeable steps from one's
-        median level to the other's.
+        Each kind, the next one in the order of importance, and the JNDs between their median
+        levels.
     lost : tuple of (str, str, int)
-        A kind, the kind that is felt in its place, and how often.
+        Each kind that is lost, the kind that hides it, and the number of events.
 
     Examples
     --------
@@ -152,7 +152,7 @@ class StrokeReport:
     sharpness: float
     density_hz: float
     kinds: tuple[KindFeel, ...]
-    alike: tuple[tuple[str, str, float], ...] = field(metadata={"digits": 2})
+    indistinct: tuple[tuple[str, str, float], ...] = field(metadata={"digits": 2})
     gaps: tuple[tuple[str, str, float], ...]
     lost: tuple[tuple[str, str, int], ...]
 
@@ -162,17 +162,17 @@ class StrokeReport:
         Parameters
         ----------
         name : str
-            Of a kind that the timelines have.
+            Name of a kind of the timelines.
 
         Returns
         -------
         KindFeel
-            That one.
+            Entry of that name.
 
         Raises
         ------
         InputError
-            There is none.
+            There is no such name.
 
         Examples
         --------
@@ -185,7 +185,8 @@ class StrokeReport:
     def __repr__(self) -> str:
         return (
             f"<StrokeReport {short(self.name)}: {self.level_db:.1f} dB, "
-            f"{counted(len(self.kinds), 'kind')}, {counted(len(self.alike), 'pair')} alike>"
+            f"{counted(len(self.kinds), 'kind')}, "
+            f"{counted(len(self.indistinct), 'indistinct pair')}>"
         )
 
 
@@ -208,12 +209,12 @@ _COLUMNS: tuple[tuple[str, str, int, Callable[[KindFeel, int], str]], ...] = (
     ("click", "dB", 8, lambda kind, width: cell(kind.click_db, width)),
     ("lag", "ms", 5, lambda kind, width: cell(kind.lag_ms, width, 0)),
 )
-"""Of the table: heading, unit, width and text."""
+"""Columns of the table: heading, unit, width and text."""
 
 
 @dataclass(frozen=True)
 class FeelReport(Report):
-    """How a preset feels on timelines.
+    """Measurements of a preset on timelines.
 
     Attributes
     ----------
@@ -222,11 +223,11 @@ class FeelReport(Report):
     timelines : tuple of str
         The timelines' titles.
     strokes : tuple of StrokeReport
-        Each gesture's way out, and its recoil.
+        Outward stroke and recoil of each gesture.
 
     See Also
     --------
-    feel_report : Makes one.
+    feel_report : Makes a report.
 
     Examples
     --------
@@ -245,17 +246,17 @@ class FeelReport(Report):
         Parameters
         ----------
         name : str
-            `fast`, `fast recoil`, say.
+            Name, such as `fast recoil`.
 
         Returns
         -------
         StrokeReport
-            That one.
+            Entry of that name.
 
         Raises
         ------
         InputError
-            There is none.
+            There is no such name.
 
         Examples
         --------
@@ -278,48 +279,48 @@ class FeelReport(Report):
                 yield f"  {kind.kind[:20]:<20}{''.join(cells)}"
             if stroke.gaps:
                 gaps = (f"{a} > {b} by {gap:.1f}" for a, b, gap in stroke.gaps)
-                yield f"  steps: {'; '.join(gaps)}"
+                yield f"  JNDs: {'; '.join(gaps)}"
             if stroke.lost:
                 lost = (f"{a} beside {b}: {n}" for a, b, n in stroke.lost)
                 yield f"  lost: {', '.join(lost)}"
 
     def _faults(self) -> Iterator[str]:
         masked: dict[str, list[str]] = {}
-        alike: dict[tuple[str, str], list[str]] = {}
+        indistinct: dict[tuple[str, str], list[str]] = {}
         gaps: dict[tuple[str, str], list[str]] = {}
         for stroke in self.strokes:
             for kind in stroke.kinds:
-                if 2 * kind.masked > kind.met:
+                if 2 * kind.masked > kind.passed:
                     masked.setdefault(kind.kind, []).append(stroke.name)
-            for first, second, _ in stroke.alike:
-                alike.setdefault((first, second), []).append(stroke.name)
+            for first, second, _ in stroke.indistinct:
+                indistinct.setdefault((first, second), []).append(stroke.name)
             for first, second, steps in stroke.gaps:
                 if not steps >= 1.0:  # NaN too
                     gaps.setdefault((first, second), []).append(f"{stroke.name} ({steps:.1f})")
         for name, where in masked.items():
             yield (
                 f"{name} is hardly felt in {_listed(where)}: raise kinds.{name}.height, or "
-                "lower surface.ambience"
+                "lower surface.intensity_gain"
             )
-        for (first, second), where in alike.items():
+        for (first, second), where in indistinct.items():
             yield (
-                f"{first} and {second} feel alike in {_listed(where)}: move their heights or "
-                "widths apart by a third"
+                f"{first} and {second} feel the same in {_listed(where)}: move their heights or "
+                "widths by a third, in opposite directions"
             )
         for (first, second), where in gaps.items():
             yield (
-                f"{first} is less than a step above {second} in {', '.join(where)}: move their "
-                "heights apart, or overview presets tune"
+                f"{first} is less than one JND above {second} in {', '.join(where)}: raise the "
+                "first height, or run overview presets tune"
             )
         for stroke in self.strokes:
             if count := sum(kind.merged for kind in stroke.kinds):
                 yield (
-                    f"{count} events come within {1000.0 * MERGED_S:.0f} ms of another in "
+                    f"{count} events are within {1000.0 * MERGED_S:.0f} ms of another in "
                     f"{stroke.name} and are felt as one with it: zoom in, or move more slowly"
                 )
             missed = [f"{one.missed} {one.kind}" for one in stroke.kinds if one.missed]
             if missed:
-                yield f"never met in {stroke.name}: {', '.join(missed)}"
+                yield f"never passed in {stroke.name}: {', '.join(missed)}"
 
     def __repr__(self) -> str:
         return (
@@ -341,31 +342,31 @@ def feel_report(
     order: Sequence[str] | None = None,
     progress: Callable[[float], None] = lambda part: None,
 ) -> FeelReport:
-    """Measure how a preset feels on timelines, each event where it lies.
+    """Measure level, contrast, sharpness and click of a preset's kinds on timelines.
 
     Parameters
     ----------
     preset : Preset
-        What is to be felt.
+        Preset that is measured.
     timelines : Timeline or sequence of Timeline
-        With events. Of several, what is felt on all of them.
+        Timelines with events; the report is over all of them.
     gestures : mapping of str to Gesture
-        By name, each of one touch; slow, medium and fast sweeps and a tap if left out.
+        Gestures of one touch each, by name; default: slow, medium and fast sweeps and a tap.
     sample_rate : float
         Hz.
     recoils : bool
-        Without them, only the way out is measured.
+        Whether recoils are measured too.
     order : sequence of str or None
-        Kinds, the most important first; the others follow by their friction. Each is expected to be
-        a step above the next. None: no order is expected.
+        Kinds, the most important first; other kinds follow by their friction. Each is expected to
+        be one JND above the next. None: no order is expected.
     progress : callable
-        Called with the part done, 0 to 1.
+        Called with the completed share, 0 to 1.
 
     Returns
     -------
     FeelReport
-        Level, contrast, sharpness, duration and click of each kind in each stroke, with what is
-        missed, masked, merged and lost.
+        Level, contrast, sharpness, duration and click of each kind in each stroke, with the numbers
+        of missed, masked, merged and lost events.
 
     Raises
     ------
@@ -413,15 +414,15 @@ def _stroke(
     kinds = []
     for one in names:
         rows = kind == one
-        met = level[rows & np.isfinite(level)] + weight
-        low, high = np.percentile(met, [LOW, HIGH]).tolist() if len(met) else [math.nan] * 2
+        felt = level[rows & np.isfinite(level)] + weight
+        low, high = np.percentile(felt, [LOW, HIGH]).tolist() if len(felt) else [math.nan] * 2
         if rows.any():
             kinds.append(
                 KindFeel(
                     kind=one,
                     events=int(rows.sum()),
-                    missed=int(rows.sum()) - len(met),
-                    level_db=_median(met),
+                    missed=int(rows.sum()) - len(felt),
+                    level_db=_median(felt),
                     low_db=low,
                     high_db=high,
                     contrast_db=_median(column("contrast_db")[rows]),
@@ -435,7 +436,9 @@ def _stroke(
                 )
             )
     pairs = Counter((a, b) for a, b in zip(kind.tolist(), lost_to.tolist(), strict=True) if b)
-    level_db, sharpness, density = np.median([_character(one) for one in tables], axis=0).tolist()
+    level_db, sharpness, density = np.median(
+        [_stroke_features(one) for one in tables], axis=0
+    ).tolist()
     return StrokeReport(
         name,
         _median([one.free_db for one in tables]) + weight,
@@ -444,9 +447,9 @@ def _stroke(
         density,
         tuple(kinds),
         tuple(
-            (first.kind, second.kind, apart)
+            (first.kind, second.kind, distance)
             for first, second in itertools.combinations(kinds, 2)
-            if first.met and second.met and (apart := steps_apart(first, second)) < 1.0
+            if first.passed and second.passed and (distance := jnd_distance(first, second)) < 1.0
         ),
         tuple(
             (first.kind, second.kind, (first.level_db - second.level_db) / STEP_DB)
@@ -462,84 +465,84 @@ def _median(values: Any) -> float:
     return float(np.median(known)) if len(known) else math.nan
 
 
-def _character(one: FeltEvents) -> tuple[float, float, float]:
-    """Level (dB), sharpness (N m/s) and density (a second) of all that is felt in a stroke."""
-    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(KNOCK_HOP_S * 1e3)]
+def _stroke_features(one: FeltEvents) -> tuple[float, float, float]:
+    """Return level (dB), sharpness (N m/s) and density (per second) of a stroke."""
+    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(PULSE_HOP_S * 1e3)]
     if not len(level):
         return math.nan, one.slope, 0.0
-    return float(np.median(level)), one.slope, len(knocks(level)) / one.arrived_s
+    return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
 
 
-def steps_apart(first: KindFeel, second: KindFeel) -> float:
-    """Count the just noticeable steps between two kinds, in what they differ most in.
+def jnd_distance(first: KindFeel, second: KindFeel) -> float:
+    """Return the JNDs between two kinds, of the quantity that differs most.
 
     Parameters
     ----------
     first, second : KindFeel
-        Of one stroke.
+        Kinds of one stroke.
 
     Returns
     -------
     float
-        Steps of level, of sharpness or of duration.
+        JNDs of level, of sharpness or of duration.
 
     Examples
     --------
     >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
     >>> kind = report.strokes[0].kinds[0]
-    >>> ov.measure.steps_apart(kind, kind)
+    >>> ov.measure.jnd_distance(kind, kind)
     0.0
     """
     for kind in (first, second):
         validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
         abs(first.level_db - second.level_db) / STEP_DB,
-        ratio_steps(first.sharpness, second.sharpness, STEP_SHARPNESS),
-        ratio_steps(first.duration_ms, second.duration_ms, STEP_DURATION),
+        ratio_jnds(first.sharpness, second.sharpness, JND_SHARPNESS),
+        ratio_jnds(first.duration_ms, second.duration_ms, JND_DURATION),
     ]
     return max((step for step in steps if math.isfinite(step)), default=0.0)
 
 
-def character_steps(first: FeelReport, second: FeelReport) -> float:
-    """Count the just noticeable steps between two presets on one timeline.
+def character_distance(first: FeelReport, second: FeelReport) -> float:
+    """Return the JNDs between two presets on one timeline.
 
-    In what they differ most in: the medians of the steps in level, in sharpness and in density
-    over all strokes; the recoils, which are much the same after any gesture, count as one.
+    The result is the largest of the medians over all strokes in level, sharpness and density. All
+    recoils count as one stroke, since they are similar after any gesture.
 
     Parameters
     ----------
     first, second : FeelReport
-        Of the same gestures.
+        Reports of the same gestures.
 
     Returns
     -------
     float
-        How many.
+        Number of JNDs.
 
     Examples
     --------
     >>> report = ov.measure.feel_report(football, match, {"fast": ov.sweep(1.0)}, 8000)
-    >>> ov.measure.character_steps(report, report)
+    >>> ov.measure.character_distance(report, report)
     0.0
     """
     for report in (first, second):
         validation.instance(report, FeelReport, "a report", "ov.measure.feel_report makes one")
     validation.equally_long("the reports' strokes", first.strokes, second.strokes)
-    return steps_over_strokes(
+    return jnds_over_strokes(
         {
             one.name: (
                 abs(one.level_db - other.level_db) / STEP_DB,
-                ratio_steps(one.sharpness, other.sharpness, STEP_SHARPNESS),
-                # a pulse a second is the least that is called a rhythm
-                ratio_steps(one.density_hz + 1.0, other.density_hz + 1.0, STEP_DURATION),
+                ratio_jnds(one.sharpness, other.sharpness, JND_SHARPNESS),
+                # one pulse per second is the lowest density that is a rhythm
+                ratio_jnds(one.density_hz + 1.0, other.density_hz + 1.0, JND_DURATION),
             )
             for one, other in zip(first.strokes, second.strokes, strict=True)
         }
     )
 
 
-def steps_over_strokes(differences: Mapping[str, Any]) -> float:
-    """Return the largest median of steps over strokes; the recoils count as one stroke."""
+def jnds_over_strokes(differences: Mapping[str, Any]) -> float:
+    """Return the largest median of JNDs over strokes; the recoils count as one stroke."""
     table = {name: np.array(steps) for name, steps in differences.items()}
     each = [steps for name, steps in table.items() if not name.endswith("recoil")]
     recoils = [steps for name, steps in table.items() if name.endswith("recoil")]
@@ -549,7 +552,7 @@ def steps_over_strokes(differences: Mapping[str, Any]) -> float:
 
 
 def _known_median(rows: Sequence[Any]) -> Any:
-    """Return the median of each column that most rows know; NaN for the others."""
+    """Return the median of each column with mostly finite values; NaN for the others."""
     table = np.array(rows)
     known = np.isfinite(table).sum(axis=0) > len(rows) / 2
     median = np.full(table.shape[1], np.nan)

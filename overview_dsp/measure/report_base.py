@@ -1,4 +1,4 @@
-"""What every report can: plain data, a table, warnings."""
+"""Base class of reports: plain data, a table, warnings."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ T = TypeVar("T")
 
 
 class Report(ABC):
-    """What was measured of a preset."""
+    """Measurements of a preset."""
 
     _digits: ClassVar[int] = 4
-    """Of the numbers in plain data, where a field's `digits` says nothing else."""
+    """Digits of the numbers in plain data, unless a field's metadata has `digits`."""
 
     def to_json(self) -> dict[str, Any]:
-        """Make plain data of it; what was not felt is None.
+        """Return plain data; a value that was not felt is None.
 
         Returns
         -------
         dict
-            Of texts, numbers and lists, for JSON.
+            Texts, numbers and lists, for JSON.
 
         Examples
         --------
@@ -36,12 +36,12 @@ class Report(ABC):
         return self._plain()
 
     def table(self) -> str:
-        """Write the report as text: a block a stroke.
+        """Return the report as text, one block per stroke.
 
         Returns
         -------
         str
-            Of many lines.
+            Lines of a table.
 
         Examples
         --------
@@ -52,12 +52,12 @@ class Report(ABC):
         return "\n".join(self._lines())
 
     def warnings(self) -> list[str]:
-        """List what a person would miss or take for something else.
+        """List the events that a user would miss or confuse.
 
         Returns
         -------
         list of str
-            A line each, with what to change where that is known.
+            One line per problem, with a remedy if one is known.
 
         Examples
         --------
@@ -73,15 +73,15 @@ class Report(ABC):
 
     @abstractmethod
     def _lines(self) -> Iterable[str]:
-        """The lines of the table."""
+        """Yield the lines of the table."""
 
     @abstractmethod
     def _faults(self) -> Iterable[str]:
-        """The lines of the warnings."""
+        """Yield the warnings."""
 
 
 def called(name: str, by_name: Mapping[str, T], what: str) -> T:
-    """The one of that name; InputError, with the names that there are, if none is."""
+    """Return the entry of that name; InputError with the nearest name if there is none."""
     if not isinstance(name, str) or name not in by_name:
         hint = did_you_mean(str(name), by_name)
         raise InputError(f"no {what} of the report is called {shown(name)}{hint}")
@@ -89,7 +89,7 @@ def called(name: str, by_name: Mapping[str, T], what: str) -> T:
 
 
 def cell(value: float, width: int, digits: int = 1) -> str:
-    """A number in a column of a table; a dash where nothing was felt."""
+    """Return a number as a table cell; a dash if it is not finite."""
     if not math.isfinite(value):
         return f"{'-':>{width}}"
     text = f"{value:.{digits}f}" if abs(value) < 1e4 else f"{value:.3g}"
@@ -97,9 +97,9 @@ def cell(value: float, width: int, digits: int = 1) -> str:
 
 
 def plain_data(value: Any, digits: int) -> Any:
-    """Texts, rounded numbers, lists and, for a dataclass, its fields; not a number is None.
+    """Return texts, rounded numbers and lists, and a dataclass as a dict; NaN is None.
 
-    A field with `digits` in its metadata is rounded to these.
+    A field with `digits` in its metadata is rounded to these digits.
     """
     if is_dataclass(value):
         return {

@@ -1,9 +1,9 @@
-"""Heights and widths of kinds tuned by search: kinds in an order of strength, or set apart.
+"""Tuning of heights and widths by search: kinds in an order of strength, or separated.
 
-The cost is the sum of squared shortfalls, in just noticeable steps, over strokes and timelines.
-The start raises each kind by what it lacks above all below it. Then a seeded local search moves a
-kind that is in the way, or all of them, a little, and keeps what costs less: first at few speeds,
-then at all of them. A preset that has what is wanted stays as it is.
+The cost is the sum of squared shortfalls, in JNDs, over strokes and timelines. The first tries
+raise each kind by its shortfall and those of all kinds below it. Then a seeded local search changes
+one kind with a shortfall, or all of them, and keeps changes that cost less: first at few speeds,
+then at all of them. A preset that meets the target is not changed.
 """
 
 from __future__ import annotations
@@ -24,54 +24,53 @@ from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.felt import STEP_DB
-from overview_dsp.measure.report import KindFeel, feel_report, steps_apart
+from overview_dsp.measure.perceived_level import STEP_DB
+from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
 
 RATE = 16_000.0
-"""Hz. The disk and its vibration are the same at any rate; a low one is quick."""
+"""Sample rate, Hz. The vibration does not depend on it, and a low one is fast."""
 
-ORDERED_STEPS, APART_STEPS = 2.0, 1.0
-"""Wanted between a kind and the next one of a target; between any two kinds that are set apart."""
+ORDERED_JNDS, SEPARATE_JNDS = 2.0, 1.0
+"""Required JNDs between a kind and the next one of a target, and between separated kinds."""
 
 REST_STEPS = 1.0
-"""Wanted of the last kind above what is no event."""
+"""Required JNDs of the last kind above the level between the events."""
 
 MORE_STEPS = 0.3
-"""So much more is aimed at, so that other speeds than the measured ones hold it too."""
+"""Margin of the search in JNDs, so that the target holds at other speeds too."""
 
 CLEAR_STEPS = 1.8
-"""Aimed at above what is no event by kinds set apart, so that the fainter events of a kind are
+"""JNDs of separated kinds above the level between the events in the search, so that weak events are
 felt."""
 
 FAULT_STEPS = 2.0
-"""What a masked or merged event costs: as a pair of kinds that lack so many steps."""
+"""Cost of a masked or merged event, as a shortfall in JNDs."""
 
 GOOD = 0.02
-"""The search ends at this cost: what is aimed at is all but reached. A target is met once all that
-is wanted of it is reached at the last speeds."""
+"""Cost at which the search ends. A target is met once its requirements hold at the last speeds."""
 
 MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
-"""Heights move by up to this ratio, widths by less: a width is a kind's character."""
+"""Largest ratios of change of heights and widths."""
 
 LOG_PER_DB = 0.19
-"""Of a height, as a logarithm, for a dB of level: what compression leaves of it (0.6 dB a dB)."""
+"""Change of a height's logarithm per dB of level, for a compression of 0.6 dB per dB."""
 
 TRIES, TRIES_APART = 100, 2000
-"""Of the search, at few speeds and again at all of them."""
+"""Tries of the search, at few speeds and again at all of them."""
 
 GUESSES = 3
-"""Tries at first that raise each kind of a target by what it lacks above all below it."""
+"""First tries, which raise each kind of a target by its shortfall."""
 
 TOGETHER = 0.15
-"""Part of the tries that raise or lower all kinds at once."""
+"""Share of the tries that change all kinds at once."""
 
 SPREAD = (0.3, 0.15)
-"""Of a try, in logarithms of the height's and the width's ratio."""
+"""Standard deviations of a try, in logarithms of the height's and the width's ratio."""
 
-REST = "what is no event"
+REST = "the level between the events"
 UNMET = -10.0
-"""Steps of a kind that was never met above another one."""
+"""JNDs of a kind that was never passed above another one."""
 
 Sweeps = Mapping[str, Gesture]
 
@@ -81,11 +80,11 @@ def _sweeps(*seconds: float) -> Sweeps:
 
 
 ROUGH, FINE = _sweeps(1.0, 2.0, 5.0), _sweeps(1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
-"""Over made-up timelines."""
+"""Sweeps over synthetic timelines."""
 
 SEARCHED: Sweeps = {**_sweeps(1.0, 2.5, 6.0), "a tap": tap(1.0, 3.0)}
 VERIFIED: Sweeps = {**_sweeps(1.0, 2.0, 4.0, 6.0), "a tap": tap(1.0, 3.0)}
-"""Over the timelines that are given."""
+"""Gestures over given timelines."""
 
 
 @dataclass(frozen=True)
@@ -95,29 +94,29 @@ class TuningResult:
     Attributes
     ----------
     preset : Preset
-        Called `NAME-tuned`.
-    least_steps : float
-        Just noticeable steps between the two kinds that are nearest to each other.
+        Preset of the name `NAME-tuned`.
+    least_jnds : float
+        JNDs between the two kinds that are nearest to each other.
     reached : bool
-        Whether that is what was wanted.
+        Whether all requirements are met.
     unreached : tuple of str
-        Where it isn't: a line each.
+        One line per requirement that is not met.
 
     Examples
     --------
     >>> football = ov.load_preset("football")
-    >>> ov.measure.TuningResult(football, least_steps=2.1, reached=True).reached
+    >>> ov.measure.TuningResult(football, least_jnds=2.1, reached=True).reached
     True
     """
 
     preset: Preset
-    least_steps: float
+    least_jnds: float
     reached: bool
     unreached: tuple[str, ...] = ()
 
 
 class Gap(NamedTuple):
-    """The steps between two kinds in a stroke, and those that are wanted."""
+    """JNDs between two kinds in a stroke, and the required number."""
 
     stroke: str
     timeline: str
@@ -125,61 +124,61 @@ class Gap(NamedTuple):
     relation: str
     second: str
     steps: float
-    wanted: float
+    required: float
 
     @property
-    def lacks(self) -> float:
-        """Steps to what is aimed at; 0 if it is reached."""
-        return max(0.0, self.wanted + MORE_STEPS - self.steps)
+    def shortfall(self) -> float:
+        """JNDs to the goal of the search; 0 if it is reached."""
+        return max(0.0, self.required + MORE_STEPS - self.steps)
 
     def __str__(self) -> str:
         return (
-            f"{self.first} is {self.steps:.2f} steps {self.relation} {self.second} in "
-            f"{self.stroke} on {self.timeline or 'a timeline'}, {self.wanted:g} wanted"
+            f"{self.first} is {self.steps:.2f} JNDs {self.relation} {self.second} in "
+            f"{self.stroke} on {self.timeline or 'a timeline'}, {self.required:g} required"
         )
 
 
 Feels = dict[tuple[str, int], dict[str, KindFeel]]
-"""What each kind is like, by stroke and number of the timeline; a made-up one is one in parts."""
+"""Measurements of each kind by stroke and timeline number; a synthetic timeline has number 0."""
 
 
 def tune(
     preset: Preset,
     target: Sequence[str] = (),
     timelines: Sequence[Timeline] | None = None,
-    apart: bool = False,
+    separate: bool = False,
     seed: int = 0,
     progress: Callable[[float], None] = lambda part: None,
 ) -> TuningResult:
-    """Move heights and widths until kinds follow each other in strength, or are set apart.
+    """Change heights and widths until kinds have an order of strength, or are separated.
 
     Parameters
     ----------
     preset : Preset
-        Whose kinds are moved.
+        Preset whose kinds are changed.
     target : sequence of str
-        Kinds, the strongest first: two or more, each named by the preset. Each is to be two steps
-        of level above the next, the last one a step above what is no event.
+        Kinds, the strongest first: two or more, each named by the preset. Each is to be two JNDs
+        of level above the next, and the last one JND above the level between the events.
     timelines : sequence of Timeline or None
-        Where that is measured, each event where it lies, in sweeps of 1 to 6 s and a tap. None: on
-        a made-up timeline, in sweeps of 1 to 6 s.
-    apart : bool
-        All kinds of the preset are to be a step apart, in whatever they differ most in, with none
-        masked and none merged; a target's kinds only a step above the next.
+        Timelines of the measurement, in sweeps of 1 to 6 s and a tap. None: a synthetic timeline,
+        in sweeps of 1 to 6 s.
+    separate : bool
+        Whether all kinds of the preset are to differ by one JND, in the quantity that differs most,
+        with none masked or merged. The kinds of a target are then one JND above the next.
     seed : int
-        The same seed gives the same preset.
+        Random seed; the same seed gives the same preset.
     progress : callable
-        Called with the part done, 0 to 1.
+        Called with the completed share, 0 to 1.
 
     Returns
     -------
     TuningResult
-        What was found, and what of it isn't reached where.
+        Tuned preset, and the requirements that are not met.
 
     Raises
     ------
     InputError
-        Fewer than two kinds, one that the preset doesn't name or no timeline has, one twice.
+        Fewer than two kinds, a kind twice, or one that the preset or all timelines lack.
 
     Examples
     --------
@@ -190,8 +189,8 @@ def tune(
     >>> ov.measure.tune(preset, ["strong", "weak"]).reached
     True
     """
-    _check_target(preset, target, timelines, apart)
-    search = _Search(preset, tuple(target), timelines, apart)
+    _check_target(preset, target, timelines, separate)
+    search = _Search(preset, tuple(target), timelines, separate)
     rng = validation.random(seed)
     moves = search.unmoved
     feels = search.measured(moves, search.speeds[-1], search.names)
@@ -202,28 +201,28 @@ def tune(
     progress(1.0)
     best = replace(search.moved(moves), name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
     gaps = search.gaps(feels)
-    least = min((gap.steps - gap.wanted for gap in gaps), default=math.inf)
+    least = min((gap.steps - gap.required for gap in gaps), default=math.inf)
     return TuningResult(
         best,
-        least + (APART_STEPS if apart else ORDERED_STEPS),
+        least + (SEPARATE_JNDS if separate else ORDERED_JNDS),
         search.reached(feels),
-        tuple(str(gap) for gap in gaps if not gap.steps >= gap.wanted),
+        tuple(str(gap) for gap in gaps if not gap.steps >= gap.required),
     )
 
 
 def gaps_of(
     preset: Preset, target: Sequence[str], timelines: Sequence[Timeline] | None = None
 ) -> list[Gap]:
-    """Return the steps between the kinds of a target, in each stroke on each timeline."""
+    """Return the JNDs between the kinds of a target, in each stroke on each timeline."""
     search = _Search(preset, tuple(target), timelines, False)
     return search.gaps(search.measured(search.unmoved, search.speeds[-1], search.names))
 
 
 def _check_target(
-    preset: Preset, target: Sequence[str], timelines: Sequence[Timeline] | None, apart: bool
+    preset: Preset, target: Sequence[str], timelines: Sequence[Timeline] | None, separate: bool
 ) -> None:
-    if len(target) < 2 and (target or not apart):
-        raise InputError("a target has two kinds or more, the strongest first: goal>foul")
+    if len(target) < 2 and (target or not separate):
+        raise InputError("a target must have two kinds or more, the strongest first: goal>foul")
     for name in target:
         if name not in preset.kinds:
             raise InputError(
@@ -233,37 +232,37 @@ def _check_target(
         raise InputError("a kind is named twice in the target; name each once")
     if timelines is None:
         return
-    if apart:
-        raise InputError("kinds are set apart on a made-up timeline; leave the timelines out")
+    if separate:
+        raise InputError("kinds are separated on a synthetic timeline; remove the timelines")
     kinds = {kind for timeline in timelines for kind in timeline.kinds()}
     for name in target:
         if name not in kinds:
             raise InputError(
-                f"no event of kind {name!r} is on the timelines given{did_you_mean(name, kinds)}"
+                f"no event of kind {name!r} is on the given timelines{did_you_mean(name, kinds)}"
             )
 
 
 class _Search:
-    """Measures moves of heights and widths, and improves them."""
+    """Search for changes of heights and widths."""
 
     def __init__(
         self,
         preset: Preset,
         target: tuple[str, ...],
         timelines: Sequence[Timeline] | None,
-        apart: bool,
+        separate: bool,
     ) -> None:
-        self._preset, self._target, self._apart = preset, target, apart
-        self.names = tuple(preset.kinds) if apart else target
+        self._preset, self._target, self._separate = preset, target, separate
+        self.names = tuple(preset.kinds) if separate else target
         self._made_up = timelines is None
-        self._timelines = timelines or (pages(preset) if apart else (_alternating(target),))
+        self._timelines = timelines or (pages(preset) if separate else (_alternating(target),))
         self.speeds = (ROUGH, FINE) if self._made_up else (SEARCHED, VERIFIED)
-        self._tries = TRIES_APART if apart else TRIES
+        self._tries = TRIES_APART if separate else TRIES
         self._most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], len(self.names))
 
     @property
     def unmoved(self) -> NDArray[np.float64]:
-        """The moves of the preset as it is: (2 kinds,), heights, then widths; logs of ratios."""
+        """No change: (2 kinds,), logarithms of the ratios of heights, then of widths."""
         return np.zeros(2 * len(self.names))
 
     def moved(self, moves: NDArray[np.float64]) -> Preset:
@@ -274,7 +273,7 @@ class _Search:
         return replace(self._preset, kinds=kinds)
 
     def measured(self, moves: NDArray[np.float64], speeds: Sweeps, kinds: Sequence[str]) -> Feels:
-        """Return how these kinds feel, and what else is on their timelines."""
+        """Return the measurements of these kinds and of others on their timelines."""
         preset = self.moved(moves)
         parts = [
             (i, [one]) for i, one in enumerate(self._timelines) if set(kinds) & set(one.kinds())
@@ -288,53 +287,57 @@ class _Search:
         }
 
     def gaps(self, feels: Feels) -> list[Gap]:
-        """Return what is wanted of the kinds of each stroke, and what it is."""
+        """Return the required and the measured JNDs of the kinds in each stroke."""
         found = []
         for (stroke, i), kinds in feels.items():
             gap = functools.partial(Gap, stroke, self._timelines[i].title)
-            there = [kinds[name] for name in self._target if name in kinds]
-            for one, other in itertools.pairwise(there):
+            present = [kinds[name] for name in self._target if name in kinds]
+            for one, other in itertools.pairwise(present):
                 above = (one.level_db - other.level_db) / STEP_DB
-                wanted = APART_STEPS if self._apart else ORDERED_STEPS
-                found.append(gap(one.kind, "above", other.kind, above, wanted))
-            if self._apart:
+                required = SEPARATE_JNDS if self._separate else ORDERED_JNDS
+                found.append(gap(one.kind, "above", other.kind, above, required))
+            if self._separate:
                 for one, other in itertools.combinations(kinds.values(), 2):
-                    steps = steps_apart(one, other)
-                    found.append(gap(one.kind, "from", other.kind, steps, APART_STEPS))
-            elif there:
-                contrast = there[-1].contrast_db / STEP_DB
-                found.append(gap(there[-1].kind, "above", REST, contrast, REST_STEPS))
-        # a kind that was never met
+                    steps = jnd_distance(one, other)
+                    found.append(gap(one.kind, "from", other.kind, steps, SEPARATE_JNDS))
+            elif present:
+                contrast = present[-1].contrast_db / STEP_DB
+                found.append(gap(present[-1].kind, "above", REST, contrast, REST_STEPS))
+        # a kind that was never passed
         return [one if math.isfinite(one.steps) else one._replace(steps=UNMET) for one in found]
 
     def _costs(self, feels: Feels) -> NDArray[np.float64]:
-        """Return what lacks, squared, by kind: (kinds,)."""
+        """Return the squared shortfalls by kind: (kinds,)."""
         costs = dict.fromkeys(self.names, 0.0)
         for gap in self.gaps(feels):
             for name in {gap.first, gap.second} - {REST}:
-                costs[name] += gap.lacks**2
-        if self._apart:
+                costs[name] += gap.shortfall**2
+        if self._separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
                 clear = (
-                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB) if kind.met else FAULT_STEPS
+                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
+                    if kind.passed
+                    else FAULT_STEPS
                 )
                 costs[kind.kind] += clear**2 + FAULT_STEPS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))
 
     def reached(self, feels: Feels) -> bool:
-        """Return whether all that is wanted is reached."""
-        kinds = [kind for kinds in feels.values() for kind in kinds.values()] if self._apart else []
-        return all(gap.steps >= gap.wanted for gap in self.gaps(feels)) and not any(
+        """Return whether all requirements are met."""
+        kinds = (
+            [kind for kinds in feels.values() for kind in kinds.values()] if self._separate else []
+        )
+        return all(gap.steps >= gap.required for gap in self.gaps(feels)) and not any(
             kind.masked or kind.merged for kind in kinds
         )
 
     def raised(self, moves: NDArray[np.float64], feels: Feels) -> NDArray[np.float64]:
-        """Raise each kind of the target by what it lacks above all below it."""
-        lacks = dict.fromkeys(self._target, 0.0)
+        """Raise each kind of the target by its shortfall and those of the kinds below it."""
+        shortfalls = dict.fromkeys(self._target, 0.0)
         for gap in self.gaps(feels):
-            if gap.steps < gap.wanted and (gap.second == REST or not self._apart):
-                lacks[gap.first] = max(lacks[gap.first], gap.lacks)
-        steps = np.cumsum(list(lacks.values())[::-1])[::-1]
+            if gap.steps < gap.required and (gap.second == REST or not self._separate):
+                shortfalls[gap.first] = max(shortfalls[gap.first], gap.shortfall)
+        steps = np.cumsum(list(shortfalls.values())[::-1])[::-1]
         found = moves.copy()
         for name, more in zip(self._target, steps, strict=True):
             found[self.names.index(name)] += more * STEP_DB * LOG_PER_DB
@@ -351,7 +354,7 @@ class _Search:
         feels = self.measured(moves, speeds, self.names)
         costs, everything = self._costs(feels), np.arange(len(self.names))
         for count in range(self._tries):
-            enough = not self._apart and speeds is self.speeds[-1] and self.reached(feels)
+            enough = not self._separate and speeds is self.speeds[-1] and self.reached(feels)
             if enough or costs.sum() < GOOD:
                 break
             progress(count / self._tries)
@@ -361,7 +364,7 @@ class _Search:
                 which = np.array([rng.choice(len(costs), p=costs / costs.sum())])
                 tried = moves.copy()
                 if rng.random() < TOGETHER:
-                    which = everything  # the others give way
+                    which = everything  # the other kinds move too
                 height, width = rng.choice([1.0, 0.3]) * rng.normal(0.0, SPREAD)
                 tried[which] += height
                 if len(which) == 1:
@@ -389,7 +392,7 @@ def _within(key: str, value: float) -> float:
 
 
 def _alternating(target: Sequence[str]) -> Timeline:
-    """Return a timeline with each kind twice, so that none is always met after the strongest."""
+    """Return a timeline with each kind twice, so that none always follows the strongest."""
     names = [*target, *reversed(target)]
     spacing = 2.0 * SECONDS_EACH
     events = tuple(Event(spacing * (i + 1), name) for i, name in enumerate(names))

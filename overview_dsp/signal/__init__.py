@@ -1,1 +1,1 @@
-"""The processor: a surface is prepared, the engine plays it, an actuator shapes its output."""
+"""Signal path: friction surface, engine, and actuator drive."""

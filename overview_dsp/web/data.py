@@ -41,9 +41,9 @@ from starlette.routing import BaseRoute, Route
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.live.session.presets import PresetWatch
@@ -115,7 +115,7 @@ def data_routes(
         return adapted(named_preset(name))
 
     def current_timeline() -> Timeline:
-        return timeline if live is None else live.felt()
+        return timeline if live is None else live.padded_snapshot()
 
     def new_content() -> SiteContent:
         version = None if live is None else live.revision
@@ -214,7 +214,7 @@ async def _preset_events(name: str, linear: bool) -> AsyncIterator[str]:
         await asyncio.sleep(CHECK_INTERVAL_S)
         checks += 1
         try:
-            changed = await asyncio.to_thread(watch.changed)
+            changed = await asyncio.to_thread(watch.pop_changed)
         except InputError as error:
             yield f"event: refused\ndata: {json.dumps(str(error))}\n\n"
             continue

@@ -66,7 +66,7 @@ class LiveData:
         self._live = live
         self._preset = preset
         self.version = live.revision
-        self.timeline: Timeline = live.felt()
+        self.timeline: Timeline = live.padded_snapshot()
         self._new_version = asyncio.Event()
         self._watching: asyncio.Task[None] | None = None
         self._pages = 0
@@ -85,7 +85,7 @@ class LiveData:
         preset = self._preset()
         changes = [
             {
-                "action": change.what,
+                "action": change.action,
                 "kind": change.event.kind,
                 "label": change.event.display_label,
                 "time_s": change.event.time_s,
@@ -187,7 +187,7 @@ class LiveData:
         """Make the current revision the version."""
         revision = self._live.revision
         # later changes belong to the next version even if the timeline has them already
-        timeline = self._live.felt()
+        timeline = self._live.padded_snapshot()
         with self._update_lock:
             self.version, self.timeline = revision, timeline
 

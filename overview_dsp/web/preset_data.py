@@ -16,16 +16,16 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.design.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.design.presets.library import (
     LIBRARY,
     bundled_presets,
     load_preset,
-    own_names,
-    parse_own,
+    parse_user_preset,
+    user_presets,
 )
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
+from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.files.toml import SUFFIX
@@ -41,12 +41,12 @@ def preset_data(preset: Preset) -> dict[str, Any]:
 
 def preset_names() -> dict[str, list[str]]:
     """Return the names that `named_preset` accepts."""
-    return {"bundled": list(bundled_presets()), "own": list(own_names())}
+    return {"bundled": list(bundled_presets()), "own": list(user_presets())}
 
 
 def named_preset(name: str) -> Preset:
     """Load a bundled preset or one of the user's; raise InputError for other names."""
-    if name not in (*bundled_presets(), *own_names()):
+    if name not in (*bundled_presets(), *user_presets()):
         raise InputError(f"unknown preset {name[:70]!r}; /data/presets lists the names")
     return load_preset(name)
 
@@ -74,7 +74,7 @@ def save_preset(name: str, text: str, replace: bool) -> Path:
     if path.exists() and not replace:
         raise InputError(f"preset {name!r} already exists; replace=1 replaces it")
     _check_parent(text, name)
-    parse_own(text, path)
+    parse_user_preset(text, path)
     make_folder(path.parent)
     with atomic_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
@@ -87,7 +87,7 @@ def _check_parent(text: str, name: str) -> None:
     except tomllib.TOMLDecodeError:
         return  # the parser reports the error in detail
     if isinstance(parent, str) and (
-        parent == name or parent not in (*bundled_presets(), *own_names())
+        parent == name or parent not in (*bundled_presets(), *user_presets())
     ):
         raise InputError(
             f"extends is {parent[:70]!r}; must be another preset of yours or a bundled one"

@@ -36,7 +36,7 @@ class HostSession(Input):
     def use(self, preset: Preset) -> None:
         """Change the preset at the next poll; raise InputError if the engine can't play it."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.shown, preset)  # here an error reaches the page
+        build_surface(self._player.window_timeline, preset)  # here an error reaches the page
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:
@@ -48,7 +48,8 @@ class HostSession(Input):
             "touching": meters.touching,
             "torque_nm": meters.torque,
             "envelope": round(meters.envelope, 4),
-            "reference_torque_nm": player.engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            "reference_torque_nm": 1e-3
+            * player.engine.preset.number("tactor.reference_torque_mnm"),
             "window": list(player.window),
             "preset": player.engine.preset.name,
             "output_ms": round(player.output.meters.latency_s * 1e3, 2),
@@ -72,9 +73,9 @@ class HostSession(Input):
         return () if self._other is None else self._other.take_messages()
 
     @property
-    def words(self) -> str:
+    def status_text(self) -> str:
         """Status text of the other input."""
-        return "" if self._other is None else self._other.words
+        return "" if self._other is None else self._other.status_text
 
     def report(self) -> Mapping[str, Any]:
         """Return the report of the other input."""

@@ -142,7 +142,7 @@ def timeline_json(
         "duration_s": timeline.duration_s,
         "start": None if timeline.start is None else timeline.start.isoformat(),
         "series": series_json(timeline),
-        "reference_torque": preset.number("tactor.full_torque_mnm") * 1e-3,
+        "reference_torque": preset.number("tactor.reference_torque_mnm") * 1e-3,
         "base_friction": preset.number("surface.friction"),
         "rates": list(rates),
         "kinds": kind_styles(timeline, preset),

@@ -1,1 +1,1 @@
-"""Studies with people: from one TOML file to lists, a page, answers, statistics and exports."""
+"""Studies with participants: lists, a page, answers, statistics and exports from a TOML file."""

@@ -1,7 +1,7 @@
-"""Staircases and QUEST+: which level comes next. Nothing here is random; a page does the same.
+"""Choice of the next level by staircases and QUEST+.
 
-A run is told by its step (docs/explanation/study-format.md) and the answers so far, so a reload
-goes on where it was.
+Nothing here is random, and the page makes the same choices. A run follows from its step
+(docs/explanation/study-format.md) and the answers so far, so it resumes after a reload.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.special import ndtr, xlogy
 
 LAPSES = (0.0, 0.02, 0.05)
 SLOPES = (0.5, 1.0, 2.0)
-"""Widths of the psychometric function, in steps from level to level."""
+"""Widths of the psychometric function, in level steps."""
 
 
 @dataclass
@@ -34,7 +34,7 @@ class _Track:
     def over(self) -> bool:
         return self.reversals >= self.most
 
-    def answered(self, correct: bool) -> None:
+    def record(self, correct: bool) -> None:
         self.right = self.right + 1 if correct else 0
         move = -1 if self.right == self.down else 0 if correct else 1
         if not move:
@@ -48,12 +48,12 @@ class _Track:
 
 
 class Run:
-    """One adaptive step being answered.
+    """State of one adaptive step.
 
     Parameters
     ----------
     step
-        As a list holds it.
+        The step as stored in a list.
     """
 
     def __init__(self, step: dict[str, Any]) -> None:
@@ -72,28 +72,28 @@ class Run:
 
     @property
     def over(self) -> bool:
-        """Whether there is no further trial."""
+        """True if no trial is left."""
         done = bool(self._tracks) and all(track.over for track in self._tracks)
         return done or self.trial >= self.step["most"]
 
     @property
     def reversals(self) -> int:
-        """How often its tracks have turned."""
+        """Number of reversals of all its tracks."""
         return sum(track.reversals for track in self._tracks)
 
     @property
-    def believed(self) -> float:
-        """The mean threshold of QUEST+'s hypotheses, as a level's index."""
-        return float(self._q @ thresholds_of(len(self.step["levels"])))
+    def posterior_mean(self) -> float:
+        """Mean threshold of the QUEST+ hypotheses, as a level index."""
+        return float(self._q @ hypothesis_thresholds(len(self.step["levels"])))
 
     @property
     def catch(self) -> bool:
-        """Whether nothing is played in the next trial."""
+        """True if the next trial presents no stimulus."""
         return bool(self.step["catch"][self.trial])
 
     @property
     def level(self) -> int:
-        """The index of the next trial's level."""
+        """Level index of the next trial."""
         if self._tracks:
             return self._track().at
         return next_level(self._p, self._q)
@@ -103,42 +103,48 @@ class Run:
         turns = (self._tracks[(self._turn + i) % count] for i in range(count))
         return next(track for track in turns if not track.over)
 
-    def answered(self, correct: bool) -> None:
-        """Take the answer to the next trial."""
+    def record(self, correct: bool) -> None:
+        """Record the answer to the next trial."""
         if not self.catch:
             if self._tracks:
                 track = self._track()
                 self._turn = (self._tracks.index(track) + 1) % len(self._tracks)
-                track.answered(correct)
+                track.record(correct)
             else:
-                self._q = posterior(self._p[self.level], self._q, correct)
+                self._q = update_posterior(self._p[self.level], self._q, correct)
         self.trial += 1
 
 
 def next_level(p: NDArray[np.float64], q: NDArray[np.float64]) -> int:
-    """The first level of least expected entropy; `p` (levels, hypotheses), `q` (hypotheses,)."""
+    """Return the first level with the least expected entropy.
+
+    `p` has the shape (levels, hypotheses) and `q` (hypotheses,).
+    """
     right = p @ q
     entropies = []
     for m, one in zip(right, p, strict=True):
         expected = 0.0
-        for part, chance in ((one * q, m), ((1.0 - one) * q, 1.0 - m)):
-            if chance > 0.0:
-                expected -= chance * float(xlogy(part / chance, part / chance).sum())
-        # levels that tell as much are told apart by their order, not by rounding
+        for part, probability in ((one * q, m), ((1.0 - one) * q, 1.0 - m)):
+            if probability > 0.0:
+                expected -= probability * float(xlogy(part / probability, part / probability).sum())
+        # rounding lets the order decide between equally informative levels
         entropies.append(round(expected, 9))
     return int(np.argmin(entropies))
 
 
-def posterior(p: NDArray[np.float64], q: NDArray[np.float64], correct: bool) -> NDArray[np.float64]:
-    """What is believed of the hypotheses after an answer."""
+def update_posterior(
+    p: NDArray[np.float64], q: NDArray[np.float64], correct: bool
+) -> NDArray[np.float64]:
+    """Return the probabilities of the hypotheses after an answer."""
     found = q * (p if correct else 1.0 - p)
     return found / found.sum()  # type: ignore[no-any-return]
 
 
 def quest_table(levels: int, guess: float) -> dict[str, Any]:
-    """Hypotheses over level indexes: threshold, slope, lapse, each as likely at first.
+    """Return the QUEST+ hypotheses over level indexes, with equal prior probabilities.
 
-    Returns `p` (levels, hypotheses), rounded to 6 decimals, and `prior`.
+    A hypothesis is a threshold, a slope and a lapse rate. The result has the keys `p` (levels,
+    hypotheses), rounded to 6 decimals, and `prior`.
     """
     index = np.arange(levels, dtype=np.float64)
     rows = []
@@ -149,8 +155,8 @@ def quest_table(levels: int, guess: float) -> dict[str, Any]:
     return {"p": p.tolist(), "prior": np.full(p.shape[1], 1.0 / p.shape[1]).tolist()}
 
 
-def thresholds_of(levels: int) -> NDArray[np.float64]:
-    """The threshold of each hypothesis, as a level's index."""
+def hypothesis_thresholds(levels: int) -> NDArray[np.float64]:
+    """Return the threshold of each hypothesis, as a level index."""
     return np.array([threshold for threshold, _, _ in _hypotheses(levels)])
 
 

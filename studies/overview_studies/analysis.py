@@ -1,4 +1,4 @@
-"""From answers to estimates: means with intervals by condition, differences, who was left out."""
+"""Estimates from answers: means with intervals by condition, differences and exclusions."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from overview_studies.answers import Answers
 from overview_studies.measures import (
     UNITS,
     Condition,
+    compute_measures,
     condition_of,
     conditions_of,
     confusion,
-    measured,
 )
 from overview_studies.statistics import (
     Estimate,
@@ -33,15 +33,15 @@ ALPHA = 0.05
 
 
 @dataclass(frozen=True)
-class Line:
-    """One estimate: of a measure in a condition, or of a difference between two levels."""
+class MeasureEstimate:
+    """Estimate of a measure in a condition, or of a difference between two levels."""
 
     measure: str
     condition: Condition
     estimate: Estimate
 
     def as_json(self) -> dict[str, Any]:
-        """As results.json has it; what isn't known is null."""
+        """Return the entry for results.json; unknown values are null."""
         plain = {
             key: None if isinstance(value, float) and math.isnan(value) else value
             for key, value in asdict(self.estimate).items()
@@ -52,40 +52,40 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What was found.
+    """Results of a study.
 
     Attributes
     ----------
     answers : Answers
-        Those that count.
+        Answers of the participants that are analysed.
     excluded : dict
-        Participants that don't, and why.
-    lines : list of Line
+        Reason for each excluded participant.
+    estimates : list of MeasureEstimate
         Estimates by condition.
-    differences : list of Line
-        Of each factor, later levels less the first; the condition is {factor: "b - a"}.
+    differences : list of MeasureEstimate
+        Each later level of a factor minus its first; the condition is {factor: "b - a"}.
     matrices : dict
-        Of each condition, its confusion matrix summed over participants.
+        Confusion matrix of each condition, summed over participants.
     above_chance : dict
-        Of each condition, how many participants are above chance alone, of how many.
+        For each condition, the number of participants above chance level and the number tested.
     """
 
     answers: Answers
     excluded: dict[str, str]
-    lines: list[Line]
-    differences: list[Line]
+    estimates: list[MeasureEstimate]
+    differences: list[MeasureEstimate]
     matrices: dict[Condition, NDArray[np.float64]]
     above_chance: dict[Condition, tuple[int, int]]
 
-    def line(self, measure: str, **condition: Any) -> Line:
-        """The estimate of a measure in the condition; KeyError if there is none."""
-        for one in self.lines:
+    def line(self, measure: str, **condition: Any) -> MeasureEstimate:
+        """Return the estimate of a measure in the condition; KeyError if there is none."""
+        for one in self.estimates:
             if one.measure == measure and dict(one.condition) == condition:
                 return one
         raise KeyError(measure)
 
     def as_json(self) -> dict[str, Any]:
-        """All numbers, for results.json."""
+        """Return all numbers, for results.json."""
         study = self.answers.study
         return {
             "study": study["name"],
@@ -94,7 +94,7 @@ class Analysis:
             "program": study["program"],
             "participants": len(self.answers.sessions),
             "excluded": self.excluded,
-            "estimates": [line.as_json() for line in self.lines],
+            "estimates": [line.as_json() for line in self.estimates],
             "differences": [line.as_json() for line in self.differences],
             "confusion": [
                 {"condition": dict(c), "choices": study["task"]["choices"], "counts": m.tolist()}
@@ -108,19 +108,19 @@ class Analysis:
 
 
 def analyse(answers: Answers) -> Analysis:
-    """Estimate everything that the study's task gives.
+    """Estimate every measure of the study's task.
 
     Raises
     ------
     InputError
-        Nobody is left.
+        The rules of [exclude] leave no session.
     """
-    answers, excluded = _kept(answers)
+    answers, excluded = _apply_exclusions(answers)
     if not answers.sessions:
-        raise InputError("nobody is left to analyse; the study's [exclude] says who is left out")
-    values = measured(answers)
-    lines = [
-        Line(name, condition, mean_interval(list(by.values())))
+        raise InputError("no session is left after [exclude]; change its rules or add answers")
+    values = compute_measures(answers)
+    estimates = [
+        MeasureEstimate(name, condition, mean_interval(list(by.values())))
         for (name, condition), by in values.items()
     ]
     matrices: dict[Condition, NDArray[np.float64]] = {}
@@ -128,13 +128,15 @@ def analyse(answers: Answers) -> Analysis:
     if answers.study["task"]["name"] == "identify":
         for condition, counts in _matrices(answers).items():
             matrices[condition] = counts.sum(axis=0)
-            lines.append(Line("information", condition, information_interval(counts)))
+            estimates.append(
+                MeasureEstimate("information", condition, information_interval(counts))
+            )
             above[condition] = _above_chance(counts)
-    return Analysis(answers, excluded, lines, _differences(answers, values), matrices, above)
+    return Analysis(answers, excluded, estimates, _differences(answers, values), matrices, above)
 
 
-def _kept(answers: Answers) -> tuple[Answers, dict[str, str]]:
-    """Who is analysed, and why the others aren't: as the study's file said beforehand."""
+def _apply_exclusions(answers: Answers) -> tuple[Answers, dict[str, str]]:
+    """Return the analysed answers, and the reason for each excluded participant."""
     rule = answers.study["exclude"]
     excluded: dict[str, str] = {}
     attention: dict[str, list[int]] = defaultdict(list)
@@ -144,15 +146,15 @@ def _kept(answers: Answers) -> tuple[Answers, dict[str, str]]:
     for session in answers.sessions:
         code, asked = session.participant, attention[session.participant]
         if rule["incomplete"] and session.finished_utc is None:
-            excluded[code] = "the session wasn't finished"
+            excluded[code] = "the session is not complete"
         elif asked and float(np.mean(asked)) < rule["attention"]:
-            excluded[code] = f"{sum(asked)} of {len(asked)} attention trials right"
+            excluded[code] = f"{sum(asked)} of {len(asked)} attention trials correct"
     kept = [one for one in answers.sessions if one.participant not in excluded]
     return replace(answers, sessions=kept), excluded
 
 
 def _matrices(answers: Answers) -> dict[Condition, NDArray[np.float64]]:
-    """Of each condition: the confusion matrix of each participant."""
+    """Return the confusion matrix of each participant, by condition."""
     names = conditions_of(answers.study)
     parts: dict[Condition, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
     for row in answers.rows():
@@ -166,7 +168,7 @@ def _matrices(answers: Answers) -> dict[Condition, NDArray[np.float64]]:
 
 
 def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
-    """How many participants are above chance by an exact binomial test, of how many."""
+    """Return how many participants pass an exact binomial test, and how many were tested."""
     chance = 1.0 / counts.shape[1]
     tests = [
         binomtest(int(np.trace(one)), int(one.sum()), chance, alternative="greater").pvalue
@@ -178,10 +180,13 @@ def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
 
 def _differences(
     answers: Answers, values: dict[tuple[str, Condition], dict[str, float]]
-) -> list[Line]:
-    """Each factor's later levels less its first: within participants where it is within."""
+) -> list[MeasureEstimate]:
+    """Return each later level of a factor minus its first.
+
+    Differences are within participants where the factor is.
+    """
     names = conditions_of(answers.study)
-    lines = []
+    estimates = []
     for name in names:
         factor = answers.study["factors"][name]
         for measure in dict.fromkeys(measure for measure, _ in values):
@@ -195,14 +200,14 @@ def _differences(
                     estimate = difference_interval(list(first.values()), list(group.values()))
                 if estimate.participants:
                     condition = ((name, f"{level} - {factor['levels'][0]}"),)
-                    lines.append(Line(measure, condition, estimate))
-    return lines
+                    estimates.append(MeasureEstimate(measure, condition, estimate))
+    return estimates
 
 
 def _at_level(
     values: dict[tuple[str, Condition], dict[str, float]], measure: str, factor: str, level: Any
 ) -> dict[str, float]:
-    """A participant's mean over all conditions with that level."""
+    """Return each participant's mean over all conditions with that level."""
     found: dict[str, list[float]] = defaultdict(list)
     for (name, condition), by in values.items():
         if name == measure and (factor, level) in condition:
@@ -211,6 +216,6 @@ def _at_level(
     return {code: float(np.mean(all_of)) for code, all_of in found.items()}
 
 
-def shown(condition: Condition | Sequence[tuple[str, Any]]) -> str:
-    """A condition for a person."""
+def condition_text(condition: Condition | Sequence[tuple[str, Any]]) -> str:
+    """Return a condition as text."""
     return ", ".join(f"{name} {level}" for name, level in condition) or "all"

@@ -1,4 +1,4 @@
-"""All answers of a study as rows: from a server's SQLite file, or from CSVs of offline pages."""
+"""Answers of a study as rows, from a server's SQLite file or from CSV files of offline pages."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_studies.folder import read_study
-from overview_studies.scoring import error_of, is_right
-from overview_studies.steps import missing_of, step_of
+from overview_studies.scoring import is_correct, response_error
+from overview_studies.steps import find_step, missing_steps
 from overview_studies.store import Session, Store
 
 OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
-"""Columns that an offline page's CSV must have."""
+"""Required columns of an offline page's CSV."""
 
 _HEAD = (
     "participant",
@@ -37,53 +37,53 @@ _TAIL = (
     "take_events", "design_sha256", "program",
 )  # fmt: skip
 
-MEANING = {
+COLUMN_DESCRIPTIONS = {
     "participant": "code of the participant",
     "session": "identifier of the session",
     "list": "number of the list that the session followed",
     "complete": "whether the session was finished (1) or not (0)",
-    "position": "place of the answer in its session, from 1",
+    "position": "index of the answer in its session, from 1",
     "trial": "identifier of the trial in its list",
     "phase": "practice, main, catch or attention",
     "block": "condition block, from 1",
     "repeat": "which repetition of all stimuli within the block, from 1",
-    "task": "what was asked",
-    "stimulus": "key of the stimulus; two, joined with a space, where two were compared",
-    "stimulus_sha256": "SHA-256 of the samples of what was played",
+    "task": "task of the trial",
+    "stimulus": "key of the stimulus; a comparison has two keys, separated by a space",
+    "stimulus_sha256": "SHA-256 of the samples of the stimulus",
     "seed": "seed of the stimulus",
     "timeline": "timeline of the stimulus",
     "preset": "preset of the stimulus",
-    "gesture": "gesture of the stimulus; free: the person's own hand",
+    "gesture": "gesture of the stimulus; free: the participant moves",
     "level": "value of the varied dimension",
-    "correct_response": "the right answer, JSON where it is no single value",
-    "response": "the answer, JSON where it is no single value",
-    "correct": "1 right, 0 wrong, empty where there is no such thing",
-    "error": "how far the answer is off, with its sign",
-    "rt_ms": "time from when it could be answered to the answer, ms",
-    "presentations": "how often the stimulus was played",
-    "source": "the hand that moved: touch, twist or keys",
-    "started_utc": "when the trial began, by the page's clock, ISO 8601",
-    "received_utc": "when the answer was stored, ISO 8601",
-    "sample_rate": "of the page's sound, Hz",
-    "output_latency_ms": "of the page's sound as the browser tells it, ms",
+    "correct_response": "the correct answer; JSON unless it is a single value",
+    "response": "the answer; JSON unless it is a single value",
+    "correct": "1 correct, 0 wrong, empty where the task has no correct answer",
+    "error": "signed difference from the correct answer",
+    "rt_ms": "time from the first possible answer to the answer, ms",
+    "presentations": "number of presentations of the stimulus",
+    "source": "input that moved the disk: touch, twist or keys",
+    "started_utc": "start of the trial by the page's clock, ISO 8601",
+    "received_utc": "time when the answer was stored, ISO 8601",
+    "sample_rate": "sample rate of the page's audio, Hz",
+    "output_latency_ms": "output latency of the page's audio as reported by the browser, ms",
     "user_agent": "browser",
-    "take_events": "control events of the hand that were kept",
+    "take_events": "number of control events in the takes",
     "design_sha256": "SHA-256 of the study's file",
     "program": "version of overview-dsp and digest of its kernels",
 }
-"""What each column is."""
+"""Description of each column."""
 
 
 @dataclass(frozen=True)
 class Answers:
-    """A study with what was answered.
+    """A study with its answers.
 
     Attributes
     ----------
     study : dict
-        study.json.
+        Content of study.json.
     lists : dict
-        By their numbers.
+        Lists by number.
     sessions : list of Session
     """
 
@@ -93,16 +93,16 @@ class Answers:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The columns of `rows`."""
+        """Columns of `rows`."""
         factors = (name for name in self.study["factors"] if name not in (*_HEAD, *_TAIL))
         return (*_HEAD, *factors, *_TAIL)
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """One row a trial, in the order they were answered; forms aren't among them."""
+        """Yield one row per answered trial, in order; forms are not included."""
         for session in self.sessions:
             content = self.lists[session.number]
             for position, (trial, received, row) in enumerate(session.trials, 1):
-                step = step_of(trial, content)
+                step = find_step(trial, content)
                 if step is not None and step["type"] != "form":
                     yield self._row(session, position, trial, received, row, step)
 
@@ -125,11 +125,11 @@ class Answers:
             keys = [answer["stimulus"]] if answer.get("stimulus") in keys else [step["standard"]]
             correct = step["sides"][index] if step["method"] == "2afc" else int(phase == "main")
         stimuli = [self.study["stimuli"][key] for key in keys]
-        # of a pair, the one that isn't the standard
+        # the stimulus of a pair that is not the standard
         standard = self.study["task"]["standard"]
-        shown = next((one for one in stimuli if one["level"] != standard), stimuli[0])
+        varied = next((one for one in stimuli if one["level"] != standard), stimuli[0])
         hashed = "static_sha256" if step["output"]["mapping"] == "static" else "sha256"
-        right = is_right(step["task"], step, answer)
+        right = is_correct(step["task"], step, answer)
         device = answer.get("device") or {}
         takes = [one for one in (answer.get("take"), *(answer.get("takes") or [])) if one]
         return {
@@ -147,15 +147,15 @@ class Answers:
             "task": step["task"],
             "stimulus": " ".join(keys),
             "stimulus_sha256": " ".join(one[hashed] or one["sha256"] for one in stimuli),
-            "seed": shown["seed"],
-            "timeline": shown["timeline"],
-            "preset": shown["preset"],
-            "gesture": shown["gesture"],
-            "level": answer.get("level") if adaptive else shown["level"],
+            "seed": varied["seed"],
+            "timeline": varied["timeline"],
+            "preset": varied["preset"],
+            "gesture": varied["gesture"],
+            "level": answer.get("level") if adaptive else varied["level"],
             "correct_response": correct,
             "response": answer.get("response"),
             "correct": None if right is None else int(right),
-            "error": error_of(step["task"], step, answer, stimuli[0]),
+            "error": response_error(step["task"], step, answer, stimuli[0]),
             "rt_ms": answer.get("rt_ms"),
             "presentations": answer.get("presentations"),
             "source": answer.get("source"),
@@ -170,15 +170,15 @@ class Answers:
         }
 
     def forms(self) -> Iterator[dict[str, Any]]:
-        """One row an item of a form that was answered."""
+        """Yield one row per answered item of a form."""
         for session in self.sessions:
             content = self.lists[session.number]
             for trial, received, answer in session.trials:
-                step = step_of(trial, content)
+                step = find_step(trial, content)
                 if step is None or step["type"] != "form":
                     continue
-                given = answer.get("response")
-                for item, value in (given if isinstance(given, dict) else {}).items():
+                response = answer.get("response")
+                for item, value in (response if isinstance(response, dict) else {}).items():
                     yield {
                         "participant": session.participant,
                         "session": session.id,
@@ -194,14 +194,14 @@ class Answers:
 
 
 def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None) -> Answers:
-    """The answers of SQLite files and of offline CSVs; the latter need the study's `folder`.
+    """Read SQLite files and offline CSV files; the latter need the study's `folder`.
 
-    A session that is abandoned is left out.
+    Abandoned sessions are skipped.
 
     Raises
     ------
     InputError
-        A file that is neither; answers to different studies; nothing at all.
+        A file has neither format, the answers belong to different studies, or there are no answers.
     """
     study, lists, sessions = None, {}, []
     if folder is not None:
@@ -210,29 +210,29 @@ def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None
     for source in map(Path, sources):
         if source.suffix == ".csv":
             if study is None:
-                raise InputError(f"{source}: an offline CSV needs its study: --study FOLDER")
+                raise InputError(f"{source}: an offline CSV requires its study; add --study FOLDER")
             sessions += _offline(source, lists)
             continue
         store = Store(source)
         try:
             if study is not None and store.study["design_sha256"] != study["design_sha256"]:
-                raise InputError(f"{source}: holds answers to another version of this study")
+                raise InputError(f"{source}: contains answers to another version of this study")
             study = study or store.study
             lists = lists or store.lists()
             sessions += [one for one in store.sessions() if not one.abandoned]
         finally:
             store.close()
     if study is None or not sessions:
-        raise InputError("there are no answers in what was given")
+        raise InputError("the files contain no answers")
     codes = [one.participant for one in sessions]
     twice = {code for code in codes if codes.count(code) > 1}
     if twice:
-        raise InputError(f"two sessions are of {sorted(twice)[0]}; leave one of them out")
+        raise InputError(f"participant {sorted(twice)[0]} has two sessions; remove one of them")
     return Answers(study, lists, sessions)
 
 
 def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:
-    """The sessions of an offline page's CSV."""
+    """Return the sessions of an offline page's CSV."""
     csv.field_size_limit(min(sys.maxsize, 2**31 - 1))  # a row holds a take
     found: dict[str, Session] = {}
     try:
@@ -240,11 +240,13 @@ def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:
             rows = csv.DictReader(file)
             missing = [name for name in OFFLINE if name not in (rows.fieldnames or ())]
             if missing:
-                raise InputError(f"{path}: no column {', '.join(missing)}; a page's CSV has them")
+                raise InputError(
+                    f"{path}: missing column {', '.join(missing)}; use the CSV of the page"
+                )
             for row in rows:
                 at = f"{path}:{rows.line_num}"
                 number = int(row["list"])
-                if number not in lists or step_of(row["trial"], lists[number]) is None:
+                if number not in lists or find_step(row["trial"], lists[number]) is None:
                     raise InputError(f"{at}: list {number} has no trial {row['trial']}")
                 one = found.setdefault(
                     row["session"],
@@ -256,10 +258,10 @@ def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:
     except (OSError, ValueError, TypeError, csv.Error) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{path}: can't be read ({error})") from None
+        raise InputError(f"{path}: cannot be read ({error})") from None
     return [_finished(one, lists[one.number]) for one in found.values()]
 
 
 def _finished(session: Session, content: dict[str, Any]) -> Session:
-    whole = not missing_of(content, [trial for trial, _, _ in session.trials])
+    whole = not missing_steps(content, [trial for trial, _, _ in session.trials])
     return replace(session, finished_utc=session.trials[-1][1] if whole else None)

@@ -1,4 +1,4 @@
-"""What a study makes, before anybody takes part: lists, trials, minutes, balance, felt levels."""
+"""Summary of a study before it starts: lists, trials, minutes, balance and stimulus levels."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 
 from overview_dsp.cli.extensions import TACTOR
 from overview_studies.design import Design
-from overview_studies.folder import make_lists, played
-from overview_studies.items import RATE, Item, items_of
+from overview_studies.folder import make_lists, presented_stimuli
 from overview_studies.static_mapping import held_levels, static_levels
+from overview_studies.stimuli import RATE, Stimulus, stimuli_of
 from overview_studies.tables import csv_text
 
 ANSWER_S = 3.0
-"""To think and answer, a guess of a trial's minutes."""
+"""Assumed time to think and answer, for the duration of a trial."""
 
 FREE_S = 6.0
 FORM_S = 60.0
@@ -24,12 +24,12 @@ _LIST_COLUMNS = ("position", "id", "type", "phase", "block", "repeat", "form", "
 
 
 def list_name(number: int) -> str:
-    """The file of a list."""
+    """Return the file name of a list."""
     return f"list-{number:03d}.csv"
 
 
 def list_csv(one: dict[str, Any]) -> str:
-    """A list for a person: a row a step."""
+    """Return a list as CSV, one row per step."""
     steps = one["steps"]
     names = list(dict.fromkeys(name for step in steps for name in step.get("factors", {})))
     rows = (
@@ -40,9 +40,12 @@ def list_csv(one: dict[str, Any]) -> str:
     return csv_text([*_LIST_COLUMNS, *names], rows)
 
 
-def checked(design: Design, levels: bool = False) -> dict[str, Any]:
-    """What a study makes, as numbers; `levels`: measured too, which takes a render a stimulus."""
-    items = items_of(design)
+def summarize_design(design: Design, levels: bool = False) -> dict[str, Any]:
+    """Return the numbers of a study.
+
+    With `levels`, the levels of the stimuli are measured too; each stimulus is rendered for it.
+    """
+    items = stimuli_of(design)
     lists = make_lists(design, items)
     by = {item.key: item for item in items}
     minutes = [_minutes(one, by) for one in lists]
@@ -51,7 +54,7 @@ def checked(design: Design, levels: bool = False) -> dict[str, Any]:
         if step["type"] in ("trial", "adaptive"):
             phases[step["phase"]] += step.get("most", 1)
     orders = Counter(_order(one) for one in lists)
-    used = played(lists)
+    used = presented_stimuli(lists)
     found: dict[str, Any] = {
         "title": design.file.title,
         "name": design.name,
@@ -61,34 +64,34 @@ def checked(design: Design, levels: bool = False) -> dict[str, Any]:
         "minutes": round(float(np.mean(minutes)), 1),
         "stimuli": len(used),
         "orders": len(orders),
-        "round": design.lists_of_a_round,
-        "balanced": len(lists) % design.lists_of_a_round == 0,
+        "round": design.lists_per_round,
+        "balanced": len(lists) % design.lists_per_round == 0,
     }
     if levels:
-        found["felt_db"] = [_felt(by[key], "static" in used[key]) for key in used]
+        found["felt_db"] = [_strongest_levels(by[key], "static" in used[key]) for key in used]
     return found
 
 
-def lines_of(found: dict[str, Any]) -> list[str]:
-    """For a person."""
+def summary_lines(found: dict[str, Any]) -> list[str]:
+    """Return a text summary of `summarize_design`."""
     trials = ", ".join(f"{count} {phase}" for phase, count in found["trials"].items())
     lines = [
         f"{found['title']} ({found['name']}), SHA-256 {found['design_sha256'][:16]}...",
         f"{found['lists']} lists of {trials} trials, about {found['minutes']:g} minutes each",
-        f"{found['stimuli']} stimuli; {found['orders']} orders of conditions",
+        f"{found['stimuli']} stimuli; {found['orders']} condition orders",
     ]
     if found["balanced"]:
-        lines.append(f"balanced: a round is {found['round']} lists")
+        lines.append(f"balanced: each round has {found['round']} lists")
     else:
         lines.append(
-            f"NOT balanced: a round is {found['round']} lists; take a multiple of that as "
-            "participants"
+            f"NOT balanced: each round has {found['round']} lists; set participants to a multiple "
+            "of that"
         )
     for one in found.get("felt_db", ()):
-        felt = ", ".join(
+        levels_text = ", ".join(
             f"{name} {one[name]:.1f} dB" for name in ("friction", "static") if one[name] is not None
         )
-        lines.append(f"{one['timeline']}, {one['preset']}: {felt or 'nothing to feel'}")
+        lines.append(f"{one['timeline']}, {one['preset']}: {levels_text or 'no events'}")
     return lines
 
 
@@ -97,21 +100,21 @@ def _order(one: dict[str, Any]) -> tuple[str, ...]:
     return tuple(str(sorted(step["factors"].items())) for step in heads)
 
 
-def _minutes(one: dict[str, Any], by: dict[str, Item]) -> float:
+def _minutes(one: dict[str, Any], by: dict[str, Stimulus]) -> float:
     seconds = 0.0
     for step in one["steps"]:
         if step["type"] == "form":
             seconds += FORM_S
         elif step["type"] in ("trial", "adaptive"):
-            hands = [by[key] for key in step["stimuli"][:2]]
-            played_s = sum(FREE_S if hand.free else hand.gesture.duration_s for hand in hands)
+            stimuli = [by[key] for key in step["stimuli"][:2]]
+            played_s = sum(FREE_S if one.free else one.gesture.duration_s for one in stimuli)
             seconds += step.get("most", 1) * (played_s + ANSWER_S)
     return seconds / 60.0
 
 
-def _felt(item: Item, static: bool) -> dict[str, Any]:
-    """How strong a stimulus's strongest event is felt, dB of full scale; None without events."""
-    result = item.rendered()
+def _strongest_levels(item: Stimulus, static: bool) -> dict[str, Any]:
+    """Return the level of a stimulus's strongest event in dB of full scale; None without events."""
+    result = item.render_stimulus()
     surface, trace = result.engine.surface, result.trace
     levels, _ = held_levels(surface, trace, result.samples[:, TACTOR], RATE)
     return {

@@ -1,4 +1,4 @@
-"""A study's design: its TOML file read, its stimuli loaded, and all that must fit together."""
+"""Design of a study: the validated TOML file and its loaded stimuli."""
 
 from __future__ import annotations
 
@@ -23,71 +23,71 @@ from overview_dsp.cli.extensions import (
 )
 from overview_dsp.errors import InputError, did_you_mean, shown
 from overview_studies import file_model
-from overview_studies.file_model import Factor, Level, Made, StudyFile
-from overview_studies.made import made_timelines, nothing
-from overview_studies.orders import MOST_FULL, rows_of
+from overview_studies.counterbalancing import MAX_FULL_CONDITIONS, rows_of
+from overview_studies.file_model import Factor, Level, StudyFile, SyntheticTimelines
+from overview_studies.synthetic_timelines import empty_timeline, make_timelines
 
 FREE = "free"
-"""A gesture of the person's own; what it gives is measured with a sweep of 2 s."""
+"""Gesture of the participant; its output is measured with a sweep of 2 s."""
 
 ANGLE_MAP = "surface.angle_map"
 """Parameter that all presets of a study share."""
 
 NOTHING = "nothing"
 NONE = "none"
-"""What a person answers where nothing was there."""
+"""Correct answer when no event is presented."""
 
 PAIRED = ("compare", "adjust", "staircase", "quest")
 ADAPTIVE = ("staircase", "quest")
-MOST_CONDITIONS = 12
+MAX_CONDITIONS = 12
 _NO_KEYS = ("out", "sample_rate", "format", "subtype")
 STIMULI_KEYS = ("made", *(key for key in KEYS if key not in _NO_KEYS))
-_SAID = {
+_OUTPUT_LEVELS = {
     "mapping": file_model.MAPPINGS,
     "channel": file_model.CHANNELS,
     "input": file_model.INPUTS,
 }
-"""Factors that say how a trial is given, and what they may be."""
+"""Factors of the output, with their allowed levels."""
 
 
 @dataclass(frozen=True)
 class Design:
-    """A study as it was written, with its inputs loaded.
+    r"""A study file with its loaded inputs.
 
     Attributes
     ----------
     file : StudyFile
     name : str
-        Of files.
-    where : Path
+        Name used in file names.
+    path : Path
         The TOML file.
     sha256 : str
-        Of its text, line ends as "\\n".
+        SHA-256 of its text, with line ends as "\n".
     grid : RenderGrid
-        The stimuli, as `overview batch` has them.
+        The stimuli, in the form of `overview batch`.
     answers : mapping
-        Of each timeline: its events' kind, its curve's shape, or its name.
+        Correct answer of each timeline: its event kind, its curve's shape or its name.
     """
 
     file: StudyFile
     name: str
-    where: Path
+    path: Path
     sha256: str
     grid: RenderGrid
     answers: Mapping[str, str]
 
     def factors(self, kind: str) -> dict[str, Factor]:
-        """Those `between` participants, `blocked` within them, or `mixed` within blocks."""
-        return {name: f for name, f in self.file.factors.items() if _sort(f) == kind}
+        """Return the factors with a role: `between`, `blocked` or `mixed` (within blocks)."""
+        return {name: f for name, f in self.file.factors.items() if _factor_role(f) == kind}
 
     @property
     def order(self) -> str:
-        """How the condition blocks are ordered: williams or full."""
+        """Order of the condition blocks: williams or full."""
         blocked = list(self.factors("blocked").values())
         return blocked[0].order if blocked else "williams"
 
     def dimension(self, name: str) -> tuple[Level, ...]:
-        """What the stimuli have of a dimension, in order; empty if they have no such one."""
+        """Return the levels of a stimulus dimension, in order; empty if it does not exist."""
         grid = self.grid
         real = [one for one in grid.timelines if one != NOTHING]
         of: dict[str, Any] = {
@@ -101,34 +101,34 @@ class Design:
         return tuple(of.get(name, ()))
 
     @property
-    def lists_of_a_round(self) -> int:
-        """Lists after which every order was there as often, in every group."""
+    def lists_per_round(self) -> int:
+        """Number of lists that contain every order equally often in every group."""
         groups = math.prod(len(f.levels) for f in self.factors("between").values())
         conditions = math.prod(len(f.levels) for f in self.factors("blocked").values())
         return groups * len(rows_of(self.order, conditions))
 
 
-def _sort(factor: Factor) -> str:
+def _factor_role(factor: Factor) -> str:
     if factor.between:
         return "between"
     return "mixed" if factor.order == "blocks" else "blocked"
 
 
-def load_design(where: str | Path) -> Design:
-    """Read a study's file and load what it names.
+def load_design(path: str | Path) -> Design:
+    """Read a study file and load its inputs.
 
     Raises
     ------
     InputError
-        What is wrong, with file, line and key.
+        The file is not valid; the message names file, line and key.
     """
-    path = Path(where)
+    path = Path(path)
     text = read_text(path)
     data = parse_toml(text, str(path))
     with faults_at_their_line(text, str(path)):
         file = _checked(data)
-        made = _made(file)
-        own = made_timelines(made, file.seed) if made is not None else {}
+        synthetic = _synthetic_section(file)
+        own = make_timelines(synthetic, file.seed) if synthetic is not None else {}
     table = JobsTable(
         str(path),
         text,
@@ -139,7 +139,7 @@ def load_design(where: str | Path) -> Design:
     grid = _grid(file, table, {name: timeline for name, (timeline, _) in own.items()})
     if file.phases.catch or (file.task.name in ADAPTIVE and file.task.method == "yesno"):
         first = next(iter(grid.timelines.values()))
-        silent = nothing(made, file.seed, first.duration_s)
+        silent = empty_timeline(synthetic, file.seed, first.duration_s)
         grid = replace(grid, timelines={**grid.timelines, NOTHING: silent})
     answers = {name: what for name, (_, what) in own.items()} | {NOTHING: NONE}
     answers |= {
@@ -162,16 +162,17 @@ def _checked(data: dict[str, Any]) -> StudyFile:
         faults = error.errors(include_url=False, include_context=False)
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         fault = faults[0]
-        # a union's branches are no keys
+        # the branches of a union are not keys
         path = [str(p) for p in fault["loc"] if p not in ("str", "float")]
         name = ".".join(path)
         if fault["type"] == "extra_forbidden":
-            near = did_you_mean(path[-1], _keys_of(path[:-1]))
+            renamed = "; use max_trials" if name == "task.most" else None
+            near = renamed or did_you_mean(path[-1], _keys_of(path[:-1]))
             raise InputError(f"{name}: unknown key{near}{more}") from None
         if fault["type"] == "missing":
             raise InputError(f"{name} is missing{more}") from None
-        said = fault["msg"].replace("Input should be", "it should be")
-        raise InputError(f"{name} = {shown(fault['input'])}: {said}{more}") from None
+        reason = fault["msg"].replace("Input should be", "must be")
+        raise InputError(f"{name} = {shown(fault['input'])}: {reason}{more}") from None
 
 
 def _keys_of(path: list[str]) -> list[str]:
@@ -184,11 +185,11 @@ def _keys_of(path: list[str]) -> list[str]:
     return list(getattr(model, "model_fields", {}))
 
 
-def _made(file: StudyFile) -> Made | None:
+def _synthetic_section(file: StudyFile) -> SyntheticTimelines | None:
     if "made" not in file.stimuli:
         return None
     try:
-        return Made.model_validate(file.stimuli["made"])
+        return SyntheticTimelines.model_validate(file.stimuli["made"])
     except pydantic.ValidationError as error:
         fault = error.errors(include_url=False, include_context=False)[0]
         place = ".".join(["stimuli", "made", *map(str, fault["loc"])])
@@ -204,14 +205,14 @@ def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> Render
         if not table.data["gestures"]:
             del table.data["gestures"]
     grid = read_grid(table, "", own, free)
-    # presets are compared on one map between time and angle, the first one's
+    # all presets use the angle map of the first, so that positions are equal
     share = next(iter(grid.presets.values())).number(ANGLE_MAP)
     presets = {name: preset.with_value(ANGLE_MAP, share) for name, preset in grid.presets.items()}
     return replace(grid, presets=presets)
 
 
 def _kind_of(timeline: Timeline) -> str | None:
-    """The one kind of a timeline's events, starts and ends of halves aside."""
+    """Return the only event kind of a timeline, ignoring starts and ends of halves."""
     kinds = set(timeline.kinds()) - {"period"}
     return kinds.pop() if len(kinds) == 1 else None
 
@@ -222,27 +223,27 @@ def _check_factors(design: Design) -> None:
     for name, factor in file.factors.items():
         key = f"factors.{name}"
         if (factor.within is None) == (factor.between is None):
-            raise InputError(f"{key}: has either within = [...] or between = [...]")
+            raise InputError(f"{key}: must have either within = [...] or between = [...]")
         if len(set(factor.levels)) < len(factor.levels):
-            raise InputError(f"{key}: a level is there twice")
-        known = _SAID.get(name) or design.dimension(name)
+            raise InputError(f"{key}: contains a level twice; remove one")
+        known = _OUTPUT_LEVELS.get(name) or design.dimension(name)
         for level in factor.levels:
             if known and level not in known:
                 near = did_you_mean(str(level), map(str, known))
-                raise InputError(f"{key}: {shown(level)} is no level of {name}{near}")
-        if not known and _sort(factor) == "mixed":
+                raise InputError(f"{key}: {shown(level)} is not a level of {name}{near}")
+        if not known and _factor_role(factor) == "mixed":
             raise InputError(
-                f"{key}: says nothing that a page can change between trials; it is mapping, "
-                'channel, input, a dimension of the stimuli, or has order = "williams"'
+                f"{key}: cannot change between trials; allowed: mapping, channel, input or a "
+                'dimension of the stimuli; for other factors set order = "williams"'
             )
         if len(orders) > 1 and factor.order in orders:
-            raise InputError(f"{key}.order: factors in blocks have one order; here {orders}")
+            raise InputError(f"{key}.order: blocked factors must share one order; found {orders}")
     conditions = math.prod(len(f.levels) for f in design.factors("blocked").values())
-    most = MOST_FULL if design.order == "full" else MOST_CONDITIONS
+    most = MAX_FULL_CONDITIONS if design.order == "full" else MAX_CONDITIONS
     if conditions > most:
         raise InputError(
-            f"factors: {conditions} condition blocks; {design.order} has up to {most}: let a "
-            'factor be between participants, or order = "blocks"'
+            f"factors: {conditions} condition blocks; {design.order} allows at most {most}; make a "
+            'factor between participants, or set order = "blocks"'
         )
 
 
@@ -251,33 +252,39 @@ def _check_task(design: Design) -> None:
     if phases.catch and task.name in ("draw", "adjust", *ADAPTIVE) and task.method != "yesno":
         raise InputError(f"phases.catch: a {task.name} task has no catch trials")
     if phases.attention and task.name != "identify":
-        raise InputError("phases.attention: only an identify task asks for one of its answers")
+        raise InputError("phases.attention: only an identify task allows attention trials")
     if task.of != "answer" and not design.dimension(task.of):
-        raise InputError(f"task.of = {task.of!r}: the stimuli have no such dimension")
+        raise InputError(f"task.of = {task.of!r}: the stimuli do not have this dimension")
     if task.name == "identify" and len(design.dimension(task.of)) + bool(phases.catch) < 2:
-        raise InputError("task.of: there is one answer only; give more stimuli, or phases.catch")
+        raise InputError("task.of: the task has only one answer; add stimuli or phases.catch")
     if task.name not in PAIRED:
         return
     if task.vary is None:
-        raise InputError(f"task.vary is missing; a {task.name} task varies a dimension of stimuli")
+        raise InputError(
+            f"task.vary is missing; set it to the stimulus dimension of the {task.name} task"
+        )
     levels = design.dimension(task.vary)
     if len(levels) < 2:
-        raise InputError(f"task.vary = {task.vary!r}: the stimuli have {len(levels)} levels of it")
+        raise InputError(
+            f"task.vary = {task.vary!r}: the stimuli have {len(levels)} levels; at least 2 required"
+        )
     needs = not (task.name in ADAPTIVE and task.method == "yesno")
     if needs and task.standard not in levels:
         near = did_you_mean(str(task.standard), map(str, levels))
-        raise InputError(f"task.standard = {shown(task.standard)} is no level of {task.vary}{near}")
+        raise InputError(
+            f"task.standard = {shown(task.standard)} is not a level of {task.vary}{near}"
+        )
 
 
 def _check_forms(design: Design) -> None:
-    asked = design.file.questionnaires
-    for name in [*asked.start, *asked.each, *asked.end]:
-        if name == "consent" and asked.consent is None:
+    forms = design.file.questionnaires
+    for name in [*forms.start, *forms.each, *forms.end]:
+        if name == "consent" and forms.consent is None:
             raise InputError("questionnaires.consent is missing: {version = ..., text = ...}")
         if name in ("tlx", "comments", "consent"):
             continue
-        if not name.endswith(".html") or not (design.where.parent / name).is_file():
+        if not name.endswith(".html") or not (design.path.parent / name).is_file():
             raise InputError(
-                f"questionnaires: {name!r} is none; it is tlx, comments, consent, or an HTML file "
-                "beside the study's"
+                f"questionnaires: {name!r} is unknown; allowed: tlx, comments, consent, or an HTML "
+                "file in the folder of the study file"
             )

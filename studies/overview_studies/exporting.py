@@ -1,6 +1,6 @@
-"""Answers and lists for other tools: Psych-DS, BIDS, PsychoPy, psignifit, R, takes and sounds.
+"""Export of answers to Psych-DS, BIDS, psignifit, R and CSV.
 
-Their formats are written here; none of them is imported.
+This module writes the formats itself and does not import those tools.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 from overview_dsp.cli.extensions import atomic_folder
 from overview_dsp.errors import InputError
-from overview_studies.answers import MEANING, Answers
+from overview_studies.answers import COLUMN_DESCRIPTIONS, Answers
 from overview_studies.measures import (
     chosen_counts,
     condition_of,
@@ -31,20 +31,20 @@ Files = Iterator[tuple[str, str]]
 
 
 def export_answers(answers: Answers, to: str, path: str | Path) -> list[str]:
-    """Write answers as one of `FORMATS`, into a folder; the names of its files.
+    """Write answers in one of `FORMATS` into a folder; return the names of its files.
 
     Raises
     ------
     InputError, OutputError
-        No such format, nothing of that sort; it can't be written.
+        The format does not fit the task, or the folder cannot be written.
     """
     made = dict(FORMATS[to](answers))
     mark = next(iter(made))
     with atomic_folder(path, mark) as folder:
         for name, text in made.items():
-            place = folder / name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(text, encoding="utf-8", newline="")
+            file = folder / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8", newline="")
     return sorted(made)
 
 
@@ -62,11 +62,11 @@ def _meaning(answers: Answers, column: str) -> str:
     factor = answers.study["factors"].get(column)
     if factor is not None:
         return f"factor {column}: {', '.join(map(str, factor['levels']))}"
-    return MEANING[column]
+    return COLUMN_DESCRIPTIONS[column]
 
 
 def _labels(answers: Answers) -> dict[str, str]:
-    """Each participant's code in letters and digits, different from all others."""
+    """Return each participant's code with letters and digits only, without duplicates."""
     found: dict[str, str] = {}
     for number, session in enumerate(answers.sessions, 1):
         plain = re.sub(r"[^A-Za-z0-9]", "", session.participant) or f"s{number}"
@@ -125,35 +125,35 @@ def _bids(answers: Answers) -> Files:
     }
     rest = [column for column in answers.columns if column not in ("response", "rt_ms")]
     about = {
-        "trial_type": {"Description": "the phase of the trial: practice, main, catch, attention"},
+        "trial_type": {"Description": "phase of the trial: practice, main, catch or attention"},
         "response_time": {"Description": _meaning(answers, "rt_ms"), "Units": "s"},
         "response": {"Description": _meaning(answers, "response")},
-        "stim_file": {"Description": "the stimulus, made from its key by overview-dsp"},
+        "stim_file": {"Description": "stimulus, rendered from its key by overview-dsp"},
         **{column: {"Description": _meaning(answers, column)} for column in rest},
     }
     yield "dataset_description.json", _json(described)
     yield README, f"# {study['title']}\n\n{_about(answers)}\n"
     labels = _labels(answers)
-    people = (
+    participants = (
         {"participant_id": f"sub-{labels[one.participant]}", "list": one.number,
          **answers.lists[one.number]["factors"]}
         for one in answers.sessions
     )  # fmt: skip
     between = [n for n, factor in study["factors"].items() if factor["kind"] == "between"]
-    yield "participants.tsv", _tsv(["participant_id", "list", *between], people)
-    said = {"list": {"Description": _meaning(answers, "list")}}
-    said |= {name: {"Description": _meaning(answers, name)} for name in between}
-    yield "participants.json", _json(said)
+    yield "participants.tsv", _tsv(["participant_id", "list", *between], participants)
+    sidecar = {"list": {"Description": _meaning(answers, "list")}}
+    sidecar |= {name: {"Description": _meaning(answers, name)} for name in between}
+    yield "participants.json", _json(sidecar)
     yield f"task-{task}_beh.json", _json({"TaskName": task, **about})
     for label, rows in _by_participant(answers):
-        given = (
+        table = (
             {**row, "trial_type": row["phase"], "stim_file": None,
              "response_time": None if row["rt_ms"] is None else row["rt_ms"] / 1000.0}
             for row in rows
         )  # fmt: skip
         yield (
             f"sub-{label}/beh/sub-{label}_task-{task}_beh.tsv",
-            _tsv([*_BIDS_FIRST, *rest], given),
+            _tsv([*_BIDS_FIRST, *rest], table),
         )
 
 
@@ -162,10 +162,12 @@ def _tsv(columns: list[str], rows: Any) -> str:
 
 
 def _psignifit(answers: Answers) -> Files:
-    """Level, right answers, trials: of all, and of each participant."""
+    """Yield level, correct answers and trials, for all participants and for each of them."""
     study = answers.study
     if study["task"]["name"] not in ("compare", "staircase", "quest"):
-        raise InputError("psignifit fits answers by level: of compare, staircase and quest tasks")
+        raise InputError(
+            "psignifit requires answers by level; allowed tasks: compare, staircase and quest"
+        )
     names, order = conditions_of(study), level_order(study)
     parts: dict[tuple[str, Any], list[dict[str, Any]]] = defaultdict(list)
     for row in answers.rows():
@@ -198,7 +200,7 @@ FORMATS: dict[str, Callable[[Answers], Files]] = {
     "r": _r,
     "psignifit": _psignifit,
 }
-"""What answers are written as; the first one by default."""
+"""Writer of each format."""
 
 
 def _json(document: Any) -> str:

@@ -1,4 +1,4 @@
-"""The pictures of a report: one a subject, each with a sentence as its title."""
+"""Figures of a report, each with a descriptive title."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from overview_dsp.cli.extensions import plot_style as style
-from overview_studies.analysis import Analysis, shown
+from overview_studies.analysis import Analysis, condition_text
 from overview_studies.measures import (
     UNITS,
     chosen_counts,
+    compute_measures,
     condition_of,
     conditions_of,
     level_order,
-    measured,
 )
 from overview_studies.statistics import fit_psychometric
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MAIN = {
+MAIN_MEASURES = {
     "identify": "d_prime",
     "locate": "location_error",
     "count": "exact",
@@ -33,15 +33,15 @@ MAIN = {
     "staircase": "threshold",
     "quest": "threshold",
 }
-"""The measure that a task is about."""
+"""Main measure of each task."""
 
-WORDS = {
+MEASURE_TITLES = {
     "d_prime": "Sensitivity d'",
     "location_error": "Distance from the event",
-    "exact": "Counts that were exact",
-    "accuracy": "Right answers",
-    "likeness": "Likeness of drawing and curve",
-    "adjusted": "Adjusted level less the standard",
+    "exact": "Exact counts",
+    "accuracy": "Correct answers",
+    "likeness": "Correlation of drawing and curve",
+    "adjusted": "Adjusted level minus the standard",
     "threshold": "Threshold",
     "tlx": "Workload (raw TLX)",
     "rt": "Time to answer",
@@ -50,9 +50,9 @@ _COLOURS = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE
 
 
 def figures_of(analysis: Analysis) -> dict[str, Figure]:
-    """Every picture that the answers give, by the stem of its file."""
+    """Return all figures of an analysis by file stem."""
     task = analysis.answers.study["task"]
-    found = {MAIN[task["name"]]: estimates_figure(analysis, MAIN[task["name"]])}
+    found = {MAIN_MEASURES[task["name"]]: estimates_figure(analysis, MAIN_MEASURES[task["name"]])}
     if analysis.matrices:
         found["confusion"] = confusion_figure(analysis)
     if (
@@ -60,45 +60,49 @@ def figures_of(analysis: Analysis) -> dict[str, Figure]:
         and len(level_order(analysis.answers.study)) > 2
     ):
         found["psychometric"] = psychometric_figure(analysis)
-    measures = {line.measure for line in analysis.lines}
+    measures = {line.measure for line in analysis.estimates}
     found |= {name: estimates_figure(analysis, name) for name in ("tlx", "rt") if name in measures}
     return found
 
 
 def estimates_figure(analysis: Analysis, measure: str) -> Figure:
-    """A measure by condition: mean, 95 % interval, and each participant as a dot."""
-    values = {c: by for (name, c), by in measured(analysis.answers).items() if name == measure}
-    lines = {line.condition: line.estimate for line in analysis.lines if line.measure == measure}
+    """Plot a measure by condition: mean, 95 % interval and one dot per participant."""
+    values = {
+        c: by for (name, c), by in compute_measures(analysis.answers).items() if name == measure
+    }
+    lines = {
+        line.condition: line.estimate for line in analysis.estimates if line.measure == measure
+    }
     figure = style.new_figure(6.0, 1.4 + 0.5 * max(len(values), 1))
     axes = figure.subplots()
     for row, (condition, by) in enumerate(sorted(values.items(), key=str)):
         one, points = lines[condition], [v for v in by.values() if math.isfinite(v)]
-        # spread by their order, so that equal ones are seen
+        # vertical offsets keep equal values visible
         at = row + 0.22 * (np.arange(len(points)) / max(len(points) - 1, 1) - 0.5)
         axes.plot(points, at, "o", color=style.GREY, markersize=3, alpha=0.5)
         if math.isfinite(one.low):
             axes.plot([one.low, one.high], [row, row], color=style.BLUE, linewidth=3)
         axes.plot([one.mean], [row], "D", color=style.VERMILION, markersize=6)
-    axes.set_yticks(range(len(values)), [shown(c) for c in sorted(values, key=str)])
+    axes.set_yticks(range(len(values)), [condition_text(c) for c in sorted(values, key=str)])
     axes.set_ylim(len(values) - 0.5, -0.5)
     unit = UNITS.get(measure, "")
-    words = WORDS.get(measure, measure)
-    axes.set_xlabel(f"{words} ({unit})" if unit else words)
-    _entitle(figure, f"{words}: means with 95 % intervals, and participants")
+    title = MEASURE_TITLES.get(measure, measure)
+    axes.set_xlabel(f"{title} ({unit})" if unit else title)
+    _set_title(figure, f"{title}: means with 95 % intervals, and participants")
     style.tidy(axes)
     figure.set_layout_engine("constrained")
     return figure
 
 
 def confusion_figure(analysis: Analysis) -> Figure:
-    """What was taken for what, of 100 of each, in each condition."""
+    """Plot the confusion matrix of each condition, in percent of each stimulus."""
     choices = analysis.answers.study["task"]["choices"]
-    words = analysis.answers.study["task"]["words"]
+    title = analysis.answers.study["task"]["words"]
     count = len(analysis.matrices)
     side = 1.4 + 0.45 * len(choices)
     figure = style.new_figure(count * side + 0.8, side + 0.6)
     grid = figure.subplots(1, count, squeeze=False)[0]
-    named = [words.get(choice, choice) for choice in choices]
+    named = [title.get(choice, choice) for choice in choices]
     for number, (axes, (condition, counts)) in enumerate(
         zip(grid, sorted(analysis.matrices.items(), key=str), strict=True)
     ):
@@ -109,15 +113,15 @@ def confusion_figure(analysis: Analysis) -> Figure:
             axes.text(j, i, f"{part:.0f}", ha="center", va="center", color=colour, fontsize=8)
         axes.set_xticks(range(len(named)), named, rotation=45, ha="right", fontsize=8)
         axes.set_yticks(range(len(named)), named if number == 0 else [], fontsize=8)
-        axes.set_title("\n".join(shown(condition).split(", ")), fontsize=9)
-    grid[0].set_ylabel("given")
-    _entitle(figure, "Of 100 given, taken for")
+        axes.set_title("\n".join(condition_text(condition).split(", ")), fontsize=9)
+    grid[0].set_ylabel("presented")
+    _set_title(figure, "Answers in percent of each presented stimulus")
     figure.set_layout_engine("constrained")
     return figure
 
 
 def psychometric_figure(analysis: Analysis) -> Figure:
-    """Answers by level, summed over participants, with the likeliest function."""
+    """Plot answers by level, summed over participants, with the fitted function."""
     study = analysis.answers.study
     names, order = conditions_of(study), level_order(study)
     compared = study["task"]["name"] == "compare"
@@ -135,18 +139,18 @@ def psychometric_figure(analysis: Analysis) -> Figure:
             correct = np.array([row["correct"] for row in own])
             trials = np.array([(at == level).sum() for level in levels], dtype=np.float64)
             right = np.array([correct[at == level].sum() for level in levels], dtype=np.float64)
-        _curve(axes, levels, right, trials, guess, _COLOURS[number % 6], shown(condition))
+        _curve(axes, levels, right, trials, guess, _COLOURS[number % 6], condition_text(condition))
     axes.set_xlabel(f"{study['task']['vary']}")
-    axes.set_ylabel("taken for the stronger" if compared else "right answers")
+    axes.set_ylabel("judged stronger" if compared else "correct answers")
     axes.set_ylim(-0.03, 1.03)
     axes.legend(frameon=False, fontsize=8)
-    _entitle(figure, "Psychometric functions: answers by level, all participants")
+    _set_title(figure, "Psychometric functions: answers by level, all participants")
     style.tidy(axes)
     figure.set_layout_engine("constrained")
     return figure
 
 
-def _entitle(figure: Figure, title: str) -> None:
+def _set_title(figure: Figure, title: str) -> None:
     figure.suptitle(title, x=0.02, ha="left", fontsize=10)
 
 
@@ -165,7 +169,7 @@ def _curve(
     if len(levels) > 2:
         fitted = fit_psychometric(levels, right, trials, guess)
         x = np.linspace(levels[0], levels[-1], 200)
-        label = f"{label}: middle {fitted.threshold:.3g}, width {fitted.width:.3g}"
+        label = f"{label}: threshold {fitted.threshold:.3g}, width {fitted.width:.3g}"
         axes.plot(x, fitted.at(x), color=colour, label=label)
     else:
         axes.plot([], [], color=colour, label=label)

@@ -1,5 +1,6 @@
-"""A study's TOML file, key by key: types, ranges, defaults. What needs more than one key is
-checked where it is used (`design`).
+"""Keys of a study's TOML file: types, ranges and defaults.
+
+`design` checks the rules that involve more than one key.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class _Strict(pydantic.BaseModel):
 
 
 class Factor(_Strict):
-    """One factor: its levels, within or between participants."""
+    """Factor with its levels, within or between participants."""
 
     within: list[Level] | None = Field(None, min_length=2, max_length=12)
     between: list[Level] | None = Field(None, min_length=2, max_length=12)
@@ -34,12 +35,12 @@ class Factor(_Strict):
 
     @property
     def levels(self) -> list[Level]:
-        """Its levels, whichever they are."""
+        """Levels of the factor."""
         return self.within or self.between or []
 
 
-class Made(_Strict):
-    """Timelines made for the study: events of one kind, or curves."""
+class SyntheticTimelines(_Strict):
+    """Timelines generated for the study, with events of one kind or with curves."""
 
     kinds: list[str] = Field(default_factory=list, max_length=24)
     curves: list[Literal["rise", "fall", "peak", "dip", "wave", "steady"]] = Field(
@@ -53,7 +54,7 @@ class Made(_Strict):
 
 
 class Task(_Strict):
-    """What is asked."""
+    """Task of the participants."""
 
     name: Literal["identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest"]
     question: str | None = None
@@ -63,14 +64,14 @@ class Task(_Strict):
     vary: str | None = None
     standard: Level | None = None
     method: Literal["2afc", "yesno"] = "2afc"
-    most: Annotated[int, Field(ge=1, le=999)] = 60
+    max_trials: Annotated[int, Field(ge=1, le=999)] = 60
     down: Annotated[int, Field(ge=1, le=5)] = 2
     reversals: Annotated[int, Field(ge=2, le=50)] = 8
     steps: list[Whole] = Field([2, 1], min_length=1)
 
 
 class Practice(_Strict):
-    """Trials that are never analysed."""
+    """Practice trials, which are never analysed."""
 
     repeats: Whole = 1
     feedback: bool = True
@@ -78,14 +79,14 @@ class Practice(_Strict):
 
 
 class Main(_Strict):
-    """Trials that are."""
+    """Main trials, which are analysed."""
 
     repeats: Whole = 1
     feedback: bool = False
 
 
 class Phases(_Strict):
-    """What a condition block holds."""
+    """Trials of one condition block."""
 
     practice: Practice | None = None
     main: Main = Main()
@@ -94,14 +95,14 @@ class Phases(_Strict):
 
 
 class Mask(_Strict):
-    """Noise for the ears."""
+    """Masking noise on the audio channel."""
 
     noise: Literal["pink", "white"] = "pink"
     level_db: Annotated[float, Field(ge=-80.0, le=-10.0)] = -30.0
 
 
 class Output(_Strict):
-    """What is heard, felt and seen where no factor says it."""
+    """Defaults for sound, vibration and picture, which factors may override."""
 
     channel: Literal["click", "tactor", "both", "visual"] = "both"
     mapping: Literal["friction", "static"] = "friction"
@@ -112,14 +113,14 @@ class Output(_Strict):
 
 
 class Consent(_Strict):
-    """What a person agrees to; the version is kept with the answer."""
+    """Consent text; its version is stored with the answer."""
 
     version: str
     text: str
 
 
 class Questionnaires(_Strict):
-    """Forms: tlx, comments, consent, or HTML files."""
+    """Questionnaires: tlx, comments, consent, or HTML files."""
 
     start: list[str] = Field(default_factory=list)
     each: list[str] = Field(default_factory=list)
@@ -128,23 +129,23 @@ class Questionnaires(_Strict):
 
 
 class Exclude(_Strict):
-    """Who isn't analysed: decided before anybody takes part."""
+    """Exclusion rules, defined before data collection."""
 
     incomplete: bool = True
     attention: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
 
 
 class Text(_Strict):
-    """What the page says."""
+    """Texts of the page."""
 
     welcome: str = "Welcome. Please use headphones or hold the actuator as you were shown."
     instructions: str = "Move along the timeline and attend to what you feel and hear."
-    end: str = "That was all. Thank you."
+    end: str = "The study is complete. Thank you."
     conditions: dict[str, str] = Field(default_factory=dict)
 
 
 class StudyFile(_Strict):
-    """All of it."""
+    """All keys of a study file."""
 
     title: str = Field(min_length=1, max_length=200)
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9]([A-Za-z0-9-]{0,62}[A-Za-z0-9])?$")] | None = (

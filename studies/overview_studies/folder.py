@@ -1,6 +1,6 @@
-"""The folder of a study: the page, what it plays, and what each participant does.
+"""Folder of a study: the page, its stimuli and one list per participant.
 
-Described in docs/explanation/study-format.md.
+The format is described in docs/explanation/study-format.md.
 """
 
 from __future__ import annotations
@@ -31,20 +31,20 @@ from overview_dsp.errors import InputError
 from overview_studies.design import NONE, Design
 from overview_studies.file_model import Mask
 from overview_studies.forms import forms_of
-from overview_studies.items import RATE, Item, items_of, samples_sha256
 from overview_studies.lists import ListMaker
 from overview_studies.static_mapping import static_mapping
+from overview_studies.stimuli import RATE, Stimulus, samples_sha256, stimuli_of
 
-MARK = "files.js"
-_MARK_HEAD = "self.FILES = "
+MANIFEST = "files.js"
+_MANIFEST_HEAD = "self.FILES = "
 STUDY = "study.json"
 VERSION = 1
 CURVE_POINTS = 64
 MASK = "mask-48000.wav"
 MASK_S = 10
-MOST_STIMULI = 2000
+MAX_STIMULI = 2000
 SHARED = ("style.css", "icon.svg", "worker.js", "kernel.wasm")
-"""Files of the page of a timeline that the page of a study has too, besides imported scripts."""
+"""Files shared with the page of a timeline, besides imported scripts."""
 
 _QUESTIONS = {
     "identify": "What did you feel?",
@@ -61,30 +61,30 @@ _QUESTIONS = {
 def build_folder(
     design: Design, path: str | Path, progress: Callable[[float], None] | None = None
 ) -> int:
-    """Write a study's folder, whole or not at all; its size in bytes.
+    """Write a study's folder atomically; return its size in bytes.
 
     Raises
     ------
     InputError
-        The folder can't be written or holds other files; stimuli that can't be made.
+        The folder cannot be written or contains other files, or a stimulus cannot be rendered.
     """
-    items = items_of(design)
+    items = stimuli_of(design)
     lists = make_lists(design, items)
-    with atomic_folder(path, MARK) as folder:
+    with atomic_folder(path, MANIFEST) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0
-        files = [*page_files().items(), *_forms(design), *_mask(design)]
+        files = [*page_files().items(), *_form_files(design), *_mask_files(design)]
         for name, data in [*files, *_study_files(design, items, lists, progress)]:
-            place = folder / name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(data)
-            at_first = "/" not in name or name.startswith("jspsych/")
-            listed["page" if at_first else "more"].append(name)
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(data)
+            is_page = "/" not in name or name.startswith("jspsych/")
+            listed["page" if is_page else "more"].append(name)
             digest.update(name.encode() + data)
             size += len(data)
         known = {"version": digest.hexdigest()[:16], **listed}
-        (folder / MARK).write_text(f"{_MARK_HEAD}{json.dumps(known)};\n", encoding="utf-8")
+        (folder / MANIFEST).write_text(f"{_MANIFEST_HEAD}{json.dumps(known)};\n", encoding="utf-8")
     return size
 
 
@@ -96,16 +96,16 @@ def page_files() -> dict[str, bytes]:
     return other_page_files(own, SHARED)
 
 
-def make_lists(design: Design, items: Sequence[Item]) -> list[dict[str, Any]]:
-    """All lists of a design."""
-    if len(items) > MOST_STIMULI:
-        raise InputError(f"{design.where}: {len(items)} stimuli; a study has up to {MOST_STIMULI}")
+def make_lists(design: Design, items: Sequence[Stimulus]) -> list[dict[str, Any]]:
+    """Return all lists of a design."""
+    if len(items) > MAX_STIMULI:
+        raise InputError(f"{design.path}: {len(items)} stimuli; must be at most {MAX_STIMULI}")
     maker = ListMaker(design, items)
     return [maker.make(number) for number in range(1, design.file.participants + 1)]
 
 
-def played(lists: Sequence[dict[str, Any]]) -> dict[str, set[str]]:
-    """The keys that lists play, each with the mappings it is played with."""
+def presented_stimuli(lists: Sequence[dict[str, Any]]) -> dict[str, set[str]]:
+    """Return the stimulus keys that the lists present, with the mappings of each."""
     found: dict[str, set[str]] = {}
     for one in lists:
         for step in one["steps"]:
@@ -118,30 +118,30 @@ def played(lists: Sequence[dict[str, Any]]) -> dict[str, set[str]]:
     return found
 
 
-def _forms(design: Design) -> Iterator[tuple[str, bytes]]:
+def _form_files(design: Design) -> Iterator[tuple[str, bytes]]:
     for form in forms_of(design).values():
         if "file" in form:
             name = form["file"].rpartition("/")[2]
-            source = next(n for n in _asked(design) if n.rpartition("/")[2] == name)
-            yield form["file"], (design.where.parent / source).read_bytes()
+            source = next(n for n in _form_names(design) if n.rpartition("/")[2] == name)
+            yield form["file"], (design.path.parent / source).read_bytes()
 
 
-def _asked(design: Design) -> list[str]:
-    asked = design.file.questionnaires
-    return [*asked.start, *asked.each, *asked.end]
+def _form_names(design: Design) -> list[str]:
+    forms = design.file.questionnaires
+    return [*forms.start, *forms.each, *forms.end]
 
 
-def _mask(design: Design) -> Iterator[tuple[str, bytes]]:
+def _mask_files(design: Design) -> Iterator[tuple[str, bytes]]:
     if design.file.output.mask is not None:
         noise = masking_noise(design.file.output.mask, design.file.seed)
         yield MASK, sound_bytes(MASK, noise, RATE, "PCM_16")
 
 
 def masking_noise(mask: Mask, seed: int) -> NDArray[np.float32]:
-    """Noise of `MASK_S` that loops without a seam: float32 (frames, 1)."""
+    """Return noise of `MASK_S` that loops without a discontinuity: float32 (frames, 1)."""
     frames = MASK_S * RATE
     hz = np.arange(frames // 2 + 1) / MASK_S
-    # nothing below 50 Hz: a tactor's skin would feel it
+    # no energy below 50 Hz, which could be felt through the skin
     height = np.where(hz < 50.0, 0.0, 1.0 / np.sqrt(np.maximum(hz, 1.0)))
     if mask.noise == "white":
         height = (hz >= 50.0).astype(np.float64)
@@ -153,15 +153,15 @@ def masking_noise(mask: Mask, seed: int) -> NDArray[np.float32]:
 
 def _study_files(
     design: Design,
-    items: Sequence[Item],
+    items: Sequence[Stimulus],
     lists: Sequence[dict[str, Any]],
     progress: Callable[[float], None] | None,
 ) -> Iterator[tuple[str, bytes]]:
-    used = played(lists)
+    used = presented_stimuli(lists)
     described: dict[str, Any] = {}
     needed = [item for item in items if item.key in used]
     for number, item in enumerate({item.key: item for item in needed}.values(), 1):
-        described[item.key], files = describe(design, item, "static" in used[item.key])
+        described[item.key], files = describe_stimulus(design, item, "static" in used[item.key])
         yield from files.items()
         if progress is not None:
             progress(number / len(used))
@@ -174,9 +174,9 @@ def study_json(
     design: Design,
     lists: Sequence[dict[str, Any]],
     stimuli: dict[str, Any],
-    items: Sequence[Item],
+    items: Sequence[Stimulus],
 ) -> dict[str, Any]:
-    """What holds for all lists."""
+    """Return the content of study.json, which applies to all lists."""
     file = design.file
     words: dict[str, str] = {}
     task: dict[str, Any] = {"name": file.task.name, "target": file.task.target}
@@ -186,11 +186,11 @@ def study_json(
         words = {one: one.replace("_", " ") for one in choices} | {NONE: "nothing"}
         task["choices"] = choices
     task["words"] = {**words, **file.task.words}
-    asked = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
-    task["question"] = file.task.question or asked
+    question = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
+    task["question"] = file.task.question or question
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
-    looks = [kind_styles(item.timeline, item.preset) for item in items]
-    kinds = {kind: look for one in looks for kind, look in one.items() if look["count"]}
+    styles = [kind_styles(item.timeline, item.preset) for item in items]
+    kinds = {kind: style for one in styles for kind, style in one.items() if style["count"]}
     first = items[0].preset
     return {
         "overview_study": VERSION,
@@ -219,14 +219,16 @@ def study_json(
         "forms": forms_of(design),
         "exclude": file.exclude.model_dump(),
         "kinds": kinds,
-        "full_torque": first.number("tactor.full_torque_mnm") * 1e-3,
+        "full_torque": first.number("tactor.reference_torque_mnm") * 1e-3,
         "bare_friction": first.number("surface.friction"),
         "stimuli": stimuli,
     }  # fmt: skip
 
 
-def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """A stimulus for study.json, and its files."""
+def describe_stimulus(
+    design: Design, item: Stimulus, static: bool
+) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Return the entry of a stimulus for study.json, and its files."""
     at = f"stimuli/{item.key}"
     base = whole_bytes(item.timeline, item.preset, RATE, item.seed, None)
     surface = build_surface(item.timeline, item.preset)
@@ -244,7 +246,7 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         if static:
             mappings[str(rate)] = f"{at}-static-{rate}.json"
             files[f"{at}-static-{rate}.json"] = _json(static_made[rate].as_json())
-    hand = item.gesture
+    gesture = item.gesture
     vary = design.file.task.vary
     described = {
         "image": f"{at}.bin",
@@ -255,11 +257,11 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         if item.free
         else [
             {"time_s": float(t), "theta2": float(a), "touching": bool(h), "source": "touch"}
-            for t, a, h in zip(hand.time_s, hand.theta2, hand.touching, strict=True)
+            for t, a, h in zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True)
         ],
-        "duration_s": None if item.free else hand.duration_s,
+        "duration_s": None if item.free else gesture.duration_s,
         "answer": str(item.names["answer"]),
-        "places": item.places(design.file.task.target),
+        "places": item.positions(design.file.task.target),
         "curve": item.curve(CURVE_POINTS).round(4).tolist()
         if design.file.task.name == "draw"
         else None,
@@ -269,8 +271,8 @@ def describe(design: Design, item: Item, static: bool) -> tuple[dict[str, Any], 
         "gesture": item.names["gesture"],
         "seed": item.seed,
         "parameters": dict(item.parameters),
-        "sha256": samples_sha256(item.rendered().samples),
-        "static_sha256": samples_sha256(static_made[RATE].render(hand)) if static else None,
+        "sha256": samples_sha256(item.render_stimulus().samples),
+        "static_sha256": samples_sha256(static_made[RATE].render(gesture)) if static else None,
     }
     return described, files
 
@@ -281,34 +283,40 @@ def _json(document: dict[str, Any]) -> bytes:
 
 
 def listed_files(path: str | Path) -> tuple[str, ...]:
-    """The files of a folder, as its `MARK` lists them; InputError if it has none."""
-    try:
-        text = (Path(path) / MARK).read_text(encoding="utf-8")
-        known = json.loads(text.removeprefix(_MARK_HEAD).rstrip().rstrip(";"))
-        return (*known["page"], *known["more"], MARK)
-    except (OSError, ValueError, KeyError) as error:
-        raise _no_study(Path(path), error) from None
-
-
-def _no_study(folder: Path, error: Exception) -> InputError:
-    missing = isinstance(error, FileNotFoundError | NotADirectoryError)
-    why = f"{MARK} isn't there" if missing else f"{MARK} is broken"
-    return InputError(f"{folder}: no study ({why}); `overview study build` makes one")
-
-
-def read_study(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
-    """A folder's study.json and lists.
+    """Return the files of a folder that its `MANIFEST` lists.
 
     Raises
     ------
     InputError
-        It isn't a folder that `overview study build` wrote.
+        The folder has no valid manifest.
+    """
+    try:
+        text = (Path(path) / MANIFEST).read_text(encoding="utf-8")
+        known = json.loads(text.removeprefix(_MANIFEST_HEAD).rstrip().rstrip(";"))
+        return (*known["page"], *known["more"], MANIFEST)
+    except (OSError, ValueError, KeyError) as error:
+        raise _not_a_study(Path(path), error) from None
+
+
+def _not_a_study(folder: Path, error: Exception) -> InputError:
+    missing = isinstance(error, FileNotFoundError | NotADirectoryError)
+    why = f"{MANIFEST} is missing" if missing else f"{MANIFEST} is not valid"
+    return InputError(f"{folder}: no study ({why}); create it with `overview study build`")
+
+
+def read_study(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """Return a folder's study.json and lists.
+
+    Raises
+    ------
+    InputError
+        `overview study build` did not write the folder.
     """
     folder = Path(path)
     try:
         study = json.loads((folder / STUDY).read_bytes())
         if study.get("overview_study") != VERSION:
-            raise InputError(f"{folder}: {STUDY} is of another version; build it again")
+            raise InputError(f"{folder}: {STUDY} has an unsupported version; build the study again")
         lists = [
             json.loads((folder / "lists" / f"{number:03d}.json").read_bytes())
             for number in range(1, study["lists"] + 1)
@@ -316,5 +324,5 @@ def read_study(path: str | Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     except (OSError, ValueError, KeyError, AttributeError) as error:
         if isinstance(error, InputError):
             raise
-        raise _no_study(folder, error) from None
+        raise _not_a_study(folder, error) from None
     return study, lists

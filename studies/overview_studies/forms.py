@@ -1,4 +1,4 @@
-"""Questionnaires: what each asks, and the raw TLX's score."""
+"""Questionnaires of a study, including the raw TLX."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from overview_studies.design import Design
 from overview_studies.lists import form_name
 
 TLX = {
-    # Hart and Staveland 1988; raw: without the pair comparisons
+    # Hart and Staveland 1988; the raw TLX omits the pair comparisons
     "mental": ("Mental demand: how mentally demanding was the task?", "very low", "very high"),
     "physical": ("Physical demand: how physically demanding was it?", "very low", "very high"),
     "temporal": ("Temporal demand: how hurried was the pace?", "very low", "very high"),
@@ -19,10 +19,10 @@ TLX = {
 
 
 def forms_of(design: Design) -> dict[str, Any]:
-    """The forms that a study asks for, by name, as study.json has them."""
-    asked = design.file.questionnaires
+    """Return the forms of a study by name, as stored in study.json."""
+    forms = design.file.questionnaires
     found: dict[str, Any] = {}
-    for name in [*asked.start, *asked.each, *asked.end]:
+    for name in [*forms.start, *forms.each, *forms.end]:
         if name == "tlx":
             found[name] = {
                 "items": [
@@ -32,10 +32,10 @@ def forms_of(design: Design) -> dict[str, Any]:
                 ]
             }  # fmt: skip
         elif name == "comments":
-            question = "Is there anything you would like to tell us?"
+            question = "Do you have any comments?"
             found[name] = {"items": [{"id": "comments", "question": question, "lines": 5}]}
-        elif name == "consent" and asked.consent is not None:
-            found[name] = {"version": asked.consent.version, "text": asked.consent.text}
+        elif name == "consent" and forms.consent is not None:
+            found[name] = {"version": forms.consent.version, "text": forms.consent.text}
         else:
             found[form_name(name)] = {"file": f"forms/{form_name(name)}.html"}
     return found

@@ -1,6 +1,6 @@
-"""A list: what one participant does, step by step. Decided here, by seed; the page decides nothing.
+"""Lists: the steps of one participant, chosen by seed.
 
-The steps are described in docs/explanation/study-format.md.
+The page makes no random choices. The steps are described in docs/explanation/study-format.md.
 """
 
 from __future__ import annotations
@@ -12,20 +12,20 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_studies.adaptive import quest_table
+from overview_studies.counterbalancing import RandomStream, rows_of, shuffled_blocks
 from overview_studies.design import ADAPTIVE, Design
 from overview_studies.file_model import Factor, Level
-from overview_studies.items import Item
-from overview_studies.orders import Seeded, rows_of, shuffled_blocks
+from overview_studies.stimuli import Stimulus
 
 Levels = dict[str, Level]
 
 
 @dataclass(frozen=True)
 class _Cell:
-    """What a block of trials has once."""
+    """Factor levels and stimuli of one trial, which occurs once per block."""
 
     levels: tuple[tuple[str, Level], ...]
-    items: tuple[Item, ...]
+    items: tuple[Stimulus, ...]
 
 
 def _combined(factors: Mapping[str, Factor]) -> list[Levels]:
@@ -36,15 +36,15 @@ def _combined(factors: Mapping[str, Factor]) -> list[Levels]:
 
 
 class ListMaker:
-    """Makes the lists of a design.
+    """Generator of the lists of a design.
 
     Parameters
     ----------
     items
-        Its stimuli (`items_of`).
+        Its stimuli (`stimuli_of`).
     """
 
-    def __init__(self, design: Design, items: Sequence[Item]) -> None:
+    def __init__(self, design: Design, items: Sequence[Stimulus]) -> None:
         self._design, self._items = design, items
         self._groups = _combined(design.factors("between"))
         self._conditions = _combined(design.factors("blocked"))
@@ -52,26 +52,26 @@ class ListMaker:
         self._rows = rows_of(design.order, len(self._conditions))
 
     def make(self, number: int) -> dict[str, Any]:
-        """List `number`, from 1; the same one every time.
+        """Return list `number`, counted from 1; repeated calls give the same list.
 
         Raises
         ------
         InputError
-            A condition without stimuli, or without those that its task compares.
+            A condition has no stimuli, or lacks those that its task compares.
         """
         turn, group = divmod(number - 1, len(self._groups))
         between = self._groups[group]
         row = self._rows[turn % len(self._rows)]
-        steps = [*self._forms(self._asked.start, 0, {})]
-        for place, index in enumerate(row, 1):
-            if place > 1:
-                steps.append({"id": f"b{place}-break", "type": "break", "block": place})
-            steps += self._block(number, place, {**between, **self._conditions[index]})
-        steps += self._forms(self._asked.end, len(row) + 1, {})
+        steps = [*self._forms(self._questionnaires.start, 0, {})]
+        for position, index in enumerate(row, 1):
+            if position > 1:
+                steps.append({"id": f"b{position}-break", "type": "break", "block": position})
+            steps += self._block(number, position, {**between, **self._conditions[index]})
+        steps += self._forms(self._questionnaires.end, len(row) + 1, {})
         return {"list": number, "factors": between, "steps": steps}
 
     @property
-    def _asked(self) -> Any:
+    def _questionnaires(self) -> Any:
         return self._design.file.questionnaires
 
     def _forms(self, names: Sequence[str], block: int, factors: Levels) -> Iterator[dict[str, Any]]:
@@ -86,9 +86,9 @@ class ListMaker:
             }
 
     def _block(self, number: int, block: int, levels: Levels) -> list[dict[str, Any]]:
-        """A condition block: instructions, practice, trials, forms."""
+        """Return the steps of a condition block: instructions, practice, trials, forms."""
         phases, text = self._design.file.phases, self._design.file.text
-        said = [
+        output = [
             text.conditions[key]
             for name, level in levels.items()
             if (key := f"{name}.{level}") in text.conditions
@@ -98,46 +98,46 @@ class ListMaker:
             "type": "instructions",
             "block": block,
             "factors": levels,
-            "text": " ".join(said),
+            "text": " ".join(output),
             "practice": phases.practice is not None,
         }
-        chance = Seeded(self._design.file.seed, "list", number, block)
+        stream = RandomStream(self._design.file.seed, "list", number, block)
         trials = (
-            self._adaptive(block, levels, chance)
+            self._adaptive(block, levels, stream)
             if self._design.file.task.name in ADAPTIVE
-            else self._trials(number, block, levels, chance)
+            else self._trials(number, block, levels, stream)
         )
-        return [head, *trials, *self._forms(self._asked.each, block, levels)]
+        return [head, *trials, *self._forms(self._questionnaires.each, block, levels)]
 
     def _trials(
-        self, number: int, block: int, levels: Levels, chance: Seeded
+        self, number: int, block: int, levels: Levels, stream: RandomStream
     ) -> Iterator[dict[str, Any]]:
         phases = self._design.file.phases
         cells = self._cells(levels)
         if phases.practice is not None:
-            practised = shuffled_blocks(cells, phases.practice.repeats, chance)
-            for i, cell in enumerate((one for part in practised for one in part), 1):
+            practice_cells = shuffled_blocks(cells, phases.practice.repeats, stream)
+            for i, cell in enumerate((one for part in practice_cells for one in part), 1):
                 more = {
                     "feedback": phases.practice.feedback,
                     "criterion": phases.practice.criterion,
                 }
                 yield self._trial(f"b{block}-p{i:03d}", "practice", block, 1, cell, i, more)
-        blocks = shuffled_blocks(cells, phases.main.repeats, chance)
+        blocks = shuffled_blocks(cells, phases.main.repeats, stream)
         rows: list[tuple[str, int, _Cell, int]] = []
         for repeat, part in enumerate(blocks, 1):
             own = [("main", repeat, c, number + repeat + cells.index(c)) for c in part]
-            for _ in range(_share(self._catches(len(cells)), repeat, len(blocks))):
-                nothing = self._silent(levels, chance)
-                own.insert(chance.below(len(own) + 1), ("catch", repeat, nothing, chance.below(2)))
+            for _ in range(_share(self._catch_count(len(cells)), repeat, len(blocks))):
+                nothing = self._catch_cell(levels, stream)
+                own.insert(stream.below(len(own) + 1), ("catch", repeat, nothing, stream.below(2)))
             for _ in range(_share(phases.attention, repeat, len(blocks))):
-                cell = cells[chance.below(len(cells))]
-                own.insert(chance.below(len(own) + 1), ("attention", repeat, cell, 0))
+                cell = cells[stream.below(len(cells))]
+                own.insert(stream.below(len(own) + 1), ("attention", repeat, cell, 0))
             rows += own
         for i, (phase, repeat, cell, side) in enumerate(rows, 1):
             more = {"feedback": phases.main.feedback, "criterion": None}
             yield self._trial(f"b{block}-{i:03d}", phase, block, repeat, cell, side, more)
 
-    def _catches(self, cells: int) -> int:
+    def _catch_count(self, cells: int) -> int:
         part = self._design.file.phases.catch
         main = cells * self._design.file.phases.main.repeats
         return round(main * part / (1.0 - part))
@@ -147,10 +147,12 @@ class ListMaker:
         cells = []
         for mixed in self._mixed:
             both = {**levels, **mixed}
-            items = [one for one in self._items if not one.nothing and one.fits(both)]
+            items = [one for one in self._items if not one.is_catch and one.matches(both)]
             if not items:
-                raise InputError(f"factors: no stimulus is {_shown(both)}")
-            groups: list[tuple[Item, ...]] = [(one,) for one in items]
+                raise InputError(
+                    f"factors: no stimulus has {_levels_text(both)}; add it to [stimuli]"
+                )
+            groups: list[tuple[Stimulus, ...]] = [(one,) for one in items]
             if task.vary:
                 groups = _pairs(items, task.vary, task.standard)
             if task.name == "adjust":
@@ -160,17 +162,17 @@ class ListMaker:
             cells += [_Cell(tuple(both.items()), group) for group in groups]
         return cells
 
-    def _silent(self, levels: Levels, chance: Seeded) -> _Cell:
-        """A catch trial's cell: nothing, or twice the standard."""
-        both = {**levels, **self._mixed[chance.below(len(self._mixed))]}
+    def _catch_cell(self, levels: Levels, stream: RandomStream) -> _Cell:
+        """Return the cell of a catch trial: a stimulus without events, or the standard twice."""
+        both = {**levels, **self._mixed[stream.below(len(self._mixed))]}
         if self._design.file.task.name == "compare":
             cells = [cell for cell in self._cells(levels) if dict(cell.levels) == both]
-            standard = cells[chance.below(len(cells))].items[0]
+            standard = cells[stream.below(len(cells))].items[0]
             return _Cell(tuple(both.items()), (standard, standard))
-        # what a catch trial lacks is the timeline's; all else is as in the others
+        # a catch trial differs from the others only in its timeline
         shared = {n: v for n, v in both.items() if n not in ("timeline", "answer")}
-        items = [one for one in self._items if one.nothing and one.fits(shared)]
-        return _Cell(tuple(both.items()), (items[chance.below(len(items))],))
+        items = [one for one in self._items if one.is_catch and one.matches(shared)]
+        return _Cell(tuple(both.items()), (items[stream.below(len(items))],))
 
     def _trial(
         self,
@@ -187,12 +189,12 @@ class ListMaker:
         items = list(cell.items)
         correct: Any = None
         if task.name == "identify":
-            # a catch trial's stimulus is nothing, whatever is asked for
+            # the correct answer of a catch trial never depends on task.of
             correct = str(items[0].names["answer" if phase == "catch" else task.of])
         elif task.name == "locate":
-            correct = items[0].places(task.target)
+            correct = items[0].positions(task.target)
         elif task.name == "count":
-            correct = len(items[0].places(task.target))
+            correct = len(items[0].positions(task.target))
         elif task.name == "adjust":
             correct = items[0].names[str(task.vary)]
             levels_of = self._adjustable(items[0])
@@ -210,7 +212,7 @@ class ListMaker:
                 at = [order.index(one.names[str(task.vary)]) for one in items]
                 correct = int(at[1] > at[0])
         if phase == "catch":
-            # which level of what the answer is it lacks
+            # a catch trial has no level of timeline or answer
             levels = {n: v for n, v in levels.items() if n not in ("timeline", "answer")}
         return {
             "id": id,
@@ -227,52 +229,56 @@ class ListMaker:
             "attention": correct if phase == "attention" else None,
         }
 
-    def _adjustable(self, standard: Item) -> list[Item]:
-        """The stimuli that are like the standard in all but what is adjusted, in order."""
+    def _adjustable(self, standard: Stimulus) -> list[Stimulus]:
+        """Return the stimuli that differ from the standard only in `vary`, in order."""
         vary = str(self._design.file.task.vary)
         return [
-            next(one for one in self._items if one.fits({**standard.names, vary: level}))
+            next(one for one in self._items if one.matches({**standard.names, vary: level}))
             for level in self._design.dimension(vary)
         ]
 
     def output(self, levels: Mapping[str, Level]) -> dict[str, Any]:
-        """How a trial of these levels is given."""
-        said = self._design.file.output
-        channel = levels.get("channel", said.channel)
+        """Return the output settings of a trial with these levels."""
+        output = self._design.file.output
+        channel = levels.get("channel", output.channel)
         return {
-            "mapping": levels.get("mapping", said.mapping),
-            "input": levels.get("input", said.input),
-            "click_db": said.click_db if channel in ("click", "both") else None,
-            "tactor_db": said.tactor_db if channel in ("tactor", "both") else None,
+            "mapping": levels.get("mapping", output.mapping),
+            "input": levels.get("input", output.input),
+            "click_db": output.click_db if channel in ("click", "both") else None,
+            "tactor_db": output.tactor_db if channel in ("tactor", "both") else None,
             "visual": channel == "visual",
-            "mask": said.mask is not None,
+            "mask": output.mask is not None,
         }
 
     # --- adaptive ---------------------------------------------------------------------------------
 
-    def _adaptive(self, block: int, levels: Levels, chance: Seeded) -> Iterator[dict[str, Any]]:
+    def _adaptive(
+        self, block: int, levels: Levels, stream: RandomStream
+    ) -> Iterator[dict[str, Any]]:
         task, phases = self._design.file.task, self._design.file.phases
         vary = str(task.vary)
         for i, mixed in enumerate(self._mixed, 1):
             both = {**levels, **mixed}
             order = self._design.dimension(vary)
-            fitting = [one for one in self._items if one.fits(both)]
-            by = {level: [o for o in fitting if not o.nothing and o.names[vary] == level]
+            candidates = [one for one in self._items if one.matches(both)]
+            by = {level: [o for o in candidates if not o.is_catch and o.names[vary] == level]
                   for level in order}  # fmt: skip
             if any(len(found) != 1 for found in by.values()):
                 raise InputError(
-                    f"task.vary: a {task.name} has one stimulus a level of {vary}; in "
-                    f"{_shown(both)} there are {[len(found) for found in by.values()]}"
+                    f"task.vary: a {task.name} task requires one stimulus per level of {vary}; "
+                    f"with {_levels_text(both)} there are {[len(found) for found in by.values()]}"
                 )
             yesno = task.method == "yesno"
             if yesno:
                 shared = {n: v for n, v in both.items() if n not in ("timeline", "answer")}
-                standard = next(o for o in self._items if o.nothing and o.fits(shared))
+                standard = next(o for o in self._items if o.is_catch and o.matches(shared))
             else:
                 standard = by[task.standard][0]  # type: ignore[index]
-            shown = [level for level in order if yesno or level != task.standard]
-            catch = [yesno and chance.uniform(0.0, 1.0) < phases.catch for _ in range(task.most)]
-            last = len(shown) - 1
+            compared = [level for level in order if yesno or level != task.standard]
+            catch = [
+                yesno and stream.uniform(0.0, 1.0) < phases.catch for _ in range(task.max_trials)
+            ]
+            last = len(compared) - 1
             tracks = [
                 {"start": start, "down": task.down, "steps": task.steps,
                  "reversals": task.reversals}
@@ -287,40 +293,42 @@ class ListMaker:
                 "factors": both,
                 "output": self.output(both),
                 "method": task.method,
-                "levels": shown,
-                "stimuli": [by[level][0].key for level in shown],
+                "levels": compared,
+                "stimuli": [by[level][0].key for level in compared],
                 "standard": standard.key,
-                "most": task.most,
-                "sides": [chance.below(2) for _ in range(task.most)],
+                "most": task.max_trials,
+                "sides": [stream.below(2) for _ in range(task.max_trials)],
                 "catch": catch,
                 "tracks": tracks if task.name == "staircase" else None,
-                "quest": quest_table(len(shown), 0.0 if yesno else 0.5)
+                "quest": quest_table(len(compared), 0.0 if yesno else 0.5)
                 if task.name == "quest"
                 else None,
             }
 
 
-def _pairs(items: Sequence[Item], vary: str, standard: Level | None) -> list[tuple[Item, ...]]:
-    """Each stimulus behind the standard that is like it in all else."""
-    pairs: list[tuple[Item, ...]] = []
-    # what goes with the dimension itself isn't what a pair shares
+def _pairs(
+    items: Sequence[Stimulus], vary: str, standard: Level | None
+) -> list[tuple[Stimulus, ...]]:
+    """Return the pairs of a standard and a stimulus that differ only in `vary`."""
+    pairs: list[tuple[Stimulus, ...]] = []
+    # dimensions tied to `vary` differ within a pair
     bound = {vary} | ({"timeline", "answer"} if vary in ("timeline", "answer") else set())
     for one in items:
         shared = {name: level for name, level in one.names.items() if name not in bound}
-        fitting = [i for i in items if i.names[vary] == standard and i.fits(shared)]
+        fitting = [i for i in items if i.names[vary] == standard and i.matches(shared)]
         pairs += [(fitting[0], one)] if fitting else []
     return pairs
 
 
 def _share(total: int, repeat: int, repeats: int) -> int:
-    """How many of `total` belong to one of the repeats: as even as can be."""
+    """Return how many of `total` belong to one repeat, spread as evenly as possible."""
     return total * repeat // repeats - total * (repeat - 1) // repeats
 
 
-def _shown(levels: Mapping[str, Level]) -> str:
-    return ", ".join(f"{name} = {level!r}" for name, level in levels.items()) or "there"
+def _levels_text(levels: Mapping[str, Level]) -> str:
+    return ", ".join(f"{name} = {level!r}" for name, level in levels.items()) or "no factors"
 
 
-def form_name(asked: str) -> str:
-    """The name of a form: tlx, or a file's without its folders and suffix."""
-    return asked.rpartition("/")[2].removesuffix(".html")
+def form_name(entry: str) -> str:
+    """Return the name of a form, without folders and suffix."""
+    return entry.rpartition("/")[2].removesuffix(".html")

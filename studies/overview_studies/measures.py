@@ -1,6 +1,6 @@
-"""What is measured of each participant in each condition: one number, by its name.
+"""Measures: one number per participant and condition.
 
-Everything else (means, intervals, differences) is made of these (`analysis`).
+Means, intervals and differences in `analysis` are computed from these numbers.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ Condition = tuple[tuple[str, Any], ...]
 Row = Mapping[str, Any]
 
 LAST_REVERSALS = 6
-JND_PART = 0.6745
-"""Of a normal's width: from the middle to 75 %."""
+JND_PER_WIDTH = 0.6745
+"""Distance from 50 % to 75 % of a cumulative normal, in widths."""
 
-NEAR = 0.05
-"""An event is found within so much of the timeline."""
+FOUND_TOLERANCE = 0.05
+"""Maximum error of a found event, as a share of the timeline."""
 
 UNITS = {
-    "accuracy": "part of trials",
+    "accuracy": "share of trials",
     "d_prime": "",
     "criterion": "",
-    "false_alarms": "part of catch trials",
-    "location_error": "part of the timeline",
-    "location_bias": "part of the timeline",
-    "found": "part of trials",
-    "exact": "part of trials",
+    "false_alarms": "share of catch trials",
+    "location_error": "share of the timeline",
+    "location_bias": "share of the timeline",
+    "found": "share of trials",
+    "exact": "share of trials",
     "count_error": "events",
     "pse": "of the varied dimension",
     "jnd": "of the varied dimension",
@@ -50,19 +50,19 @@ UNITS = {
 
 
 def conditions_of(study: Mapping[str, Any]) -> tuple[str, ...]:
-    """The factors that make conditions: those that don't choose a stimulus."""
+    """Return the factors that form conditions, which excludes factors of the stimulus."""
     stimulus = {"timeline", "answer", "preset", "gesture", "seed"}
     own = {id for one in study["stimuli"].values() for id in one["parameters"]}
     return tuple(name for name in study["factors"] if name not in stimulus | own)
 
 
 def condition_of(row: Row, names: Sequence[str]) -> Condition:
-    """The condition of a row."""
+    """Return the condition of a row."""
     return tuple((name, row[name]) for name in names)
 
 
-def measured(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
-    """Of each measure and condition: the number of each participant."""
+def compute_measures(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
+    """Return each participant's number by measure and condition."""
     study = answers.study
     names = conditions_of(study)
     parts: dict[tuple[str, Condition], list[Row]] = defaultdict(list)
@@ -71,7 +71,7 @@ def measured(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
             parts[row["participant"], condition_of(row, names)].append(row)
     found: dict[tuple[str, Condition], dict[str, float]] = defaultdict(dict)
     for (participant, condition), rows in parts.items():
-        for name, value in _of_task(study, rows).items():
+        for name, value in _task_measures(study, rows).items():
             found[name, condition][participant] = value
         times = [row["rt_ms"] for row in rows if row["rt_ms"] is not None]
         if times:
@@ -83,26 +83,26 @@ def measured(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
     return dict(found)
 
 
-def _of_task(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
     main = [row for row in rows if row["phase"] == "main"]
     catch = [row for row in rows if row["phase"] == "catch"]
     task = study["task"]["name"]
     if task == "identify":
-        return _identified(study["task"]["choices"], rows)
+        return _identify_measures(study["task"]["choices"], rows)
     if task == "locate":
         off = [row["error"] for row in main if row["error"] is not None]
         values = {
             "location_error": _mean(np.abs(off)),
             "location_bias": _mean(off),
-            "found": _mean([abs(o) <= NEAR for o in off]) * len(off) / max(len(main), 1),
+            "found": _mean([abs(o) <= FOUND_TOLERANCE for o in off]) * len(off) / max(len(main), 1),
         }
-        return values | ({"false_alarms": 1.0 - _right(catch)} if catch else {})
+        return values | ({"false_alarms": 1.0 - _accuracy(catch)} if catch else {})
     if task == "count":
         off = [row["error"] for row in main if row["error"] is not None]
-        values = {"exact": _right(main), "count_error": _mean(np.abs(off))}
-        return values | ({"false_alarms": 1.0 - _right(catch)} if catch else {})
+        values = {"exact": _accuracy(main), "count_error": _mean(np.abs(off))}
+        return values | ({"false_alarms": 1.0 - _accuracy(catch)} if catch else {})
     if task == "compare":
-        return _compared(study, main)
+        return _compare_measures(study, main)
     if task == "draw":
         found = [likeness(r["response"], study["stimuli"][r["stimulus"]]) for r in main]
         return {
@@ -112,18 +112,18 @@ def _of_task(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
     if task == "adjust":
         return {"adjusted": _mean([row["error"] for row in main if row["error"] is not None])}
     if study["task"]["method"] == "yesno" and catch:
-        return {"accuracy": _right(main), "false_alarms": 1.0 - _right(catch)}
-    return {"accuracy": _right(main)}
+        return {"accuracy": _accuracy(main), "false_alarms": 1.0 - _accuracy(catch)}
+    return {"accuracy": _accuracy(main)}
 
 
-def _identified(choices: Sequence[str], rows: list[Row]) -> dict[str, float]:
-    """Accuracy over all, and each choice's d' and c against the others."""
+def _identify_measures(choices: Sequence[str], rows: list[Row]) -> dict[str, float]:
+    """Return accuracy over all trials, and d' and c of each choice against the others."""
     table = confusion(choices, rows)
-    values = {"accuracy": _right(rows)}
+    values = {"accuracy": _accuracy(rows)}
     totals, answered = table.sum(axis=1), table.sum(axis=0)
     for i, choice in enumerate(choices):
         others = totals.sum() - totals[i]
-        # where nothing can be there, that is what signals are told from
+        # "none" is the noise of the other choices, not a signal
         if choice == "none" or not totals[i] or not others:
             continue
         d, c = sensitivity(table[i, i], totals[i], answered[i] - table[i, i], others)
@@ -136,7 +136,7 @@ def _identified(choices: Sequence[str], rows: list[Row]) -> dict[str, float]:
 
 
 def confusion(choices: Sequence[str], rows: Iterable[Row]) -> NDArray[np.float64]:
-    """How often what was given (rows) was taken for what (columns)."""
+    """Return the confusion counts: presented answer (rows) by given answer (columns)."""
     table = np.zeros((len(choices), len(choices)))
     for row in rows:
         if row["response"] in choices and row["correct_response"] in choices:
@@ -147,7 +147,7 @@ def confusion(choices: Sequence[str], rows: Iterable[Row]) -> NDArray[np.float64
 def chosen_counts(
     study: Mapping[str, Any], rows: Iterable[Row]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """At each level that was compared: how often it was taken for the stronger, of how many."""
+    """Return compared levels, how often each was judged stronger, and its trials."""
     order = level_order(study)
     counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
     for row in rows:
@@ -163,61 +163,61 @@ def chosen_counts(
 
 
 def level_order(study: Mapping[str, Any]) -> dict[Any, float]:
-    """A number for each level: itself, or its place in the order of what isn't a number."""
+    """Return a number for each level: its value, or its index if levels are not all numbers."""
     levels = list(dict.fromkeys(one["level"] for one in study["stimuli"].values()))
     if all(isinstance(level, int | float) for level in levels if level is not None):
         return {level: float(level) for level in levels if level is not None}
     return {level: float(i) for i, level in enumerate(levels)}
 
 
-def _compared(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+def _compare_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
     right = sum(row["correct"] == 1 for row in rows)
     values = {"accuracy": right / len(rows), "d_prime": sensitivity_2afc(right, len(rows))}
     levels, chosen, trials = chosen_counts(study, rows)
     if len(levels) >= 4:
         fitted = fit_psychometric(levels, chosen, trials, None)
-        values["pse"], values["jnd"] = fitted.threshold, JND_PART * fitted.width
+        values["pse"], values["jnd"] = fitted.threshold, JND_PER_WIDTH * fitted.width
     return values
 
 
 def _thresholds(
     answers: Answers, names: Sequence[str]
 ) -> Iterable[tuple[str, Condition, str, float]]:
-    """The threshold of each adaptive run: of its last reversals, or what QUEST+ believes."""
+    """Yield the threshold of each adaptive run, from its last reversals or the QUEST+ posterior."""
     for session in answers.sessions:
         content = answers.lists[session.number]
-        given = {trial: row for trial, _, row in session.trials}
+        responses = {trial: row for trial, _, row in session.trials}
         for step in content["steps"]:
             if step["type"] != "adaptive":
                 continue
-            level = run_threshold(step, given)
+            level = run_threshold(step, responses)
             levels = {**content["factors"], **step["factors"]}
             if level is not None:
                 yield "threshold", condition_of(levels, names), session.participant, level
 
 
-def run_threshold(step: dict[str, Any], given: Mapping[str, Row]) -> float | None:
-    """The threshold of one run from its stored answers; None if it has too few."""
+def run_threshold(step: dict[str, Any], responses: Mapping[str, Row]) -> float | None:
+    """Return the threshold of one run from its stored answers; None if there are too few."""
     run = Run(step)
-    turned: list[float] = []
+    reversal_levels: list[float] = []
     scale = np.array([v if isinstance(v, int | float) else i for i, v in enumerate(step["levels"])])
     while not run.over:
-        row = given.get(f"{step['id']}-{run.trial + 1:03d}")
+        row = responses.get(f"{step['id']}-{run.trial + 1:03d}")
         if row is None:
             break
         wanted = step["sides"][run.trial] if step["method"] == "2afc" else int(not run.catch)
         at, before = run.level, run.reversals
-        run.answered(row.get("response") == wanted)
+        run.record(row.get("response") == wanted)
         if run.reversals > before:
-            turned.append(float(scale[at]))
+            reversal_levels.append(float(scale[at]))
     if step["quest"] is not None:
         places = np.arange(len(scale), dtype=np.float64)
-        return float(np.interp(run.believed, places, scale)) if run.trial else None
-    return float(np.mean(turned[-LAST_REVERSALS:])) if len(turned) >= 2 else None
+        return float(np.interp(run.posterior_mean, places, scale)) if run.trial else None
+    return float(np.mean(reversal_levels[-LAST_REVERSALS:])) if len(reversal_levels) >= 2 else None
 
 
 def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Condition, str, float]]:
-    """The raw TLX of each form: the mean of its six scales."""
+    """Yield the raw TLX of each form, the mean of its six scales."""
     items: dict[tuple[str, int, Condition], list[float]] = defaultdict(list)
     for row in answers.forms():
         if row["form"] == "tlx" and isinstance(row["value"], int | float):
@@ -227,7 +227,7 @@ def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Conditi
         yield condition, participant, _mean(values)
 
 
-def _right(rows: Sequence[Row]) -> float:
+def _accuracy(rows: Sequence[Row]) -> float:
     return _mean([row["correct"] for row in rows if row["correct"] is not None])
 
 

@@ -1,17 +1,17 @@
-"""Simulated observers of known ability: they answer lists as people do, through the same pipeline.
+"""Simulated observers of known ability, who answer lists in the same pipeline as participants.
 
-An observer has a sensitivity d'. What that means depends on the task:
+An observer has a sensitivity d', with this meaning in each task:
 
 ========== ========================================================================================
-identify   evidence for each choice is normal, with a mean of d'/sqrt(2) for what was given: two
-           choices are told apart with exactly d'
+identify   evidence for each choice is normal; the presented one has a mean of d'/sqrt(2), so two
+           choices are discriminated with exactly d'
 compare    neighbouring levels are d' apart
-staircase, neighbouring levels are d' apart; of one interval, the lowest is d' above nothing, and
-quest      "felt it" is said one standard deviation above nothing
-locate     the place is off by a tenth of the timeline, divided by d' (standard deviation)
-count      off by 30 %, divided by d'
-draw       each point is off by 0.3, divided by d'
-adjust     off by one level, divided by d'
+staircase, neighbouring levels are d' apart; with one interval, the lowest is d' above no stimulus,
+quest      and the criterion for "felt it" is one standard deviation above no stimulus
+locate     position error (standard deviation) of a tenth of the timeline, divided by d'
+count      error of 30 %, divided by d'
+draw       error of 0.3 at each point, divided by d'
+adjust     error of one level, divided by d'
 ========== ========================================================================================
 """
 
@@ -32,28 +32,28 @@ from overview_studies.file_model import Level
 from overview_studies.forms import TLX
 from overview_studies.store import Session, Store
 
-LEAST = 0.05
-"""An observer's d' isn't lower: it would answer at random for ever."""
+MIN_D_PRIME = 0.05
+"""Minimum d' of an observer, so that adaptive runs end."""
 
 RT_MS, RT_SPREAD = 1500.0, 0.35
-SAID_UTC = "2000-01-01T00:00:00.000Z"
+SIMULATED_UTC = "2000-01-01T00:00:00.000Z"
 SIMULATED = "simulated observer"
 
 
 @dataclass(frozen=True)
 class Observers:
-    """What simulated participants are like.
+    """Ability of simulated participants.
 
     Attributes
     ----------
     d_prime : float
-        Their mean sensitivity.
+        Mean sensitivity.
     spread : float
         Standard deviation between participants.
     lapse : float
-        Part of the trials that are answered blindly.
+        Share of trials answered at random.
     effects : mapping
-        What a factor's level adds to d': {("mapping", "static"): -0.5}.
+        Effect of a factor's level on d': {("mapping", "static"): -0.5}.
     """
 
     d_prime: float = 1.5
@@ -62,34 +62,36 @@ class Observers:
     effects: Mapping[tuple[str, Level], float] = field(default_factory=dict)
 
     def ability(self, own: float, levels: Mapping[str, Level]) -> float:
-        """The d' of an observer whose own deviation is `own`, in a condition."""
+        """Return the d' in a condition of an observer who deviates by `own` from the mean."""
         found = self.d_prime + own
         found += sum(self.effects.get((name, level), 0.0) for name, level in levels.items())
-        return max(found, LEAST)
+        return max(found, MIN_D_PRIME)
 
 
-def simulated(
+def simulate_answers(
     study: dict[str, Any],
     lists: Mapping[int, dict[str, Any]],
     observers: Observers,
     count: int,
     seed: int,
 ) -> Answers:
-    """The answers of `count` observers, each with the next list; lists begin again at the end."""
+    """Simulate `count` observers, each with the next list; lists repeat when all are used."""
     numbers = sorted(lists)
     sessions = []
     for person in range(count):
         number = numbers[person % len(numbers)]
         rng = np.random.default_rng([seed, person])
         rows = _session(study, lists[number], observers, rng)
-        trials = [(trial, SAID_UTC, row) for trial, row in rows]
+        trials = [(trial, SIMULATED_UTC, row) for trial, row in rows]
         code = f"sim{person + 1:03d}"
-        sessions.append(Session(code, "", number, code, SAID_UTC, SAID_UTC, False, trials))
+        sessions.append(
+            Session(code, "", number, code, SIMULATED_UTC, SIMULATED_UTC, False, trials)
+        )
     return Answers(study, dict(lists), sessions)
 
 
 def store_simulated(store: Store, answers: Answers) -> None:
-    """Store simulated sessions as a page's would be: the next free list each."""
+    """Store simulated sessions, each with the next free list."""
     for one in answers.sessions:
         session, _ = store.begin(f"simulated-{one.id}-00000000", one.participant)
         rows = [(trial, json.dumps(row)) for trial, _, row in one.trials]
@@ -112,7 +114,7 @@ def _session(
             found += _run(step, ability, observers.lapse, rng)
             continue
         blind = rng.random() < observers.lapse
-        response = _response(study, step, LEAST if blind else ability, rng)
+        response = _response(study, step, MIN_D_PRIME if blind else ability, rng)
         if step["attention"] is not None and not blind:
             response = step["attention"]
         found.append((step["id"], _row(response, rng)))
@@ -124,7 +126,7 @@ def _row(response: Any, rng: np.random.Generator, **more: Any) -> dict[str, Any]
     return {
         "response": response,
         "rt_ms": rt_ms,
-        "started_utc": SAID_UTC,
+        "started_utc": SIMULATED_UTC,
         "source": SIMULATED,
         **more,
     }
@@ -134,7 +136,7 @@ def _response(
     study: dict[str, Any], step: dict[str, Any], d: float, rng: np.random.Generator
 ) -> Any:
     task = step["task"]
-    shown = [study["stimuli"][key] for key in step["stimuli"]]
+    presented = [study["stimuli"][key] for key in step["stimuli"]]
     noise = float(rng.standard_normal())
     if task == "identify":
         choices = study["task"]["choices"]
@@ -144,18 +146,18 @@ def _response(
     if task == "locate":
         if not step["correct"]:
             return None if noise < d / 2.0 else round(float(rng.random()), 4)
-        place = step["correct"][int(rng.integers(len(step["correct"])))]
-        return round(min(max(place + 0.1 * noise / d, 0.0), 1.0), 4)
+        position = step["correct"][int(rng.integers(len(step["correct"])))]
+        return round(min(max(position + 0.1 * noise / d, 0.0), 1.0), 4)
     if task == "count":
-        # nothing is now and then something
-        given = step["correct"] * (1.0 + 0.3 * noise / d) if step["correct"] else noise > d
-        return max(0, round(given))
+        # without events, high noise gives a false alarm
+        perceived = step["correct"] * (1.0 + 0.3 * noise / d) if step["correct"] else noise > d
+        return max(0, round(perceived))
     if task == "compare":
         order = _order(study)
-        apart = order[shown[1]["level"]] - order[shown[0]["level"]]
-        return int(rng.random() < ndtr(apart * d / math.sqrt(2.0)))
+        difference = order[presented[1]["level"]] - order[presented[0]["level"]]
+        return int(rng.random() < ndtr(difference * d / math.sqrt(2.0)))
     if task == "draw":
-        curve = np.array(shown[0]["curve"])
+        curve = np.array(presented[0]["curve"])
         drawn = np.clip(curve + 0.3 / d * rng.standard_normal(len(curve)), 0.0, 1.0)
         return [round(float(one), 4) for one in drawn]
     at = step["levels"].index(step["correct"]) + noise / d
@@ -190,7 +192,7 @@ def _run(
         level = None if catch else step["levels"][at]
         row = _row(int(response), rng, stimulus=key, level=level)
         found.append((f"{step['id']}-{number + 1:03d}", row))
-        run.answered(bool(right))
+        run.record(bool(right))
     return found
 
 

@@ -1,8 +1,8 @@
-"""Lists for PsychoPy: a conditions file each, and the stimuli as WAV files.
+"""Lists for PsychoPy: one conditions file per list, and the stimuli as WAV files.
 
-Python there reads one by
+PsychoPy reads a list by
 ``data.TrialHandler2(data.importConditions("list-07.csv"), nReps=1, method="sequential")``.
-Header names are letters, digits and underscores, as its reader wants them.
+Its reader requires header names of letters, digits and underscores.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from typing import Any
 from overview_dsp.cli.extensions import atomic_folder, sound_bytes
 from overview_dsp.errors import InputError
 from overview_studies.design import ADAPTIVE, Design
-from overview_studies.folder import make_lists, played
-from overview_studies.items import RATE, items_of
+from overview_studies.folder import make_lists, presented_stimuli
 from overview_studies.static_mapping import static_mapping
+from overview_studies.stimuli import RATE, stimuli_of
 from overview_studies.tables import csv_text
 
-MARK = "list-01.csv"
+FIRST_LIST = "list-01.csv"
 _FIRST = ("trial_id", "phase", "block", "repeat")
 _LAST = ("sound_file", "sound_file_2", "click_db", "tactor_db", "correct_response")
 
@@ -28,35 +28,35 @@ _LAST = ("sound_file", "sound_file_2", "click_db", "tactor_db", "correct_respons
 def export_psychopy(
     design: Design, path: str | Path, progress: Callable[[float], None] | None = None
 ) -> int:
-    """Write every list and the sounds that they name; how many sounds.
+    """Write every list and its sounds; return the number of sounds.
 
     Raises
     ------
     InputError
-        A hand that is the person's own, an adaptive task: neither is a row of fixed sounds.
+        The participant makes the movement, or the task is adaptive. Neither has fixed sounds.
     """
-    items = items_of(design)
+    items = stimuli_of(design)
     lists = make_lists(design, items)
     if design.file.task.name in (*ADAPTIVE, "adjust"):
         raise InputError(
-            f"{design.where}: task.name: PsychoPy's conditions are fixed rows; "
-            f"{design.file.task.name} has none (PsychoPy has a QuestPlusHandler of its own)"
+            f"{design.path}: task.name: PsychoPy requires a fixed sound per trial; "
+            f"{design.file.task.name} does not have one (use PsychoPy's own QuestPlusHandler)"
         )
     if any(item.free for item in items):
         raise InputError(
-            f"{design.where}: stimuli.gestures: PsychoPy plays sounds; a free hand has none, name "
-            'a gesture ("sweep:2")'
+            f"{design.path}: stimuli.gestures: PsychoPy requires fixed sounds; replace "
+            '"free" by a gesture ("sweep:2")'
         )
-    used, by = played(lists), {item.key: item for item in items}
+    used, by = presented_stimuli(lists), {item.key: item for item in items}
     names = [_plain(name) for name in design.file.factors]
-    with atomic_folder(path, MARK) as folder:
+    with atomic_folder(path, FIRST_LIST) as folder:
         (folder / "sounds").mkdir()
         for number, (key, mappings) in enumerate(used.items(), 1):
             for mapping in mappings:
                 samples = (
                     static_mapping(by[key], RATE).render(by[key].gesture)
                     if mapping == "static"
-                    else by[key].rendered().samples
+                    else by[key].render_stimulus().samples
                 )
                 name = _sound(key, mapping)
                 (folder / name).write_bytes(sound_bytes(name, samples, RATE, "PCM_24"))

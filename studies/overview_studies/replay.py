@@ -1,7 +1,7 @@
-"""What a person felt in a trial, again: the hand that was kept, through the same stimulus.
+"""Replay of trials: the recorded movement of a participant with the same stimulus.
 
-A take holds the samples at which the kernel applied the hand's events, so the render has the bits
-that were played, whatever browser played them.
+A take has the samples at which the kernel applied control events, so the render is bit-identical to
+the output in any browser.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from overview_dsp.cli.extensions import CLICK, SOURCES, TACTOR, atomic_folder, s
 from overview_dsp.errors import InputError
 from overview_studies.answers import Answers
 from overview_studies.design import Design
-from overview_studies.items import Item, items_of
 from overview_studies.static_mapping import static_mapping
-from overview_studies.steps import step_of
+from overview_studies.steps import find_step
+from overview_studies.stimuli import Stimulus, stimuli_of
 from overview_studies.tables import csv_text
 
 INDEX = "takes.csv"
@@ -32,12 +32,12 @@ COLUMNS = (
 
 
 def take_gesture(take: dict[str, Any]) -> Gesture:
-    """The hand of a take (docs/explanation/study-format.md).
+    """Return the gesture of a take (docs/explanation/study-format.md).
 
     Raises
     ------
     InputError
-        It isn't one.
+        The take is not valid.
     """
     try:
         rate, samples = float(take["sample_rate"]), int(take["samples"])
@@ -50,27 +50,29 @@ def take_gesture(take: dict[str, Any]) -> Gesture:
             np.array([angle for _, angle, *_ in events]),
             np.array([holds for _, _, holds, _ in events]),
             max(samples, int(at[-1])) / rate,
-            # keys move the finger of the page
+            # key events belong to the touch input of the page
             np.array([SOURCES.index(by) if by in SOURCES else 0 for *_, by in events]),
         )
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"not a take ({error})") from None
+        raise InputError(f"take is not valid ({error})") from None
 
 
-def replayed(item: Item, take: dict[str, Any], output: dict[str, Any]) -> NDArray[np.float32]:
-    """What a trial sounded and felt like: float32 (frames, 2), before the device's own gains.
+def replay_trial(
+    item: Stimulus, take: dict[str, Any], output: dict[str, Any]
+) -> NDArray[np.float32]:
+    """Render the output of a trial: float32 (frames, 2), before the gains of the device.
 
     Parameters
     ----------
     output
-        The step's: its mapping and gains.
+        Output settings of the step: mapping and gains.
     """
-    hand, rate = take_gesture(take), round(take["sample_rate"])
+    gesture, rate = take_gesture(take), round(take["sample_rate"])
     if output["mapping"] == "static":
-        samples = static_mapping(item, rate).render(hand, 0.0)
+        samples = static_mapping(item, rate).render(gesture, 0.0)
     else:
         samples = render(
-            item.timeline, item.preset, hand, rate, item.seed, tail="none", trace=False
+            item.timeline, item.preset, gesture, rate, item.seed, tail="none", trace=False
         ).samples
     gains = np.zeros(2)
     for channel, gain_db in ((CLICK, output["click_db"]), (TACTOR, output["tactor_db"])):
@@ -78,11 +80,13 @@ def replayed(item: Item, take: dict[str, Any], output: dict[str, Any]) -> NDArra
     return samples * gains.astype(np.float32)
 
 
-def _kept(answers: Answers) -> Iterator[tuple[str, str, dict[str, Any], str, dict[str, Any]]]:
-    """Participant, trial, step, key and take of each trial that kept one."""
+def _recorded_takes(
+    answers: Answers,
+) -> Iterator[tuple[str, str, dict[str, Any], str, dict[str, Any]]]:
+    """Yield participant, trial, step, key and take of each trial with a take."""
     for session in answers.sessions:
         for trial, _, row in session.trials:
-            step = step_of(trial, answers.lists[session.number])
+            step = find_step(trial, answers.lists[session.number])
             if step is None:
                 continue
             if row.get("take"):
@@ -99,36 +103,36 @@ def export_takes(
     sounds: bool,
     progress: Callable[[float], None] | None = None,
 ) -> int:
-    """Write each trial's hand as a take, and what it felt like as a WAV; how many there are.
+    """Write each trial's take, and optionally its output as WAV; return the number of takes.
 
     Raises
     ------
     InputError
-        No trial kept one; another version of the study.
+        No trial has a take, or the answers belong to another version of the study.
     """
     if design.sha256 != answers.study["design_sha256"]:
-        raise InputError(f"{design.where}: the answers are to another version of this study")
-    items = {item.key: item for item in items_of(design)}
-    found = list(_kept(answers))
+        raise InputError(f"{design.path}: the answers belong to another version of this study")
+    items = {item.key: item for item in stimuli_of(design)}
+    found = list(_recorded_takes(answers))
     if not found:
-        raise InputError("no trial kept a take; free exploration does, in the page")
+        raise InputError('no trial has a take; only the gesture "free" records takes')
     rows = []
     with atomic_folder(path, INDEX) as folder:
         for number, (who, trial, step, key, take) in enumerate(found, 1):
             item = items[key]
             stem = re.sub(r"[^A-Za-z0-9_-]", "-", f"{who}_{trial}")
-            hand = take_gesture(take)
-            save_gesture(hand, folder / f"{stem}.csv")
+            gesture = take_gesture(take)
+            save_gesture(gesture, folder / f"{stem}.csv")
             if sounds:
-                samples = replayed(item, take, step["output"])
+                samples = replay_trial(item, take, step["output"])
                 data = sound_bytes(f"{stem}.wav", samples, round(take["sample_rate"]), "FLOAT")
                 (folder / f"{stem}.wav").write_bytes(data)
             rows.append(
                 {"participant": who, "trial": trial, "stimulus": key,
                  "mapping": step["output"]["mapping"], "timeline": item.names["timeline"],
                  "preset": item.names["preset"], "seed": item.seed,
-                 "sample_rate": take["sample_rate"], "duration_s": hand.duration_s,
-                 "events": len(hand.time_s), "take": f"{stem}.csv",
+                 "sample_rate": take["sample_rate"], "duration_s": gesture.duration_s,
+                 "events": len(gesture.time_s), "take": f"{stem}.csv",
                  "sound": f"{stem}.wav" if sounds else None}
             )  # fmt: skip
             if progress is not None:

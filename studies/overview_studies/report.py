@@ -1,4 +1,4 @@
-"""A report: results.json, methods.txt, one picture a subject, the rows, and a script for R."""
+"""Report of a study: results.json, methods.txt, figures, tables and an R script."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.cli.extensions import atomic_folder, save_figure
-from overview_studies.analysis import Analysis, Line, shown
-from overview_studies.figures import MAIN, figures_of
+from overview_studies.analysis import Analysis, MeasureEstimate, condition_text
+from overview_studies.figures import MAIN_MEASURES, figures_of
 from overview_studies.observers import SIMULATED
 from overview_studies.tables import R_SCRIPT, forms_csv, r_script, responses_csv
 
@@ -19,12 +19,12 @@ RESULTS = "results.json"
 
 
 def write_report(analysis: Analysis, path: str | Path) -> list[str]:
-    """Write the folder, whole or not at all; the names of its files.
+    """Write the report folder atomically; return the names of its files.
 
     Raises
     ------
     InputError, OutputError
-        It can't be written, or holds other files.
+        The folder cannot be written, or contains other files.
     """
     with atomic_folder(path, RESULTS) as folder:
         text = json.dumps(analysis.as_json(), indent=2, ensure_ascii=False, allow_nan=False)
@@ -38,8 +38,8 @@ def write_report(analysis: Analysis, path: str | Path) -> list[str]:
         return sorted(file.name for file in folder.iterdir())
 
 
-def line_text(line: Line, digits: int = 2) -> str:
-    """An estimate for a person: 1.49 [1.31, 1.66]."""
+def estimate_text(line: MeasureEstimate, digits: int = 2) -> str:
+    """Return an estimate as text, such as 1.49 [1.31, 1.66]."""
     one = line.estimate
     if math.isnan(one.low):
         return f"{one.mean:.{digits}f}"
@@ -47,7 +47,7 @@ def line_text(line: Line, digits: int = 2) -> str:
 
 
 def methods_text(analysis: Analysis) -> str:
-    """What a reviewer asks for, with every number, as paragraphs to start from."""
+    """Return a draft of the methods section, with all numbers."""
     return (
         "\n\n".join(
             part
@@ -68,30 +68,30 @@ def _participants(analysis: Analysis) -> str:
     answers, study = analysis.answers, analysis.answers.study
     count = len(answers.sessions)
     rows = list(answers.rows())
-    said = []
+    parts = []
     if rows and all(row["source"] == SIMULATED for row in rows):
-        said.append("SIMULATED DATA: no person took part; observers of known ability answered.")
-    left = [f"{code} ({why})" for code, why in analysis.excluded.items()]
-    said.append(
+        parts.append("SIMULATED DATA: no person took part; observers of known ability answered.")
+    excluded = [f"{code} ({why})" for code, why in analysis.excluded.items()]
+    parts.append(
         f"{count} participants took part in the study {study['title']!r} (planned: "
         f"{study['participants']}). "
         + (
-            f"Left out by rules set beforehand: {', '.join(left)}."
-            if left
-            else "Nobody was left out."
+            f"Excluded by rules set beforehand: {', '.join(excluded)}."
+            if excluded
+            else "No participant was excluded."
         )
     )
-    return " ".join(said)
+    return " ".join(parts)
 
 
 def _design(analysis: Analysis) -> str:
     answers, study = analysis.answers, analysis.answers.study
-    ways = {"williams": "in the order of a Williams square", "full": "in every order",
+    order_texts = {"williams": "in the order of a Williams square", "full": "in every order",
             "blocks": "shuffled in blocks"}  # fmt: skip
     factors = [
         f"{name} ({', '.join(map(str, factor['levels']))}; "
         + ("between participants" if factor["kind"] == "between"
-           else f"within participants, {ways[factor['order']]}") + ")"
+           else f"within participants, {order_texts[factor['order']]}") + ")"
         for name, factor in study["factors"].items()
     ]  # fmt: skip
     counts: dict[str, list[int]] = {}
@@ -103,11 +103,13 @@ def _design(analysis: Analysis) -> str:
         f"{np.mean(number):.3g} {phase}" for phase, number in counts.items() if sum(number)
     )
     task = study["task"]
-    what = f"The task was to {task['name']}: {task['question']!r}"
-    what += f" with the answers {', '.join(task['choices'])}." if task["name"] == "identify" else ""
+    task_text = f"The task was to {task['name']}: {task['question']!r}"
+    task_text += (
+        f" with the answers {', '.join(task['choices'])}." if task["name"] == "identify" else ""
+    )
     return (
-        f"{what} Factors: {'; '.join(factors) or 'none'}. Lists were made from the seed "
-        f"{study['seed']} before anybody took part and handed out by the server, one a "
+        f"{task_text} Factors: {'; '.join(factors) or 'none'}. Lists were made from the seed "
+        f"{study['seed']} before data collection and assigned by the server, one per "
         f"participant{f'; trials of a list: {trials}' if trials else ''}."
     )
 
@@ -115,82 +117,84 @@ def _design(analysis: Analysis) -> str:
 def _stimuli(analysis: Analysis) -> str:
     study = analysis.answers.study
     stimuli = study["stimuli"].values()
-    hands = sorted({one["gesture"] for one in stimuli})
-    free = "free" in hands
+    gestures = sorted({one["gesture"] for one in stimuli})
+    free = "free" in gestures
     devices = {r["user_agent"] for r in analysis.answers.rows() if r["user_agent"]}
     rates = {r["sample_rate"] for r in analysis.answers.rows() if r["sample_rate"]}
     lags = [r["output_latency_ms"] for r in analysis.answers.rows()
             if r["output_latency_ms"] is not None]  # fmt: skip
-    said = [
+    parts = [
         f"{len(study['stimuli'])} stimuli were made with overview-dsp {study['program']} from the "
         f"presets {', '.join(sorted({one['preset'] for one in stimuli}))}, "
-        + ("explored freely" if free else f"played by the gestures {', '.join(hands)}")
-        + ("; every hand was kept and replays bit for bit." if free else ".")
+        + ("explored freely" if free else f"played with the gestures {', '.join(gestures)}")
+        + ("; every movement was recorded and replays bit for bit." if free else ".")
     ]
     if any(one["static"] for one in stimuli):
-        said.append(
-            "In the static condition the place under the hand set the amplitude of the same "
-            "carrier directly, without the disk; each event was as strong (RMS over 10 ms) as the "
-            "friction model makes it under a sweep of 2 s, or the stimulus's own gesture."
+        parts.append(
+            "In the static condition the position of the input set the amplitude of the same "
+            "carrier directly, without the disk; each event was as strong (RMS over 10 ms) as with "
+            "the friction model under a sweep of 2 s, or the stimulus's own gesture."
         )
     if study["mask"] is not None:
-        said.append(f"Noise of {study['mask']['level_db']:g} dBFS RMS masked other sounds.")
+        parts.append(f"Noise of {study['mask']['level_db']:g} dBFS RMS masked other sounds.")
     if devices:
-        said.append(
+        parts.append(
             f"{len(devices)} kinds of browser at {', '.join(f'{rate:g}' for rate in sorted(rates))}"
             f" Hz, output latency {np.median(lags) if lags else math.nan:.0f} ms (median)."
         )
-    said.append(f"The study's file has the SHA-256 {study['design_sha256']}.")
-    return " ".join(said)
+    parts.append(f"The study's file has the SHA-256 {study['design_sha256']}.")
+    return " ".join(parts)
 
 
 def _analysis(analysis: Analysis) -> str:
-    said = [
-        "Estimates are means over participants of one number each, with 95 % bootstrap intervals "
+    parts = [
+        "Estimates are means over participants, with one number each and 95 % bootstrap intervals "
         "(10,000 resamples of participants; percentiles widened for few participants, Hesterberg "
         "2015). Differences between levels are within participants where the factor is.",
     ]
     task = analysis.answers.study["task"]
     if task["name"] in ("identify", "compare"):
-        said.append("d' and c have the log-linear correction (Hautus 1995).")
+        parts.append("d' and c have the log-linear correction (Hautus 1995).")
     if task["name"] == "identify":
-        said.append(
-            "Of more than two answers, each is told from all others, and d' is their mean. "
+        parts.append(
+            "With more than two answers, each is compared with all others, and d' is their mean. "
             "Information transfer is that of the summed matrix, corrected after Miller and Madow."
         )
     if task["name"] in ("compare", "staircase", "quest"):
-        said.append("Psychometric functions are cumulative normals with a lapse rate up to 6 %, "
+        parts.append("Psychometric functions are cumulative normals with a lapse rate up to 6 %, "
                     "fitted by maximum likelihood.")  # fmt: skip
-    return " ".join(said)
+    return " ".join(parts)
 
 
 def _results(analysis: Analysis) -> str:
-    said = []
-    main = MAIN[analysis.answers.study["task"]["name"]]
-    for line in analysis.lines:
+    parts = []
+    main = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
+    for line in analysis.estimates:
         if line.measure in (main, "accuracy", "information", "rt", "tlx"):
             digits = 0 if line.measure == "rt" else 2
-            said.append(f"{line.measure}, {shown(line.condition)}: {line_text(line, digits)}.")
-    said += [
-        f"{line.measure}, difference {shown(line.condition)}: {line_text(line)}."
+            parts.append(
+                f"{line.measure}, {condition_text(line.condition)}: {estimate_text(line, digits)}."
+            )
+    parts += [
+        f"{line.measure}, difference {condition_text(line.condition)}: {estimate_text(line)}."
         for line in analysis.differences
         if line.measure == main
     ]
     for condition, (above, of) in analysis.above_chance.items():
-        said.append(
-            f"{above} of {of} participants were above chance in {shown(condition)} (exact binomial "
-            "test each, p < 0.05)."
+        parts.append(
+            f"{above} of {of} participants were above chance in {condition_text(condition)} (exact "
+            "binomial test each, p < 0.05)."
         )
-    return "\n".join(said)
+    return "\n".join(parts)
 
 
 def summary(analysis: Analysis) -> list[str]:
-    """A line each for a terminal: the main measure by condition, and its differences."""
-    main: Any = MAIN[analysis.answers.study["task"]["name"]]
-    kept = [line for line in analysis.lines if line.measure == main]
-    lines = [f"{main}, {shown(line.condition)}: {line_text(line)}" for line in kept]
+    """Return one text line for each estimate and difference of the main measure."""
+    main: Any = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
+    kept = [line for line in analysis.estimates if line.measure == main]
+    lines = [f"{main}, {condition_text(line.condition)}: {estimate_text(line)}" for line in kept]
     lines += [
-        f"{main}, {shown(line.condition)}: {line_text(line)}"
+        f"{main}, {condition_text(line.condition)}: {estimate_text(line)}"
         for line in analysis.differences
         if line.measure == main
     ]

@@ -1,4 +1,4 @@
-"""What the server of a study answers: see docs/explanation/study-format.md.
+"""Routes of the study server, documented in docs/explanation/study-format.md.
 
 Thread: the server's workers.
 """
@@ -18,28 +18,28 @@ from starlette.routing import BaseRoute, Route
 from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endpoint
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
-from overview_studies.steps import missing_of, step_of
-from overview_studies.store import TOLD, NoListLeftError, Session, Store
+from overview_studies.steps import find_step, missing_steps
+from overview_studies.store import RESUME_KEYS, NoListLeftError, Session, Store
 
 SESSIONS = "/study/sessions"
 REQUEST = re.compile(r"[A-Za-z0-9-]{16,64}")
 CODE = re.compile(r"[A-Za-z0-9_-]{1,32}")
 PRIVATE = ("study.json", "lists/", "stimuli/", "forms/", "mask")
-"""Files of the folder that only who was let in may get."""
+"""Files that require the token."""
 
 Answer = Callable[[Request, bytes, int], Response]
 
 
 def public_files(folder: Path) -> tuple[str, ...]:
-    """The paths of the page alone, without a study."""
+    """Return the paths of the page, without the study's content."""
     names = (name for name in listed_files(folder) if not name.startswith(PRIVATE))
     return ("/", *(f"/{name}" for name in names if name != START))
 
 
 def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
-    """The routes of a built folder whose answers go to a store."""
-    content = cache(store.list_of)
-    # nothing else that lies there, a database say
+    """Return the routes of a built folder and its store."""
+    content = cache(store.load_list)
+    # only listed files are served; the folder may also hold the database
     known = frozenset(listed_files(folder))
 
     def file(request: Request, body: bytes) -> Response:
@@ -55,45 +55,45 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
         return Response(data, media_type=kind, headers={"cache-control": "no-cache"})
 
     def begin(request: Request, body: bytes) -> Response:
-        asked = json_object(body)
-        if not asked.keys() <= {"request", "participant"}:
-            raise InputError("the body has the keys request and participant")
-        number, code = asked.get("request"), asked.get("participant")
+        fields = json_object(body)
+        if not fields.keys() <= {"request", "participant"}:
+            raise InputError("the body contains an unknown key; allowed: request and participant")
+        number, code = fields.get("request"), fields.get("participant")
         if not isinstance(number, str) or not REQUEST.fullmatch(number):
-            raise InputError("request is 16 to 64 letters, digits or -, made once by the page")
+            raise InputError("request must be 16 to 64 letters, digits or -")
         if code is not None and not (isinstance(code, str) and CODE.fullmatch(code)):
-            raise InputError("a participant's code is 1 to 32 letters, digits, - or _")
+            raise InputError("participant must be 1 to 32 letters, digits, - or _")
         try:
             session, new = store.begin(number, code)
         except NoListLeftError as error:
             return PlainTextResponse(f"{error}\n", 409)
-        return JSONResponse(_told(session), 201 if new else 200)
+        return JSONResponse(_session_json(session), 201 if new else 200)
 
-    def within(answer: Answer) -> Callable[[Request, bytes], Response]:
-        def checked(request: Request, body: bytes) -> Response:
+    def session_route(answer: Answer) -> Callable[[Request, bytes], Response]:
+        def authorized(request: Request, body: bytes) -> Response:
             secret = request.headers.get("x-study-secret", "")
             number = store.list_number(request.path_params["session"], secret)
             if number is None:
-                return PlainTextResponse("no such session, or another's secret\n", 403)
+                return PlainTextResponse("unknown session or wrong secret\n", 403)
             return answer(request, body, number)
 
-        return checked
+        return authorized
 
-    def look(request: Request, body: bytes, number: int) -> Response:
-        return JSONResponse(_told(store.session(request.path_params["session"])))
+    def read_session(request: Request, body: bytes, number: int) -> Response:
+        return JSONResponse(_session_json(store.session(request.path_params["session"])))
 
     def put(request: Request, body: bytes, number: int) -> Response:
         trial = request.path_params["trial"]
-        if step_of(trial, content(number)) is None:
+        if find_step(trial, content(number)) is None:
             return PlainTextResponse(f"list {number} has no trial {trial!a}\n", 404)
         if "response" not in json_object(body):
-            raise InputError("a row has a response")
+            raise InputError("the key response is missing")
         new = store.put(request.path_params["session"], trial, body.decode())
         return JSONResponse({"stored": trial}, 201 if new else 200)
 
     def finish(request: Request, body: bytes, number: int) -> Response:
         session = store.session(request.path_params["session"])
-        missing = missing_of(content(number), [trial for trial, _, _ in session.trials])
+        missing = missing_steps(content(number), [trial for trial, _, _ in session.trials])
         if missing:
             return JSONResponse({"missing": missing}, 409)
         store.finish(session.id)
@@ -102,19 +102,21 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
     one = f"{SESSIONS}/{{session}}"
     return [
         Route(SESSIONS, threaded_endpoint(begin), methods=["POST"]),
-        Route(one, threaded_endpoint(within(look))),
-        Route(f"{one}/trials/{{trial}}", threaded_endpoint(within(put)), methods=["PUT"]),
-        Route(f"{one}/finish", threaded_endpoint(within(finish)), methods=["POST"]),
+        Route(one, threaded_endpoint(session_route(read_session))),
+        Route(f"{one}/trials/{{trial}}", threaded_endpoint(session_route(put)), methods=["PUT"]),
+        Route(f"{one}/finish", threaded_endpoint(session_route(finish)), methods=["POST"]),
         Route("/{path:path}", threaded_endpoint(file)),
     ]
 
 
-def _told(session: Session) -> dict[str, Any]:
+def _session_json(session: Session) -> dict[str, Any]:
     return {
         "session": session.id,
         "secret": session.secret,
         "list": session.number,
         "participant": session.participant,
-        "answers": {trial: {key: row.get(key) for key in TOLD} for trial, _, row in session.trials},
+        "answers": {
+            trial: {key: row.get(key) for key in RESUME_KEYS} for trial, _, row in session.trials
+        },
         "complete": session.finished_utc is not None,
     }

@@ -1,4 +1,4 @@
-"""Whether an answer is right, and how far off it is: found here again, whatever a page said."""
+"""Correctness and error of answers, computed independently of the page."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 
-def is_right(task: str, step: dict[str, Any], row: dict[str, Any]) -> bool | None:
-    """Whether an answer is right; None where there is no such thing.
+def is_correct(task: str, step: dict[str, Any], row: dict[str, Any]) -> bool | None:
+    """Return whether an answer is correct; None if the task has no correct answer.
 
     Parameters
     ----------
     task
-        What was asked.
+        Name of the task.
     step
-        The step of the list.
+        Step of the list.
     row
-        What was answered; of an adaptive trial with its `trial_index`, from 0.
+        The answer; for an adaptive trial with its `trial_index`, from 0.
     """
     response = row.get("response")
     if step["type"] == "adaptive":
@@ -36,21 +36,22 @@ def is_right(task: str, step: dict[str, Any], row: dict[str, Any]) -> bool | Non
     return bool(response == step["correct"])
 
 
-def error_of(
+def response_error(
     task: str, step: dict[str, Any], row: dict[str, Any], stimulus: dict[str, Any]
 ) -> float | None:
-    """How far an answer is off, with its sign; None where there is no such thing.
+    """Return the signed error of an answer; None if the task has none.
 
-    locate: parts of the timeline from the nearest event that was asked for. count: how many too
-    many. adjust: in the varied dimension's unit. draw: root mean square of the difference, 0 to 1.
+    locate: distance to the nearest event, as a share of the timeline. count: difference of
+    the counts. adjust: difference in the unit of the varied dimension. draw: root mean square of
+    the difference, 0 to 1.
     """
     response = row.get("response")
     if task == "locate" and step["correct"] and _is_number(response):
-        return float(min((response - place for place in step["correct"]), key=abs))
+        return float(min((response - position for position in step["correct"]), key=abs))
     if task in ("count", "adjust") and _is_number(response) and _is_number(step["correct"]):
         return float(response - step["correct"])
     if task == "draw":
-        both = _drawn(response, stimulus)
+        both = _drawing_and_curve(response, stimulus)
         if both is None:
             return None
         drawn, curve = both
@@ -59,22 +60,22 @@ def error_of(
 
 
 def likeness(response: Any, stimulus: dict[str, Any]) -> float | None:
-    """How alike a drawing and the curve are: Pearson's r; None for a flat one."""
-    both = _drawn(response, stimulus)
+    """Return Pearson's r of a drawing and the curve; None if either is constant."""
+    both = _drawing_and_curve(response, stimulus)
     if both is None or min(np.ptp(part) for part in both) == 0.0:
         return None
     return float(np.corrcoef(*both)[0, 1])
 
 
-def _drawn(response: Any, stimulus: dict[str, Any]) -> tuple[Any, Any] | None:
-    """The drawing and the curve, where something was drawn; None if that is less than two."""
+def _drawing_and_curve(response: Any, stimulus: dict[str, Any]) -> tuple[Any, Any] | None:
+    """Return drawing and curve at the drawn points; None with fewer than two points."""
     curve = stimulus["curve"]
     if not isinstance(response, list) or curve is None or len(response) != len(curve):
         return None
-    there = [i for i, value in enumerate(response) if _is_number(value)]
-    if len(there) < 2:
+    drawn = [i for i, value in enumerate(response) if _is_number(value)]
+    if len(drawn) < 2:
         return None
-    return np.array([response[i] for i in there]), np.array([curve[i] for i in there])
+    return np.array([response[i] for i in drawn]), np.array([curve[i] for i in drawn])
 
 
 def _is_number(value: Any) -> bool:

@@ -14,17 +14,17 @@ from scipy.special import ndtr, ndtri, xlog1py, xlogy
 from scipy.stats import t as student
 
 RESAMPLES = 10_000
-FEWEST = 5
-"""Participants that have an interval: of fewer there are too few resamples to tell them apart."""
+MIN_PARTICIPANTS = 5
+"""Minimum number of participants for a bootstrap interval."""
 
-MOST_LAPSE = 0.06
+MAX_LAPSE = 0.06
 _SEED = 20091115
-"""Of the bootstrap: the same answers, the same intervals."""
+"""Seed of the bootstrap, so that intervals are reproducible."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean over participants with its 95 % interval; nan where there is none."""
+    """Mean over participants with its 95 % interval; NaN if there is none."""
 
     mean: float
     low: float
@@ -35,50 +35,49 @@ class Estimate:
 def sensitivity(
     hits: float, signals: float, false_alarms: float, noises: float
 ) -> tuple[float, float]:
-    """d' and criterion c of counts, with the log-linear correction (Hautus 1995)."""
+    """Return d' and criterion c of counts, with the log-linear correction (Hautus 1995)."""
     hit = ndtri((hits + 0.5) / (signals + 1.0))
     alarm = ndtri((false_alarms + 0.5) / (noises + 1.0))
     return float(hit - alarm), float(-0.5 * (hit + alarm))
 
 
 def sensitivity_2afc(right: float, trials: float) -> float:
-    """d' of right answers in two intervals, with the same correction."""
+    """Return d' of correct answers in two intervals, with the same correction."""
     return float(math.sqrt(2.0) * ndtri((right + 0.5) / (trials + 1.0)))
 
 
 def information_bits(counts: ArrayLike, corrected: bool = True) -> float:
-    """Information transferred from rows (what was given) to columns (what was answered), bits.
+    """Return the information transfer from rows (presented) to columns (answered), in bits.
 
-    `corrected` by Miller and Madow: small samples seem to transfer more than they do. Never below
-    0.
+    `corrected` removes the bias of small samples after Miller and Madow. The result is at least 0.
     """
     table = np.asarray(counts, dtype=np.float64)
     total = table.sum()
     if total == 0.0:
         return math.nan
-    given, answered = table.sum(axis=1), table.sum(axis=0)
+    presented, answered = table.sum(axis=1), table.sum(axis=0)
 
     def entropy(part: NDArray[np.float64]) -> float:
         nats = -float(xlogy(part / total, part / total).sum())
         return nats + ((part > 0.0).sum() - 1) / (2.0 * total) if corrected else nats
 
-    bits = (entropy(given) + entropy(answered) - entropy(table.ravel())) / math.log(2.0)
+    bits = (entropy(presented) + entropy(answered) - entropy(table.ravel())) / math.log(2.0)
     return max(0.0, bits)
 
 
 @lru_cache(maxsize=64)
-def _weights(participants: int) -> NDArray[np.float64]:
-    """How often each participant is in each resample: float64 (RESAMPLES, participants)."""
+def _resample_counts(participants: int) -> NDArray[np.float64]:
+    """Return how often resamples contain participants: float64 (RESAMPLES, participants)."""
     rng = np.random.default_rng(_SEED)
     equal = np.full(participants, 1.0 / participants)
     return rng.multinomial(participants, equal, RESAMPLES).astype(np.float64)
 
 
-def _tails(participants: int) -> tuple[float, float]:
-    """The percentiles of a 95 % interval.
+def _interval_percentiles(participants: int) -> tuple[float, float]:
+    """Return the percentiles of a 95 % interval.
 
-    Wider than 2.5 and 97.5: with few participants the bootstrap's own spread is too small by
-    sqrt((n - 1)/n), and a normal tail for a t one (Hesterberg 2015).
+    They are wider than 2.5 and 97.5. For few participants this corrects the spread of the
+    bootstrap by sqrt((n - 1)/n), and replaces normal tails by those of t (Hesterberg 2015).
     """
     n = participants
     low = float(ndtr(-math.sqrt(n / (n - 1)) * student.ppf(0.975, n - 1)))
@@ -86,42 +85,42 @@ def _tails(participants: int) -> tuple[float, float]:
 
 
 def mean_interval(values: Sequence[float]) -> Estimate:
-    """The mean of one number a participant, with a participant-bootstrap interval."""
+    """Return the mean of one number per participant, with a bootstrap interval."""
     known = np.array([value for value in values if math.isfinite(value)])
     n = len(known)
-    if n < FEWEST:
+    if n < MIN_PARTICIPANTS:
         return Estimate(float(known.mean()) if n else math.nan, math.nan, math.nan, n)
-    low, high = np.percentile(_weights(n) @ known / n, _tails(n))
+    low, high = np.percentile(_resample_counts(n) @ known / n, _interval_percentiles(n))
     return Estimate(float(known.mean()), float(low), float(high), n)
 
 
 def difference_interval(first: Sequence[float], second: Sequence[float]) -> Estimate:
-    """The difference of two groups' means, second less first; both are resampled."""
+    """Return the second group's mean minus the first's; both groups are resampled."""
     a, b = (np.array([v for v in one if math.isfinite(v)]) for one in (first, second))
     n = min(len(a), len(b))
-    if n < FEWEST:
+    if n < MIN_PARTICIPANTS:
         mean = float(b.mean() - a.mean()) if n else math.nan
         return Estimate(mean, math.nan, math.nan, len(a) + len(b))
-    # two resamplings that don't go together
-    means = _weights(len(b)) @ b / len(b) - (_weights(len(a)) @ a / len(a))[::-1]
-    low, high = np.percentile(means, _tails(n))
+    # the reversed order makes both resamplings independent
+    means = _resample_counts(len(b)) @ b / len(b) - (_resample_counts(len(a)) @ a / len(a))[::-1]
+    low, high = np.percentile(means, _interval_percentiles(n))
     return Estimate(float(b.mean() - a.mean()), float(low), float(high), len(a) + len(b))
 
 
 def information_interval(counts: NDArray[np.float64], resamples: int = 1000) -> Estimate:
-    """Information of the pooled counts (participants, rows, columns), bits, with its interval."""
+    """Return the information transfer of pooled counts (participants, rows, columns), in bits."""
     n = len(counts)
     bits = information_bits(counts.sum(axis=0))
-    if n < FEWEST:
+    if n < MIN_PARTICIPANTS:
         return Estimate(bits, math.nan, math.nan, n)
-    pooled = np.tensordot(_weights(n)[:resamples], counts, 1)
-    low, high = np.percentile([information_bits(one) for one in pooled], _tails(n))
+    pooled = np.tensordot(_resample_counts(n)[:resamples], counts, 1)
+    low, high = np.percentile([information_bits(one) for one in pooled], _interval_percentiles(n))
     return Estimate(bits, float(low), float(high), n)
 
 
 @dataclass(frozen=True)
 class Psychometric:
-    """A fitted function: guess + (1 - guess - lapse) * normal((level - threshold)/width)."""
+    """Fitted function: guess + (1 - guess - lapse) * normal((level - threshold)/width)."""
 
     threshold: float
     width: float
@@ -129,7 +128,7 @@ class Psychometric:
     lapse: float
 
     def at(self, level: ArrayLike) -> NDArray[np.float64]:
-        """The probability at levels."""
+        """Return the probability at levels."""
         z = (np.asarray(level, dtype=np.float64) - self.threshold) / self.width
         found: NDArray[np.float64] = self.guess + (1.0 - self.guess - self.lapse) * ndtr(z)
         return found
@@ -138,28 +137,28 @@ class Psychometric:
 def fit_psychometric(
     level: ArrayLike, right: ArrayLike, trials: ArrayLike, guess: float | None
 ) -> Psychometric:
-    """The likeliest function of counts at levels (cumulative normal, rising).
+    """Fit a rising cumulative normal to counts by maximum likelihood.
 
     Parameters
     ----------
     guess
-        The probability far below; None: the same as the lapse far above (which of two is stronger).
+        Probability far below the threshold; None makes it equal to the lapse rate above.
     """
     x, k, n = (np.asarray(one, dtype=np.float64) for one in (level, right, trials))
     span = float(np.ptp(x)) or 1.0
 
-    def unpacked(p: NDArray[np.float64]) -> Psychometric:
-        lapse = MOST_LAPSE * float(ndtr(p[2]))
+    def unpack(p: NDArray[np.float64]) -> Psychometric:
+        lapse = MAX_LAPSE * float(ndtr(p[2]))
         low = lapse if guess is None else guess
         width = span * math.exp(min(max(p[1], -6.0), 4.0))
         return Psychometric(float(x.mean()) + span * float(p[0]), width, low, lapse)
 
-    def unlikely(p: NDArray[np.float64]) -> float:
-        chance = np.clip(unpacked(p).at(x), 1e-9, 1.0 - 1e-9)
-        # weak priors keep a function that the data don't bound within reach
+    def cost(p: NDArray[np.float64]) -> float:
+        probability = np.clip(unpack(p).at(x), 1e-9, 1.0 - 1e-9)
+        # weak priors bound parameters that the data do not determine
         prior = 0.02 * (p[0] ** 2 + (p[1] + 1.5) ** 2 + p[2] ** 2)
-        return float(prior - (xlogy(k, chance) + xlog1py(n - k, -chance)).sum())
+        return float(prior - (xlogy(k, probability) + xlog1py(n - k, -probability)).sum())
 
     starts = [(at, width, -1.0) for at in (-0.3, 0.0, 0.3) for width in (-2.5, -1.0)]
-    tries = [minimize(unlikely, start, method="Nelder-Mead") for start in starts]
-    return unpacked(min(tries, key=lambda one: float(one.fun)).x)
+    tries = [minimize(cost, start, method="Nelder-Mead") for start in starts]
+    return unpack(min(tries, key=lambda one: float(one.fun)).x)

@@ -1,4 +1,4 @@
-"""The steps of a list, and the ids of their answers."""
+"""Steps of a list, and the ids of their answers."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Collection
 from typing import Any
 
 ANSWERED = ("trial", "form", "adaptive")
-"""Types of steps that are answered."""
+"""Types of steps that have answers."""
 
-MOST_PRACTICE = 3
-"""Practice is done so often at most."""
+MAX_PRACTICE_ROUNDS = 3
+"""Maximum number of practice rounds."""
 
 _MORE = re.compile(r"(.+)-(\d{1,3})")
 
 
-def step_of(trial: str, content: dict[str, Any]) -> dict[str, Any] | None:
-    """The step of a list that a trial's id belongs to; None if there is none."""
+def find_step(trial: str, content: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the step of a list for a trial's id; None if there is none."""
     steps: dict[str, dict[str, Any]] = {
         step["id"]: step for step in content["steps"] if step["type"] in ANSWERED
     }
@@ -29,11 +29,11 @@ def step_of(trial: str, content: dict[str, Any]) -> dict[str, Any] | None:
     if step["type"] == "adaptive":
         return step if 1 <= number <= step["most"] else None
     repeated = step["type"] == "trial" and step["phase"] == "practice"
-    return step if repeated and 2 <= number <= MOST_PRACTICE else None
+    return step if repeated and 2 <= number <= MAX_PRACTICE_ROUNDS else None
 
 
-def missing_of(content: dict[str, Any], stored: Collection[str]) -> list[str]:
-    """The ids of steps that a finished session must have and that aren't stored."""
+def missing_steps(content: dict[str, Any], stored: Collection[str]) -> list[str]:
+    """Return the ids of required steps without a stored answer."""
     begun = {trial.rpartition("-")[0] for trial in stored}
     return [
         step["id"]

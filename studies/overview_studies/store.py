@@ -1,8 +1,8 @@
-"""Where answers are kept: one SQLite file, with the study itself, so that it can be read alone.
+"""Storage of answers: one SQLite file, which also contains the study.
 
-Nothing that was acknowledged is lost: a row is on the disk before anybody hears of it. Nothing is
-stored twice or changed: what came first stays. Lists are handed out in one transaction each, so two
-people never have the same one.
+A row is written to storage before it is acknowledged. Stored rows never change, and a second row
+of the same trial is ignored. A list is assigned in one transaction, so two participants never share
+one.
 
 Thread: any; one at a time.
 """
@@ -38,17 +38,17 @@ CREATE TABLE IF NOT EXISTS trial(
   row TEXT NOT NULL CHECK(json_valid(row)), PRIMARY KEY(session, trial)) STRICT;
 """
 WAIT_S = 10.0
-TOLD = ("response", "correct", "stimulus", "level")
-"""What a page that is reloaded is told of its answers."""
+RESUME_KEYS = ("response", "correct", "stimulus", "level")
+"""Keys of an answer that a reloaded page receives."""
 
 
 class NoListLeftError(InputError):
-    """All lists are handed out, or the participant's code is taken."""
+    """All lists are in use, or the participant's code is."""
 
 
 @dataclass(frozen=True)
 class Session:
-    """One participant's session: its list's number, and what was stored of it, in order.
+    """Session of one participant: list number and stored rows in order.
 
     `trials` are (id, received_utc, row).
     """
@@ -63,14 +63,14 @@ class Session:
     trials: list[tuple[str, str, dict[str, Any]]] = field(default_factory=list)
 
 
-def now() -> str:
-    """The moment, ISO 8601 in UTC, to the millisecond."""
+def utc_now() -> str:
+    """Return the current time, ISO 8601 in UTC, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
 @dataclass
-class _Waiting:
-    """A row that waits for the disk; then whether it is new, or why it isn't stored."""
+class _PendingRow:
+    """Row to be written; then whether it is new, or the error."""
 
     session: str
     trial: str
@@ -80,21 +80,21 @@ class _Waiting:
 
 
 class Store:
-    """A study's SQLite file.
+    """SQLite file of a study.
 
     Parameters
     ----------
     path
-        A new file, or one of the same study.
+        A new file, or a file of the same study.
     study, lists
-        What `read_study` gives; left out for a file that is there.
+        Results of `read_study`; not needed for an existing file.
 
     Raises
     ------
     InputError
-        The file is of another study, no SQLite file, or isn't there.
+        The file does not exist, is not an SQLite file, or belongs to another study.
     OutputError
-        It can't be written.
+        The file cannot be written.
     """
 
     def __init__(
@@ -106,10 +106,10 @@ class Store:
         self.path = Path(path)
         self._lock = threading.Lock()
         self._writing = threading.Lock()
-        self._waiting: deque[_Waiting] = deque()
+        self._pending: deque[_PendingRow] = deque()
         self._known: dict[str, tuple[str, int]] = {}
         if study is None and not self.path.is_file():
-            raise InputError(f"{path}: no such file; `overview study serve` makes one")
+            raise InputError(f"{path}: no such file; create it with `overview study serve`")
         try:
             self._db = sqlite3.connect(
                 self.path, timeout=WAIT_S, isolation_level=None, check_same_thread=False
@@ -119,17 +119,19 @@ class Store:
             self._db.execute("PRAGMA foreign_keys=ON")
             self._db.executescript(_TABLES)
         except sqlite3.Error as error:
-            raise InputError(f"{path}: can't be used ({error}); name another file") from None
-        kept = self._value("study")
-        if kept is None:
+            raise InputError(f"{path}: cannot be used ({error}); choose another file") from None
+        stored = self._value("study")
+        if stored is None:
             if study is None:
-                raise InputError(f"{path}: holds no study; `overview study serve` makes one")
+                raise InputError(
+                    f"{path}: contains no study; create it with `overview study serve`"
+                )
             self._begin_study(study, lists)
-            kept = json.dumps(study)
-        self.study: dict[str, Any] = json.loads(kept)
+            stored = json.dumps(study)
+        self.study: dict[str, Any] = json.loads(stored)
         if study is not None and study["design_sha256"] != self.study["design_sha256"]:
             raise InputError(
-                f"{path}: holds answers to another version of this study; name another file"
+                f"{path}: contains answers to another version of this study; choose another file"
             )
 
     def _value(self, key: str) -> str | None:
@@ -145,7 +147,7 @@ class Store:
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        """All of it or nothing; on the disk when it is over."""
+        """Run one transaction; it is in permanent storage when the context ends."""
         with self._lock:
             try:
                 self._db.execute("BEGIN IMMEDIATE")
@@ -161,14 +163,14 @@ class Store:
                 raise OutputError(f"{self.path}: nothing was stored ({error})") from None
 
     def begin(self, request: str, participant: str | None) -> tuple[Session, bool]:
-        """Hand out the next free list; the same request gets the same session again.
+        """Assign the next free list; a repeated request returns the same session.
 
-        Returns the session, and whether it is a new one.
+        The second value is true for a new session.
 
         Raises
         ------
         NoListLeftError
-            No list is left, or the participant has one.
+            No list is left, or the participant already has a session.
         """
         with self._transaction():
             known = self._db.execute("SELECT id FROM session WHERE request = ?", (request,))
@@ -180,23 +182,23 @@ class Store:
                 "(SELECT list FROM session WHERE NOT abandoned)"
             ).fetchone()[0]
             if free is None:
-                raise NoListLeftError("all lists are handed out; ask whoever runs the study")
+                raise NoListLeftError("all lists are in use; please contact the experimenter")
             code = participant or f"p{free:03d}"
             taken = self._db.execute(
                 "SELECT 1 FROM session WHERE participant = ? AND NOT abandoned", (code,)
             ).fetchone()
             if taken:
-                raise NoListLeftError(f"{code} has a session already; give another code")
+                raise NoListLeftError(f"{code} already has a session; enter another code")
             id = secrets.token_hex(8)
             self._db.execute(
                 "INSERT INTO session(id, request, secret, list, participant, started_utc) "
                 "VALUES(?, ?, ?, ?, ?, ?)",
-                (id, request, secrets.token_urlsafe(16), free, code, now()),
+                (id, request, secrets.token_urlsafe(16), free, code, utc_now()),
             )
             return self._session(id), True
 
     def list_number(self, id: str, secret: str) -> int | None:
-        """The list of a session; None if there is none, or for a wrong secret."""
+        """Return the list of a session; None if the session is unknown or the secret is wrong."""
         if id not in self._known:
             with self._lock:
                 row = self._db.execute("SELECT secret, list FROM session WHERE id = ?", (id,))
@@ -208,7 +210,7 @@ class Store:
         return number if hmac.compare_digest(wanted.encode(), secret.encode()) else None
 
     def session(self, id: str) -> Session:
-        """A session that is there, with its trials."""
+        """Return an existing session with its trials."""
         with self._lock:
             return self._session(id)
 
@@ -224,8 +226,8 @@ class Store:
         read = [(trial, utc, json.loads(text)) for trial, utc, text in trials]
         return Session(id, secret, number, participant, started, finished, bool(abandoned), read)
 
-    def list_of(self, number: int) -> dict[str, Any]:
-        """A list."""
+    def load_list(self, number: int) -> dict[str, Any]:
+        """Return a list."""
         with self._lock:
             text = self._db.execute(
                 "SELECT content FROM list WHERE number = ?", (number,)
@@ -233,21 +235,21 @@ class Store:
         return json.loads(text)  # type: ignore[no-any-return]
 
     def put(self, session: str, trial: str, row: str) -> bool:
-        """Store a trial's row (JSON); False if it was there before, which stays as it is.
+        """Store a trial's row (JSON); return False if the trial already has a row.
 
-        Those that wait for the disk together are written together.
+        Rows that wait at the same time are written in one transaction.
         """
-        mine = _Waiting(session, trial, row)
-        self._waiting.append(mine)
+        pending = _PendingRow(session, trial, row)
+        self._pending.append(pending)
         with self._writing:
-            if mine.new is None and mine.error is None:
-                self._write_waiting()
-        if mine.error is not None:
-            raise OutputError(str(mine.error))
-        return bool(mine.new)
+            if pending.new is None and pending.error is None:
+                self._write_pending()
+        if pending.error is not None:
+            raise OutputError(str(pending.error))
+        return bool(pending.new)
 
-    def _write_waiting(self) -> None:
-        batch = [self._waiting.popleft() for _ in range(len(self._waiting))]
+    def _write_pending(self) -> None:
+        batch = [self._pending.popleft() for _ in range(len(self._pending))]
         try:
             with self._transaction():
                 written = [self._insert(one.session, one.trial, one.row) for one in batch]
@@ -261,48 +263,48 @@ class Store:
     def _insert(self, session: str, trial: str, row: str) -> bool:
         done = self._db.execute(
             "INSERT INTO trial VALUES(?, ?, ?, ?) ON CONFLICT DO NOTHING",
-            (session, trial, now(), row),
+            (session, trial, utc_now(), row),
         )
         return done.rowcount == 1
 
     def put_all(self, session: str, rows: Sequence[tuple[str, str]]) -> None:
-        """Store many (trial, JSON) at once."""
+        """Store several (trial, JSON) rows in one transaction."""
         with self._transaction():
             for trial, row in rows:
                 self._insert(session, trial, row)
 
     def finish(self, session: str) -> None:
-        """Note that a session is complete."""
+        """Mark a session as complete."""
         with self._transaction():
             self._db.execute(
                 "UPDATE session SET finished_utc = ? WHERE id = ? AND finished_utc IS NULL",
-                (now(), session),
+                (utc_now(), session),
             )
 
     def abandon(self, number: int) -> str:
-        """Let a list be handed out again; the participant's code. What was stored stays."""
+        """Release a list for another session; return the participant's code. Stored rows stay."""
         with self._transaction():
             found = self._db.execute(
                 "SELECT id, participant FROM session WHERE list = ? AND NOT abandoned", (number,)
             ).fetchone()
             if found is None:
-                raise InputError(f"{self.path}: list {number} isn't handed out")
+                raise InputError(f"{self.path}: list {number} is not in use")
             self._db.execute("UPDATE session SET abandoned = 1 WHERE id = ?", (found[0],))
             return str(found[1])
 
     def lists(self) -> dict[int, dict[str, Any]]:
-        """Every list by its number."""
+        """Return every list by number."""
         with self._lock:
             rows = self._db.execute("SELECT number, content FROM list").fetchall()
         return {number: json.loads(text) for number, text in rows}
 
     def sessions(self) -> list[Session]:
-        """All sessions, in the order they began."""
+        """Return all sessions, in order of their start."""
         with self._lock:
             ids = self._db.execute("SELECT id FROM session ORDER BY rowid").fetchall()
             return [self._session(id) for (id,) in ids]
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         with self._lock:
             self._db.close()

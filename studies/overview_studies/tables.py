@@ -1,4 +1,4 @@
-"""Answers as text: tidy CSV and TSV, and the script that R begins with."""
+"""Answers as CSV and TSV text, and a script for R."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ R_SCRIPT = "analysis.R"
 
 
 def cell(value: Any) -> str:
-    """A value in a cell: numbers with a point, lists as JSON, nothing for None."""
+    """Return a value as cell text: lists as JSON, empty text for None."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -31,7 +31,7 @@ def csv_text(
     delimiter: str = ",",
     missing: str = "",
 ) -> str:
-    """A table with a header; columns that a row doesn't have are `missing`."""
+    """Return a table with a header; absent cells are `missing`."""
     out = io.StringIO()
     writer = csv.writer(out, delimiter=delimiter, lineterminator="\n")
     writer.writerow(columns)
@@ -41,18 +41,18 @@ def csv_text(
 
 
 def responses_csv(answers: Answers) -> str:
-    """Tidy: one row a trial."""
+    """Return a table with one row per trial."""
     return csv_text(answers.columns, answers.rows())
 
 
 def forms_csv(answers: Answers) -> str:
-    """One row an item of a form."""
+    """Return a table with one row per item of a form."""
     columns = ["participant", "session", "list", "block", *answers.study["factors"]]
     return csv_text([*columns, "form", "item", "value", "received_utc"], answers.forms())
 
 
 def r_script(answers: Answers, table: str = "responses.csv") -> str:
-    """A mixed model to start from, in R: what this program leaves to R."""
+    """Return an R script that fits a mixed model."""
     task = answers.study["task"]["name"]
     names = conditions_of(answers.study)
     fixed = " * ".join(names) or "1"
@@ -65,7 +65,7 @@ def r_script(answers: Answers, table: str = "responses.csv") -> str:
     )
     factors = "".join(f"main${name} <- factor(main${name})\n" for name in names)
     return (
-        f"# {answers.study['title']}: a mixed model to start from\n"
+        f"# {answers.study['title']}: a first mixed model\n"
         "library(lme4)\n"
         f'rows <- read.csv("{table}", stringsAsFactors = FALSE)\n'
         'main <- subset(rows, phase == "main")\n'

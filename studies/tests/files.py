@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from overview_studies.design import load_design
 from overview_studies.folder import make_lists
-from overview_studies.items import items_of
+from overview_studies.stimuli import stimuli_of
 
 IDENTIFY = """
 title = "Touch against twist"
@@ -105,7 +105,7 @@ def design_of(folder, text):
 
 def lists_of(folder, text):
     design = design_of(folder, text)
-    return make_lists(design, items_of(design))
+    return make_lists(design, stimuli_of(design))
 
 
 def study_of(folder, text):
@@ -113,13 +113,13 @@ def study_of(folder, text):
     from overview_studies.folder import CURVE_POINTS, study_json
 
     design = design_of(folder, text)
-    items = items_of(design)
+    items = stimuli_of(design)
     vary = design.file.task.vary
     stimuli = {
         item.key: {
             "level": item.names.get(vary) if vary else None,
             "answer": item.names["answer"],
-            "places": item.places(None),
+            "places": item.positions(None),
             "curve": item.curve(CURVE_POINTS).tolist(),
             "timeline": item.names["timeline"],
             "preset": item.names["preset"],

@@ -32,8 +32,8 @@ LONGEST_S = 0.3
 class Killed:
     """A server and its killer."""
 
-    def __init__(self, folder, chance):
-        self.folder, self.chance = folder, chance
+    def __init__(self, folder, rng):
+        self.folder, self.rng = folder, rng
         with listen("127.0.0.1", 0) as socket:
             self.port = socket.getsockname()[1]
         self.kills = 0
@@ -46,7 +46,7 @@ class Killed:
             # its own socket: who waits in its queue hears of its death
             serve(self.folder, store, listen("127.0.0.1", self.port))
             threading.Event().wait()
-        server, pause = self.server, self.chance.uniform(0.0, LONGEST_S)
+        server, pause = self.server, self.rng.uniform(0.0, LONGEST_S)
         self.killer = os.fork()
         if self.killer == 0:
             time.sleep(pause)
@@ -76,7 +76,7 @@ def patiently(killed, ask):
             killed.again()
 
 
-def answered(killed, port, lists, chance, acknowledged):
+def answered(killed, port, lists, rng, acknowledged):
     """One participant's whole session; every acknowledged row is noted."""
     page = Page(port)
     status, told = patiently(killed, page.begin)
@@ -84,16 +84,16 @@ def answered(killed, port, lists, chance, acknowledged):
     trials = [s["id"] for s in lists[str(told["list"])]["steps"] if s["type"] in ("trial", "form")]
     done = 0
     while done < len(trials):
-        row = {"response": "goal", "rt_ms": chance.random()}
+        row = {"response": "goal", "rt_ms": rng.random()}
         status, said = patiently(killed, lambda: page.put(trials[done], row))  # noqa: B023
         assert status in (200, 201), said
         if status == 201:
             acknowledged.append((told["session"], trials[done], row))
-        if chance.random() < 0.1:  # a double click: another answer to the same trial
+        if rng.random() < 0.1:  # a double click: another answer to the same trial
             again = {"response": "none", "rt_ms": -1.0}
             assert patiently(killed, lambda: page.put(trials[done], again))[0] == 200  # noqa: B023
         done += 1
-        if chance.random() < 0.1:  # a killed tab: what it knows, it has from the server
+        if rng.random() < 0.1:  # a killed tab: what it knows, it has from the server
             status, seen = patiently(killed, page.look)
             assert status == 200
             assert list(seen["answers"]) == trials[:done]
@@ -102,14 +102,14 @@ def answered(killed, port, lists, chance, acknowledged):
 
 
 def main(folder, kills, seed):
-    chance = random.Random(seed)
+    rng = random.Random(seed)
     (folder / "files.js").write_text('self.FILES = {"page": [], "more": []};\n')
     with open(folder / "lists.json") as file:
         lists = json.load(file)
-    killed = Killed(folder, chance)
+    killed = Killed(folder, rng)
     acknowledged, given = [], []
     while killed.kills < kills:
-        given.append(answered(killed, killed.port, lists, chance, acknowledged))
+        given.append(answered(killed, killed.port, lists, rng, acknowledged))
     killed.end()
     print(json.dumps({"acknowledged": acknowledged, "lists": given, "kills": killed.kills}))
 

@@ -33,7 +33,7 @@ def test_check_says_what_a_study_makes_and_whether_it_is_balanced(tmp_path):
         if one["friction"] is not None:
             assert abs(one["friction"] - one["static"]) < 0.5
     odd = written(tmp_path, IDENTIFY.replace("participants = 4", "participants = 5"), "odd.toml")
-    assert "NOT balanced: a round is 4 lists" in said("check", odd)
+    assert "NOT balanced: each round has 4 lists" in said("check", odd)
 
 
 def test_lists_are_a_csv_each(tmp_path):
@@ -116,7 +116,7 @@ def test_who_did_not_finish_or_attend_is_left_out_as_the_file_said(built, tmp_pa
         store._db.execute("UPDATE session SET finished_utc = NULL WHERE list = 3")
     store.close()
     outcome = overview("study", "analyse", copy)
-    assert "left out: sim003: the session wasn't finished" in outcome.err
+    assert "excluded: sim003: the session is not complete" in outcome.err
 
 
 def test_power_counts_how_often_an_effect_is_found(tmp_path):
@@ -135,7 +135,7 @@ def test_mistakes_are_one_line(built, tmp_path):
     refused(overview("study", "check", tmp_path / "none.toml"), "none.toml", "can't be read")
     refused(overview("study", "serve", tmp_path), "no study", "overview study build")
     refused(overview("study", "analyse", tmp_path / "none.sqlite"), "no such file")
-    refused(overview("study", "export", "-o", tmp_path / "x"), "needs answers")
+    refused(overview("study", "export", "-o", tmp_path / "x"), "requires answers")
     refused(overview("study", "export", "--to", "psychopy", "-o", "x"), "--study study.toml")
     refused(
         overview("study", "export", built.answers, "--to", "psignifit", "-o", tmp_path / "x"),
@@ -171,6 +171,6 @@ def test_serve_prints_its_address_and_an_abandoned_list_can_be_given_again(
                        "--seconds", seconds, "--json")  # fmt: skip
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["address"].startswith("http://127.0.0.1:")
-    assert "0 of 12 lists are handed out" in outcome.err
+    assert "0 of 12 lists are in use" in outcome.err
     refused(overview("study", "serve", built.folder, "--db", database, "--reissue", "2"),
-            "list 2 isn't handed out")  # fmt: skip
+            "list 2 is not in use")  # fmt: skip

@@ -48,7 +48,7 @@ def test_levels_that_are_nowhere_and_tasks_that_lack_something_are_refused(tmp_p
     assert "phases.catch" in refusal(tmp_path, other("draw", "catch = 0.2"))
     two = 'made = { kinds = ["goal", "foul"] }'
     text = varying("staircase").replace('made = { kinds = ["goal"] }', two)
-    assert "one stimulus a level" in refusal(tmp_path, text)
+    assert "one stimulus per level" in refusal(tmp_path, text)
 
 
 def test_a_file_that_is_none_is_refused(tmp_path):
@@ -66,9 +66,9 @@ def test_a_design_has_the_hash_of_its_text_whatever_its_line_ends(tmp_path):
 
 
 def test_a_round_of_lists_is_groups_times_rows(tmp_path):
-    assert design_of(tmp_path, IDENTIFY).lists_of_a_round == 4
+    assert design_of(tmp_path, IDENTIFY).lists_per_round == 4
     three = IDENTIFY.replace(
         "mapping = {",
         'hand = { within = ["left", "right", "both"], order = "williams" }\nmapping = {',
     )
-    assert design_of(tmp_path, three).lists_of_a_round == 2 * 6
+    assert design_of(tmp_path, three).lists_per_round == 2 * 6

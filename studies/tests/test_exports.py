@@ -12,9 +12,9 @@ import soundfile
 
 import overview_dsp as ov
 from overview_studies.design import load_design
-from overview_studies.items import items_of
-from overview_studies.observers import Observers, simulated, store_simulated
-from overview_studies.replay import replayed, take_gesture
+from overview_studies.observers import Observers, simulate_answers, store_simulated
+from overview_studies.replay import replay_trial, take_gesture
+from overview_studies.stimuli import stimuli_of
 from overview_studies.store import Store
 from studies.tests.files import study_of, varying, written
 from tests.cli.running import overview, refused
@@ -89,7 +89,7 @@ def test_psignifit_gets_levels_right_answers_and_trials(tmp_path):
     study, lists = study_of(tmp_path, varying("compare"))
     path = tmp_path / "r.sqlite"
     store = Store(path, study, list(lists.values()))
-    store_simulated(store, simulated(study, lists, Observers(), 2, 0))
+    store_simulated(store, simulate_answers(study, lists, Observers(), 2, 0))
     store.close()
     rows = table(exported("psignifit", path, out=tmp_path / "d") / "psignifit.csv")
     assert rows[0] == ["participant", "level", "right", "trials"]
@@ -129,8 +129,8 @@ def test_a_trial_is_felt_again_bit_for_bit(built, tmp_path, mapping):
     assert len(index) == 2
     samples, rate = soundfile.read(out / index[1][-1], dtype="float32")
     assert (rate, len(samples)) == (48_000, take["samples"])
-    item = next(i for i in items_of(load_design(built.toml)) if i.key == step["stimuli"][0])
-    assert np.array_equal(samples, replayed(item, take, step["output"]))
+    item = next(i for i in stimuli_of(load_design(built.toml)) if i.key == step["stimuli"][0])
+    assert np.array_equal(samples, replay_trial(item, take, step["output"]))
     assert samples[:, 1].any()
     # the take is one of any: the command line plays it to the same samples
     kept = ov.load_gesture(out / index[1][-2])

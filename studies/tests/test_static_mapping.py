@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_studies.items import items_of
 from overview_studies.static_mapping import (
     StaticMapping,
     held_levels,
     static_levels,
     static_mapping,
 )
+from overview_studies.stimuli import stimuli_of
 from studies.tests.files import IDENTIFY, design_of
 
 RATE = 48_000
@@ -22,7 +22,7 @@ RATE = 48_000
 
 @pytest.fixture(scope="module")
 def items(tmp_path_factory):
-    return items_of(design_of(tmp_path_factory.mktemp("static"), IDENTIFY))
+    return stimuli_of(design_of(tmp_path_factory.mktemp("static"), IDENTIFY))
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def test_a_render_is_what_a_page_computes_sample_by_sample(mapping):
 
 
 def test_an_event_is_felt_as_strong_as_in_the_friction_condition(item):
-    result = item.rendered()
+    result = item.render_stimulus()
     surface, trace = result.engine.surface, result.trace
     wanted, _ = held_levels(surface, trace, result.samples[:, 1], RATE)
     assert np.abs(static_levels(item, RATE) - wanted).max() < 0.5
@@ -109,7 +109,7 @@ def test_the_speed_of_the_hand_changes_the_disk_and_not_the_static_mapping(items
 
 def test_nothing_sounds_without_a_hand(item, mapping):
     assert not mapping.render(ov.pause(0.2)).any()
-    let_go = mapping.render(ov.tap(item.places(None)[0], 0.1), 0.3)
+    let_go = mapping.render(ov.tap(item.positions(None)[0], 0.1), 0.3)
     assert let_go[: round(0.1 * RATE), 1].any()
     assert not let_go[-round(0.1 * RATE) :].any()
 

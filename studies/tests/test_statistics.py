@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm
 
 from overview_studies.observers import Observers
-from overview_studies.power import power_of
+from overview_studies.power import estimate_power
 from overview_studies.statistics import (
     difference_interval,
     fit_psychometric,
@@ -78,7 +78,7 @@ def test_a_fit_finds_the_function_that_made_the_counts():
 @pytest.mark.parametrize("runs", [20, pytest.param(100, marks=pytest.mark.soak)])
 def test_a_d_prime_of_one_and_a_half_is_recovered_within_its_interval(tmp_path, runs):
     study, lists = study_of(tmp_path, detecting())
-    found = power_of(study, lists, Observers(1.5, spread=0.3), 24, runs, 11)
+    found = estimate_power(study, lists, Observers(1.5, spread=0.3), 24, runs, 11)
     (held,) = found["held"].values()
     print(f"d' = 1.5, 24 people: held in {held} of {runs} runs")
     assert held >= 0.93 * runs - (1 if runs < 100 else 0)

@@ -63,7 +63,7 @@ def test_the_same_request_is_the_same_session_and_a_code_has_one(store):
     first, new = store.begin("a" * 20, "anna")
     again, newer = store.begin("a" * 20, "anna")
     assert (new, newer, first.id) == (True, False, again.id)
-    with pytest.raises(NoListLeftError, match="anna has a session"):
+    with pytest.raises(NoListLeftError, match="anna already has a session"):
         store.begin("b" * 20, "anna")
     assert store.begin("c" * 20, None)[0].number == 2
 
@@ -74,7 +74,7 @@ def test_an_abandoned_list_is_handed_out_again_only_when_told_to(store):
     assert store.abandon(1) == "anna"
     assert store.begin("c" * 20, "anna")[0].number == 1
     assert [one.abandoned for one in store.sessions()] == [True, False, False]
-    with pytest.raises(InputError, match="list 4 isn't handed out"):
+    with pytest.raises(InputError, match="list 4 is not in use"):
         store.abandon(4)
     assert store.list_number(first.id, "wrong") is None
     assert store.list_number(first.id, first.secret) == 1
@@ -97,7 +97,7 @@ def test_another_study_or_no_study_is_refused(tmp_path, small):
     with pytest.raises(InputError, match="no such file"):
         Store(tmp_path / "none.sqlite")
     (tmp_path / "text.sqlite").write_text("not a database, but long enough to be looked at")
-    with pytest.raises(InputError, match="can't be used"):
+    with pytest.raises(InputError, match="cannot be used"):
         Store(tmp_path / "text.sqlite")
 
 

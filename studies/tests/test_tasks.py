@@ -1,4 +1,4 @@
-"""Each task: its lists, simulated answers, and what is measured of them."""
+"""Each task: lists, simulated answers and measures."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import pytest
 
 from overview_studies.adaptive import Run
 from overview_studies.analysis import analyse
-from overview_studies.observers import Observers, simulated
+from overview_studies.observers import Observers, simulate_answers
 from studies.tests.files import IDENTIFY, lists_of, other, study_of, varying
 
 
 def analysed(folder, text, people=12, observers=None):
     study, lists = study_of(folder, text)
-    return analyse(simulated(study, lists, observers or Observers(), people, 1))
+    return analyse(simulate_answers(study, lists, observers or Observers(), people, 1))
 
 
 def test_identify_gives_a_matrix_and_sensitivity_in_each_condition(tmp_path):
@@ -83,7 +83,7 @@ def test_a_staircase_goes_to_where_seven_in_ten_are_right(tmp_path):
         level = run.level
         at.append(level)
         chance = 0.5 + 0.5 / (1.0 + math.exp(-(level - 20) / 2.0))
-        run.answered(rng.random() < chance)
+        run.record(rng.random() < chance)
     # 70.7 %: 20 + 2*log(p/(1-p)) of the part above a half, 0.414
     assert abs(np.mean(at[100:]) - 19.3) < 1.2
     assert run.reversals == 100
@@ -94,7 +94,7 @@ def test_two_tracks_take_turns_and_end_each_by_itself(tmp_path):
     run, seen = Run(step), []
     while not run.over:
         seen.append(run.level)
-        run.answered(len(seen) % 4 < 2)
+        run.record(len(seen) % 4 < 2)
     assert seen[0] == 3
     assert seen[1] == 1
     assert len(seen) < 60
@@ -112,8 +112,8 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     while not run.over:
         chance = 0.5 + 0.48 / (1.0 + math.exp(-1.7 * (run.level - 12.0)))
         answers.append(bool(rng.random() < chance))
-        run.answered(answers[-1])
-    assert abs(run.believed - 12.0) < 1.0
+        run.record(answers[-1])
+    assert abs(run.posterior_mean - 12.0) < 1.0
     again = Run(step)
     for answer in answers[:60]:
         again.answered(answer)

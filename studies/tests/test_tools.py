@@ -53,13 +53,13 @@ def test_psychopy_reads_a_list(tmp_path):
 
 
 def test_psignifit_fits_the_table(tmp_path):
-    from overview_studies.observers import Observers, simulated, store_simulated
+    from overview_studies.observers import Observers, simulate_answers, store_simulated
     from overview_studies.store import Store
     from studies.tests.files import study_of
 
     study, lists = study_of(tmp_path, varying("compare").replace("repeats = 4", "repeats = 40"))
     store = Store(tmp_path / "r.sqlite", study, list(lists.values()))
-    store_simulated(store, simulated(study, lists, Observers(1.0), 2, 0))
+    store_simulated(store, simulate_answers(study, lists, Observers(1.0), 2, 0))
     store.close()
     exported(tmp_path / "r.sqlite", "--to", "psignifit", "-o", tmp_path / "p")
     middle = run_by(

@@ -23,7 +23,7 @@ from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.installation import install_command
-from overview_dsp.measure.felt import event_levels
+from overview_dsp.measure.perceived_level import event_levels
 from tests.batch.grids import CASES, JOBS, grid_in, hashes, jobs_file
 from tests.cli.running import end_of_group, environment, overview, refused
 

@@ -49,7 +49,7 @@ def test_a_session_is_driven_for_an_actuator_and_says_so(springy_file):
     assert "note: lra is felt" in done.err
     summary = json.loads(done.out.splitlines()[-1])["summary"]
     assert summary["actuator"]["name"] == "lra"
-    assert {"calibration_db", "taken_back_db", "samples_at_peak"} <= summary["actuator"].keys()
+    assert {"calibration_db", "reduction_db", "samples_at_peak"} <= summary["actuator"].keys()
 
 
 def test_standard_input_is_a_hand():
@@ -77,16 +77,36 @@ def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
     assert len(ov.load_gesture(take).time_s) >= 1
 
 
+@pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
+def test_a_signal_that_is_ignored_from_the_start_stays_ignored():
+    """As `nohup` starts it: the closed terminal's SIGHUP doesn't end it, SIGTERM does."""
+    process = subprocess.Popen(
+        PLAY,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),
+    )
+    assert process.stdout is not None
+    process.stdout.readline()
+    process.send_signal(signal.SIGHUP)
+    assert "time_s" in json.loads(process.stdout.readline())
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 128 + signal.SIGTERM
+    assert "stopped by SIGTERM" in errors
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--block-size", "-1"], "block size -1; it is 1 to 8192 frames, or 0"),
+        (["--block-size", "-1"], "block size -1 must be 0 to 8192 frames"),
         (["--seconds", "nan"], "--seconds is nan; must be 0 or more"),
         (["--seconds", "-1"], "--seconds is -1; must be 0 or more"),
         (["--sample-rate", "0"], "--sample-rate is 0 Hz; must be 1000 to 768000 Hz"),
         (["--set", "click.gain=99"], "gain 99 is out of range"),
-        (["--set", "click.channel=2"], "can't share channel 2"),
-        (["--set", "tactor.channel=3+x"], "channel '3+x'; it is a number, several (3+4), or 0"),
+        (["--set", "click.channel=2"], "both use channel 2"),
+        (["--set", "tactor.channel=3+x"], "channel '3+x' must be a number, several numbers (3+4)"),
         (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),

@@ -53,9 +53,9 @@ def test_diff_says_what_differs_as_a_table_and_as_json(folder):
     assert "surface.friction" in done("presets", "diff", "football", "crowd")
     found = json.loads(done("presets", "diff", "football", "crowd", "--json"))
     first, second = (
-        ov.load_preset(name).number("surface.ambience") for name in ("football", "crowd")
+        ov.load_preset(name).number("surface.intensity_gain") for name in ("football", "crowd")
     )
-    assert {"id": "surface.ambience", "first": first, "second": second, "unit": "x"} in found
+    assert {"id": "surface.intensity_gain", "first": first, "second": second, "unit": "x"} in found
 
 
 def test_morphs_and_chance_are_written_and_valid(folder):
@@ -103,7 +103,7 @@ def test_feel_is_a_table_json_and_a_picture(folder):
 def test_tune_writes_a_valid_preset(folder):
     report = json.loads(done("presets", "tune", "crowd", "--order", "cheer>default", "--json"))
     done("presets", "check", report["file"])
-    assert report["reached"] is (report["least_steps"] >= 2.0)
+    assert report["reached"] is (report["least_jnds"] >= 2.0)
     refused(overview("presets", "tune", "crowd", "--order", "cheer"), "two kinds")
     refused(overview("presets", "tune", "crowd"), "--order", "--separate")
     report = json.loads(done("presets", "tune", "crowd", "--separate", "--json"))
@@ -127,7 +127,9 @@ def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_pictu
     asked = ("presets", "feel", "crowd", "--observer", "--modality", "touch", "--movement", "mixed")
     ov.save_timeline(ov.measure.random_crowd(1), "crowd.json")
     text = done(*asked, "crowd.json", "--plot", "observer.png")
-    assert text.startswith("crowd, mixed hands, an observer that learned from 3 random timelines")
+    assert text.startswith(
+        "crowd, mixed movement, an observer that learned from 3 random timelines"
+    )
     assert "random timelines (2), touch: recall / precision, %" in text
     assert "timelines given (1), touch: recall / precision, %" in text
     assert (folder / "observer.png").stat().st_size > 5_000

@@ -203,7 +203,7 @@ def test_a_reading_option_given_twice_is_refused():
 
 def test_render_takes_a_match_of_a_file(folder):
     (folder / "cup.json").write_text(json.dumps(CUP))
-    refused(overview("render", "cup.json", *QUICK), "holds 2 matches", "--select")
+    refused(overview("render", "cup.json", *QUICK), "the file has 2 matches", "--select")
     report = json.loads(overview("render", "cup.json", "--select", "2", *QUICK, "--json").out)
     assert report["title"].startswith("France 2-1 Croatia")
     assert len(soundfile.read(folder / "out.wav")[0]) > 0

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import strokes, window_db
+from overview_dsp.measure.perceived_level import strokes, window_db
 
 RATE = 4_000
 """The disk and its vibration are the same at any rate."""

@@ -1,6 +1,7 @@
 """What the football preset feels like: the tactor channel of real matches, stroke by stroke.
 
-Level is the RMS over 10 ms windows in dB; see `measure.felt` for strokes, spans and medians.
+Level is the RMS over 10 ms windows in dB; see `measure.perceived_level` for strokes,
+spans and medians.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.analysis.crowd_excitement import crowd_curve
-from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.measure.perceived_level import stroke_feel, strokes
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
 SWEEPS = (1.0, 2.0, 3.0, 6.0)

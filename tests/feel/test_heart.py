@@ -7,7 +7,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.analysis.rhythm import Beats, beat_events, heart_rate
-from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.measure.perceived_level import stroke_feel, strokes
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)
 STANDS_OUT_DB = 6.0

@@ -16,7 +16,7 @@ from tests.feel.whole_matches import RATE, real_files, real_matches
 ORDER = ("goal", "red_card", "yellow_card", "foul")
 CHARACTERS = ("football", "football-stadium", "football-discreet", "football-training")
 CHILD = """# kept as it is
-schema = 3
+schema = 4
 extends = "football"
 
 [variables]

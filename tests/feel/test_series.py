@@ -10,7 +10,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline import Intensity
-from overview_dsp.measure.felt import stroke_feel, strokes
+from overview_dsp.measure.perceived_level import stroke_feel, strokes
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
 SWEEPS = (2.0, 3.0, 4.0, 6.0)

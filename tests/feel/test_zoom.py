@@ -9,7 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.time_expressions import zoom_window
-from overview_dsp.measure.felt import events_felt_apart, stroke_feel, strokes
+from overview_dsp.measure.perceived_level import count_resolved_events, stroke_feel, strokes
 from tests.data.timeline.strategies import without_ticks
 
 SLOW_S = 15.0
@@ -41,11 +41,11 @@ def test_about_a_goal_three_times_as_many_events_a_degree_are_felt_or_most_there
     load, football, name
 ):
     timeline = load(name)
-    whole = events_felt_apart(*out_stroke(timeline, football, SLOW_S))
+    whole = count_resolved_events(*out_stroke(timeline, football, SLOW_S))
     for number in range(1, timeline.kinds()["goal"] + 1):
         part = timeline.window(*zoom_window(timeline, f"goal:{number}"))
         # both are half a turn: a degree of one is a degree of the other
-        felt = events_felt_apart(*out_stroke(part, football, SLOW_S))
+        felt = count_resolved_events(*out_stroke(part, football, SLOW_S))
         assert felt >= min(3 * whole, 0.6 * len(part.events))  # or what there is
 
 

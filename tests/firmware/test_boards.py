@@ -20,7 +20,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 from tests.firmware import boards
 from tests.firmware.boards import FIRMWARE, HERE, MICROBIT, needs, run, sketch
 from tests.live.priority import urgently
@@ -125,7 +125,7 @@ def test_an_emulated_uno_is_played_over_a_pseudo_terminal(core, uno, tmp_path, n
         said = json.loads(board.communicate(timeout=20)[0].splitlines()[-1])
     report = lines[-1]["summary"]["input"]
     print(sensor, report, said)
-    assert report["told"] == ("binary frames" if name == "imu" else "lines of pot")
+    assert report["format"] == ("binary frames" if name == "imu" else "lines of pot")
     assert report["readings"] > 2000
     assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
     check_followed(lines[:-1], 175.0 if name == "imu" else 180.0)
@@ -169,7 +169,7 @@ def data_header(points, folder):
     surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(surface, football.values)
-    frames = b"".join(loop.everything(points))
+    frames = b"".join(loop.all_frames(points))
     frames += b"\x05damaged\x00"
     dice = np.random.default_rng(1)
     n = np.arange(STEPS[points])
@@ -286,7 +286,7 @@ def test_micropython_on_an_emulated_microbit_is_played(tmp_path):
         os.close(ours)
     report = lines[-1]["summary"]["input"]
     print(report)
-    assert report["told"] == "lines of roll_deg"
+    assert report["format"] == "lines of roll_deg"
     assert report["readings"] > 500
     assert report["implausible"] == 0
     check_followed(lines[:-1], 175.0)

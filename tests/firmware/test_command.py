@@ -35,7 +35,7 @@ def test_it_copies_a_folder_once(tmp_path):
     assert not compared.diff_files
     again = overview("sensor", "firmware", "imu", "-o", tmp_path)
     assert (again.code, len(again.errors)) == (2, 1)
-    assert "already there" in again.err
+    assert "already exists" in again.err
 
 
 @pytest.mark.parametrize("arguments", [("imo",), ("-o", "x"), ("knob", "-o", "/dev/null/x")])

@@ -68,7 +68,7 @@ def sources(tmp_path_factory, match, football):
     folder = tmp_path_factory.mktemp("knob")
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(ov.build_surface(match, football), football.values)
-    frames = b"".join(loop.everything(8193))
+    frames = b"".join(loop.all_frames(8193))
     frames += framed(bytes((19, 1))) * 4000
     data = f"static const unsigned char FRAMES[] = {{{','.join(map(str, frames))}}};\n"
     (folder / "SimpleFOC.h").write_text(data + LIBRARY)
@@ -93,7 +93,7 @@ def test_the_knobs_sketch_brakes_the_turn_and_ends_with_the_host(sources):
     assert len(readings) == pytest.approx(450, abs=2)
     states = [one for one in readings if "knob_table" in one]
     assert states[-1]["knob_table"] == 1
-    assert states[-1]["knob_refused"] == 0
+    assert states[-1]["knob_rejected"] == 0
     assert max(volts[ms] for ms in range(320, silent)) < 0.0  # against the turn
     assert all(volts[ms] == 0.0 for ms in range(silent + 41, 900))
     assert all(volts[ms] == 0.0 for ms in range(300))

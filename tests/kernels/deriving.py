@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import derive, layout
-from overview_dsp.kernels.elementary import plain
+from overview_dsp.kernels.math_functions import plain
 
 one_pole = plain(derive.one_pole)
 

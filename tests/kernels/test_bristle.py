@@ -11,11 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from overview_dsp.kernels import elementary
-from overview_dsp.kernels.bristle import bristle_step, converted, speed_after, steady_torque
+from overview_dsp.kernels import math_functions
+from overview_dsp.kernels.bristle import (
+    bristle_step,
+    convert_deflection,
+    speed_after,
+    steady_torque,
+)
 
-step = elementary.plain(bristle_step)
-leave = elementary.plain(speed_after)
+step = math_functions.plain(bristle_step)
+leave = math_functions.plain(speed_after)
 INERTIA, SPRING, VISCOUS = 2e-5, 6e-3, 1e-4  # kg m2, N m/rad, N m s/rad
 
 
@@ -66,7 +71,7 @@ def test_every_step_gives_no_energy_and_books_what_it_takes(
 
 @given(z=st.floats(-1e3, 1e3), before=st.floats(0.1, 1e6), stiffness=st.floats(0.1, 1e6))
 def test_bristles_that_change_their_stiffness_gain_no_energy(z, before, stiffness):
-    after = elementary.plain(converted)(z, before, stiffness)
+    after = math_functions.plain(convert_deflection)(z, before, stiffness)
     assert stiffness * after * after <= before * z * z * (1.0 + 1e-12)
     assert after * z >= 0.0
 

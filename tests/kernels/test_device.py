@@ -55,7 +55,7 @@ def test_a_callbacks_time_is_counted_in_its_part_of_an_octave(seconds):
     recorded(f64, i64, seconds)
     bins = i64[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS]
     assert bins.sum() == 1
-    exact = layout.BINS_AN_OCTAVE * math.log2(max(seconds / layout.SHORTEST_S, 1.0))
+    exact = layout.BINS_PER_OCTAVE * math.log2(max(seconds / layout.SHORTEST_S, 1.0))
     found = int(bins.argmax())
     last = layout.BUSY_BINS - 1
     assert found <= exact + 1e-9

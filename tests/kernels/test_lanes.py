@@ -11,11 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import allowed_speed, clutched, slowed
 from overview_dsp.kernels.dc_block import block_dc
-from overview_dsp.kernels.elementary import exp2, log2, power, sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import (
+from overview_dsp.kernels.friction_lookup import (
     any_steep,
     friction_at,
     frictions_at,
@@ -25,13 +24,14 @@ from overview_dsp.kernels.friction import (
     on_table,
     steep_at,
 )
+from overview_dsp.kernels.math_functions import exp2, log2, power, sin_turns
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH, choose, load, load_words, store
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
+from overview_dsp.kernels.texture import brightness, low_pass, smooth_level, texture_level
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.kernels.viscous import STANDSTILL, snapped
+from overview_dsp.kernels.viscous import STANDSTILL, flush_to_zero
 
 ANY = st.floats(width=64, allow_subnormal=True)
 
@@ -64,16 +64,16 @@ def everything(a, b, c, d, e, f, state):
         e1,
         e2,
         block_dc(a, b, c, d),
-        spread(a, b, c),
-        colour(a, b, c),
+        smooth_level(a, b, c),
+        low_pass(a, b, c),
         brightness(a, b),
-        grain_level(a, b, c),
+        texture_level(a, b, c),
         advance(a, b),
         midpoint_speed(a, b, c, d, e, f),
-        wanted_speed(a, b, c, d, e, f, 1.0),
+        allowed_speed(a, b, c, d, e, f, 1.0),
         slowed(a, b, c, d, e),
         clutched(a, b, c, d),
-        snapped(a, STANDSTILL),
+        flush_to_zero(a, STANDSTILL),
         compress(a, b, c, d),
         white(following),
         white(noise),

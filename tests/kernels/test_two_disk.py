@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.kernels import elementary
+from overview_dsp.kernels import math_functions
 from overview_dsp.kernels.layout import CELLS, TRACE
 from overview_dsp.kernels.two_disk import midpoint_speed
 from tests.examples import INERTIA, K1, K2, plain_preset, timeline_of, with_friction
 
-step = elementary.plain(midpoint_speed)
+step = math_functions.plain(midpoint_speed)
 
 
 def ledger(trace, preset):
@@ -39,7 +39,7 @@ def ledger(trace, preset):
 
 
 def played(preset, events, seconds, sample_rate=48_000.0, surface=None):
-    """Trace of control events (time_s, theta2, touching) on a bare surface."""
+    """Trace of control events (time_s, theta2, touching) on a base surface."""
     engine = ov.Engine(preset, timeline_of())
     frames = round(seconds * sample_rate)
     engine.prepare(sample_rate, frames)
@@ -239,6 +239,6 @@ def test_the_disk_agrees_with_a_high_order_solver(played_match, football, name, 
         free, _ = solved(released, len(trace.time), parts, held[-1], omega, k1, 0.0, *given_)
         return np.concatenate([held, free])
 
-    fine = solution(48)
-    assert np.abs(fine - solution(24)).max() <= 1e-6  # the solver's own error is below
+    fine = solution(96)
+    assert np.abs(fine - solution(48)).max() <= 1e-6  # the solver's own error is below
     assert np.abs(fine - trace.theta1).max() <= 3e-5, name

@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.kernels.dc_block import CORNER_HZ, block_dc
-from overview_dsp.kernels.friction import friction_at
+from overview_dsp.kernels.friction_lookup import friction_at
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.limiter import limit
 from overview_dsp.kernels.noise import next_state, seed_state, white
 from overview_dsp.kernels.smoother import latency, smooth
-from overview_dsp.kernels.texture import grain_level
+from overview_dsp.kernels.texture import texture_level
 from tests.kernels.deriving import one_pole
 
 RATE = 48_000.0
@@ -70,7 +70,7 @@ def friction_table(m, positions):
 
 @numba.njit
 def grain(torque, omega, gain):
-    return grain_level(torque, omega, gain)
+    return texture_level(torque, omega, gain)
 
 
 def test_the_smoother_has_the_stated_step_response():

@@ -186,7 +186,7 @@ class Device:
         os.close(self.ours)
         os.unlink(self.link)
         time.sleep(seconds)
-        self.faults.append({"name": "unplugged", "from": began, "to": time.monotonic()})
+        self.faults.append({"name": "disconnected", "from": began, "to": time.monotonic()})
         self.plug()
         self.wait_until_open()
         self.run(STILL_S + 1.0 + BETWEEN_S)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.stream import connect, play_again, read_meters, run_block
+from overview_dsp.live.output.stream import connect, read_meters, run_block, undo_fade
 
 
 class KeptSound:
-    """As `SilentStream`, in a time of its own: no machine is too slow for it.
+    """As `NullStream`, in a time of its own: no machine is too slow for it.
 
     `passes` are float32 (frames, 2), one for each beginning of the engine.
     """
@@ -39,7 +39,7 @@ class KeptSound:
     def restart(self, begin):
         self.close()
         begin()
-        play_again(self._engine.memory)
+        undo_fade(self._engine.memory)
         self._blocks.append([])
         self.start()
 

@@ -10,7 +10,7 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import read_meters
-from overview_dsp.live.session import commands, growing
+from overview_dsp.live.session import commands, live_updates
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 
@@ -59,22 +59,26 @@ class Session:
     def __init__(self, live, monkeypatch, preset="football", timeline=None, **keywords):
         """With a `timeline` nothing grows."""
         self.now = 1000.0
-        monkeypatch.setattr(growing, "time", self)
+        monkeypatch.setattr(live_updates, "time", self)
         self.live = live
         self.messages = []
-        growth = growing.Growth(
+        follow = live_updates.FollowSettings(
             live,
-            **{k: keywords.pop(k) for k in ("after_s", "tell", "map_is_given") if k in keywords},
+            **{
+                k: keywords.pop(k)
+                for k in ("after_s", "announce", "layout_is_explicit")
+                if k in keywords
+            },
         )
         self.player = Player(
-            live.felt() if timeline is None else timeline,
+            live.padded_snapshot() if timeline is None else timeline,
             PresetWatch(preset),
             self._open,
             OutputSettings(),
             sample_rate=RATE,
             max_block_size=BLOCK,
             callback="python",
-            growth=growth if timeline is None else None,
+            follow=follow if timeline is None else None,
             **keywords,
         )
 
@@ -103,7 +107,7 @@ class Session:
         return np.concatenate(self.output.trace)
 
     @property
-    def shown(self):
+    def window_timeline(self):
         return self.player.engine.timeline
 
 

@@ -13,7 +13,7 @@ import termios
 import threading
 import time
 
-ENDS_WITHIN_S = 3.0
+CLOSE_TIMEOUT_S = 3.0
 
 
 class Terminal:
@@ -80,7 +80,7 @@ class Terminal:
         """How long it takes to end by itself from now, s, and its exit code; None if it doesn't."""
         began = time.monotonic()
         try:
-            code = self.process.wait(2 * ENDS_WITHIN_S)
+            code = self.process.wait(2 * CLOSE_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             code = None
         took = time.monotonic() - began

@@ -14,12 +14,12 @@ from types import SimpleNamespace
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.packets import WitDecoder, as_wit_packets, wit_columns
+from overview_dsp.devices.sensors.packets import WitDecoder, packets_from_notification, wit_columns
 from overview_dsp.devices.sensors.pads import framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.live.inputs.sensors import NamedInput
-from overview_dsp.live.output.silent_stream import SilentStream
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.ports.bluetooth import UART, WITMOTION, BlePort
 from overview_dsp.live.ports.pads import PadPort, find_pad
 from overview_dsp.live.ports.phones import PhyphoxPort, PostPort
@@ -120,7 +120,7 @@ class Phone:
     """phyphox on a phone that is twisted."""
 
     def __init__(self, names=("accX", "accY", "accZ", "acc_time", "illum")):
-        self.asked = []
+        self.queued_commands = []
         phone = self
 
         class Handler(BaseHTTPRequestHandler):
@@ -144,7 +144,7 @@ class Phone:
         self.address = f"http://127.0.0.1:{self.server.server_port}"
 
     def answer(self, path):
-        self.asked.append(path)
+        self.queued_commands.append(path)
         if path == "/config":
             return json.dumps({"title": "x", "buffers": [{"name": n} for n in self.names]}).encode()
         if path == "/control?cmd=start":
@@ -163,7 +163,7 @@ class Phone:
 def running(match, football):
     engine = ov.Engine(football, match)
     engine.prepare(48_000, 4800)
-    stream = SilentStream(engine, 256)
+    stream = NullStream(engine, 256)
     stream.start()
     yield engine
     stream.close()
@@ -172,13 +172,13 @@ def running(match, football):
 def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(running):
     phone = Phone()
     hand = NamedInput(running, "phyphox", phone.address, load_sensor("imu"), PhyphoxPort)
-    until(lambda: running.holder is not None)
-    assert running.holder[0] == "serial"
-    assert phone.asked[:2] == ["/config", "/control?cmd=start"]
-    assert phone.asked[2] == "/get?accX&accY&accZ&acc_time"
+    until(lambda: running.active_input is not None)
+    assert running.active_input[0] == "serial"
+    assert phone.queued_commands[:2] == ["/config", "/control?cmd=start"]
+    assert phone.queued_commands[2] == "/get?accX&accY&accZ&acc_time"
     report = hand.report()
     assert report["damaged"] == 0
-    assert report["told"] == "an app's JSON"
+    assert report["format"] == "an app's JSON"
     phone.close()
     hand.close()
     assert hand.report()["holding"] is False
@@ -186,7 +186,7 @@ def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(ru
 
 def test_a_phone_that_cannot_be_asked_is_one_line():
     phone = Phone(names=("illum",))
-    for address, word in ((phone.address, "no accelerometer"), ("http://", "is no address"),
+    for address, word in ((phone.address, "no accelerometer"), ("http://", "must be the URL"),
                           ("http://127.0.0.1:1", "remote access")):  # fmt: skip
         with pytest.raises(ov.InputError, match=word) as caught:
             PhyphoxPort(address)
@@ -244,9 +244,9 @@ def made_bleak(uuid, name="WT901BLE68", notifications=()):
 
     class Scanner:
         @staticmethod
-        async def find_device_by_filter(is_meant, timeout):
+        async def find_device_by_filter(is_wanted_device, timeout):
             advertised = SimpleNamespace(local_name=name)
-            return device if is_meant(device, advertised) else None
+            return device if is_wanted_device(device, advertised) else None
 
     class Client:
         def __init__(self, found, disconnected):
@@ -277,7 +277,7 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     bleak, left = made_bleak(WITMOTION, notifications=sent)
     port = BlePort("wt901", bleak)
     received = port.receive(0.05)
-    assert received == list(map(as_wit_packets, sent))
+    assert received == list(map(packets_from_notification, sent))
     data = b"".join(received)
     counters = Counters()
     readings = WitDecoder(counters, wit_columns(data)).feed(data)
@@ -286,7 +286,7 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     assert counters.damaged == 0
     left["now"]()
     until(lambda: left.get("closed"))
-    with pytest.raises(PortLostError, match="out of reach"):
+    with pytest.raises(PortLostError, match="out of range"):
         port.receive(0.05)
     port.close()
 
@@ -299,7 +299,8 @@ def test_a_uart_by_radio_says_what_it_would_over_a_wire():
 
 
 @pytest.mark.parametrize(
-    ("uuid", "wanted", "word"), [(UART, "other", "in reach"), ("00002a00", "wt901", "no service")]
+    ("uuid", "wanted", "word"),
+    [(UART, "other", "no such sensor found"), ("00002a00", "wt901", "no supported service")],
 )
 def test_a_sensor_that_cannot_be_heard_is_one_line(uuid, wanted, word):
     bleak, _ = made_bleak(uuid)

@@ -102,5 +102,5 @@ def test_the_probes_first_changed_sample_is_the_taps_own():
         engine.control(PLACE * HALF_TURN, True, 8192 + offset)
         engine.process(out)
         assert np.flatnonzero(out.any(axis=1))[0] == offset
-        struck = engine.take_strikes().time_s[0] * 48_000 - 8192 - offset
+        struck = engine.pop_strikes().time_s[0] * 48_000 - 8192 - offset
         assert abs(struck - strike_delay()) < 0.01

@@ -16,10 +16,10 @@ from overview_dsp.devices.controllers.control_map import Control
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.live.inputs.controllers import ControllerInput
-from overview_dsp.live.inputs.input import SeveralInputs
-from overview_dsp.live.inputs.lines import LineInput
+from overview_dsp.live.inputs.input import CombinedInput
+from overview_dsp.live.inputs.takes_and_lines import TextLineInput
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.ports import osc as osc_out
 from overview_dsp.live.ports.osc import OscOut, OscPort
 from overview_dsp.live.ports.port import PortLostError
@@ -65,7 +65,7 @@ def engine(match, football):
 @pytest.fixture
 def running(engine):
     """The engine, run by a thread in real time."""
-    stream = SilentStream(engine, 256)
+    stream = NullStream(engine, 256)
     stream.start()
     yield engine
     stream.close()
@@ -125,43 +125,43 @@ def bend(value):
 def test_an_osc_touch_holds_moves_and_lets_go(opened, running):
     _, port = opened.open("osc", OscReader)
     port.put(message("/overview/theta2", 1.0, 1))
-    until(lambda: running.holder is not None)
-    assert running.holder == ("osc", pytest.approx(1.0))
+    until(lambda: running.active_input is not None)
+    assert running.active_input == ("osc", pytest.approx(1.0))
     port.put(message("/overview/theta2", 2.0))
-    until(lambda: running.holder[1] == pytest.approx(2.0))
+    until(lambda: running.active_input[1] == pytest.approx(2.0))
     port.put(message("/overview/touch", 0))
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
 
 
 def test_who_says_nothing_for_long_has_let_go(opened, running):
     hand, port = opened.open("osc", OscReader, silent_s=0.3)
     port.put(message("/overview/theta2", 1.0, 1))
-    until(lambda: running.holder is not None)
-    said(hand, "silent for 0.3 s")
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is not None)
+    said(hand, "no messages for 0.3 s")
+    until(lambda: running.active_input is None)
     # and takes hold again
     port.put(message("/overview/theta2", 2.0, 0), message("/overview/theta2", 2.0, 1))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
 
 
 def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
     hand, port = opened.open("midi", lambda counters: MidiReader(counters=counters))
     port.put(bytes((0x90, 60, 100)))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
     opened.there = False
     port.lost = True
     port.put()
-    lines = said(hand, "gone")
-    until(lambda: running.holder is None)
+    lines = said(hand, "disconnected")
+    until(lambda: running.active_input is None)
     assert not hand.report()["connected"]
-    assert "gone" in hand.words
+    assert "disconnected" in hand.status_text
     time.sleep(1.2)
     opened.there = True
-    lines += said(hand, "is back")
+    lines += said(hand, "reconnected")
     assert len(lines) == 2
     assert hand.report()["connections_lost"] == 1
     opened.ports[-1].put(bytes((0x90, 60, 100)))
-    until(lambda: running.holder is not None)
+    until(lambda: running.active_input is not None)
     assert hand.report()["messages"] == 2
 
 
@@ -181,8 +181,8 @@ def test_values_that_cannot_be_are_said_once_a_parameter_and_counted(opened, run
         hand.poll(running)
     (line,) = hand.take_messages()
     assert "100" in line
-    assert "counted on" in line
-    assert hand.report()["refused"] == hand.report()["unknown"] == 20
+    assert "only counted" in line
+    assert hand.report()["rejected"] == hand.report()["unknown"] == 20
 
 
 def test_a_knob_without_ends_goes_on_from_where_the_parameter_is(opened, running):
@@ -219,7 +219,7 @@ def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
     until(lambda: hand.report()["messages"] == 5)
     hand.poll(running)
     assert hand.take_messages() == ()
-    assert (hand.report()["unknown"], hand.report()["refused"]) == (2, 1)
+    assert (hand.report()["unknown"], hand.report()["rejected"]) == (2, 1)
 
 
 def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, running):
@@ -240,25 +240,29 @@ def test_many_surface_changes_wait_for_a_slot_and_the_last_one_wins(opened, runn
 def test_two_controllers_change_over_without_a_jump(opened, running):
     osc, osc_port = opened.open("osc", OscReader)
     midi, midi_port = opened.open("midi", lambda counters: MidiReader(counters=counters))
-    both = SeveralInputs({"osc": osc, "midi": midi})
+    both = CombinedInput({"osc": osc, "midi": midi})
     for theta2 in np.linspace(0.0, 2.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.005)
-    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(2.0))
-    _, before = running.take_applied(0)
+    until(
+        lambda: running.active_input is not None and running.active_input[1] == pytest.approx(2.0)
+    )
+    _, before = running.pop_applied(0)
     for value in range(8192, 13000, 100):
         read = midi.report()["messages"]
         midi_port.put(bend(value))
         until(lambda read=read: midi.report()["messages"] > read)
-    until(lambda: running.holder[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01))
-    assert running.holder[0] == "midi"
-    applied, _ = running.take_applied(before)
+    until(
+        lambda: running.active_input[1] == pytest.approx((12992 - 8192) / 8191 * math.pi, abs=0.01)
+    )
+    assert running.active_input[0] == "midi"
+    applied, _ = running.pop_applied(before)
     held = applied[applied["touching"]]
     assert len(held) > 20
-    # it begins where the fader is, and goes over within twist.join_ms: half as fast again in the
+    # it begins where the fader is, and goes over within twist.blend_ms: half as fast again in the
     # middle, beside what the wheel itself turns by; a busy machine's messages lie further apart
     assert held["theta2"][0] == pytest.approx(2.0)
-    blend_s = running.preset.number("twist.join_ms") * 1e-3
+    blend_s = running.preset.number("twist.blend_ms") * 1e-3
     apart_s = np.diff(held["sample"]) / running.sample_rate
     fastest = 1.5 * 2.0 / blend_s * (apart_s + 0.01) + 0.08
     assert (np.abs(np.diff(held["theta2"])) < np.minimum(fastest, 1.9)).all()
@@ -266,13 +270,15 @@ def test_two_controllers_change_over_without_a_jump(opened, running):
     for theta2 in np.linspace(2.0, 3.0, 20):
         osc_port.put(message("/overview/theta2", float(theta2)))
         time.sleep(0.01)
-    until(lambda: running.holder[0] == "osc" and running.holder[1] == pytest.approx(3.0))
+    until(
+        lambda: running.active_input[0] == "osc" and running.active_input[1] == pytest.approx(3.0)
+    )
     # and back at the middle the wheel lets go: nothing more of it
     midi_port.put(bend(8192))
     until(lambda: not midi.report()["holding"])
-    assert running.holder[0] == "osc"
+    assert running.active_input[0] == "osc"
     assert set(both.report()) == {"osc", "midi"}
-    assert len(both.words.splitlines()) == 2
+    assert len(both.status_text.splitlines()) == 2
 
 
 def test_a_flood_is_read_and_leaves_nothing_behind(opened, running):
@@ -282,10 +288,12 @@ def test_a_flood_is_read_and_leaves_nothing_behind(opened, running):
         time.sleep(0.001)
     until(lambda: hand.report()["messages"] == 20_000, 30.0)
     port.put(message("/overview/theta2", 1.5, 1))
-    until(lambda: running.holder is not None and running.holder[1] == pytest.approx(1.5))
+    until(
+        lambda: running.active_input is not None and running.active_input[1] == pytest.approx(1.5)
+    )
     assert running.meters.dropped_events == 0
     port.put(message("/overview/touch", 0))
-    until(lambda: running.holder is None)
+    until(lambda: running.active_input is None)
 
 
 def test_what_controllers_did_and_set_is_recorded_and_renders_to_the_same_bits(
@@ -293,7 +301,7 @@ def test_what_controllers_did_and_set_is_recorded_and_renders_to_the_same_bits(
 ):
     path = tmp_path / "take.csv"
     player = Player(
-        match, PresetWatch("football"), lambda engine, given: SilentStream(engine, 256, given),
+        match, PresetWatch("football"), lambda engine, given: NullStream(engine, 256, given),
         OutputSettings(), callback="python", record=path,
     )  # fmt: skip
     opened = Opened(player.engine)
@@ -348,9 +356,9 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
         until(lambda: running.meters.cursor > 0.6)
         client.sendto(b"rubbish", ("127.0.0.1", number))
         client.sendto(message("/overview/touch", 0), ("127.0.0.1", number))
-        until(lambda: running.holder is None)
-        assert hand.report()["refused"] == 1
-        with pytest.raises(ov.InputError, match="another program listens"):
+        until(lambda: running.active_input is None)
+        assert hand.report()["rejected"] == 1
+        with pytest.raises(ov.InputError, match="another program uses this port"):
             OscPort(str(number))
     finally:
         client.close()
@@ -394,14 +402,14 @@ def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
     listener.settimeout(10.0)
     said = []
     failing = threading.Event()
-    take = running.take_struck_events
+    take = running.pop_strike_events
 
     def fail():
         if failing.is_set():
             raise RuntimeError("made up")
         return take()
 
-    monkeypatch.setattr(running, "take_struck_events", fail)
+    monkeypatch.setattr(running, "pop_strike_events", fail)
     monkeypatch.setattr(osc_out, "RETRY_AFTER_S", 0.01)
     failing.set()
     with listener:
@@ -413,7 +421,7 @@ def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
         assert b"/overview/" in listener.recv(1000)
         out.close()
     assert len(said) == 1
-    assert "made up; it goes on" in said[0]
+    assert "made up; sending continues" in said[0]
 
 
 def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
@@ -421,7 +429,7 @@ def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
         yield "1.0 1\n"
         raise UnicodeDecodeError("utf-8", b"\xff", 0, 1, "invalid start byte")
 
-    hand = LineInput(lines(), engine)
+    hand = TextLineInput(lines(), engine)
     until = time.monotonic() + 10.0
     while not hand.is_over(engine) and time.monotonic() < until:
         time.sleep(0.01)
@@ -443,13 +451,13 @@ def test_addresses_that_are_nothing_are_counted_and_one_of_them_is_said(engine):
     hand.close()
     assert hand.counters.unknown == 50
     assert len(said) == 1
-    assert "the first of them; counted on" in said[0]
+    assert "further ones are only counted" in said[0]
 
 
 def test_osc_asks_for_takes_replays_presets_and_windows(engine):
     port, asked = MadePort(), []
     hand = ControllerInput(
-        engine, "osc", lambda: port, OscReader, ask=lambda *words: asked.append(words)
+        engine, "osc", lambda: port, OscReader, queue_command=lambda *words: asked.append(words)
     )
     port.put(
         message("/overview/record"),

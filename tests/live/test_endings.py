@@ -16,7 +16,7 @@ from tests.cli.running import MATCH, end_of_group
 from tests.live import jack_server
 
 if sys.platform == "linux":
-    from tests.live.terminal import ENDS_WITHIN_S, Terminal
+    from tests.live.terminal import CLOSE_TIMEOUT_S, Terminal
 
 pytestmark = [
     pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL),
@@ -111,7 +111,7 @@ def end_one(server, folder, name, seconds):
     wrong = []
     if name == "KILL":
         wanted = -signal.SIGKILL
-    if took > ENDS_WITHIN_S:
+    if took > CLOSE_TIMEOUT_S:
         wrong.append(f"took {took:.1f} s")
     if code != wanted:
         wrong.append(f"exit code {code}, not {wanted}")

@@ -24,7 +24,7 @@ pytestmark = [
 ]
 
 DEVICE = Path(__file__).with_name("faulty_device.py")
-LETS_GO = ("garbage", "stuck", "silence", "frozen", "unplugged")
+LETS_GO = ("garbage", "stuck", "silence", "frozen", "disconnected")
 """Faults by which nothing is known of the hand any more."""
 
 PLAY = """
@@ -71,13 +71,13 @@ with OutputStream(engine, device="system", block_size=block) as stream:
         clock.update(now)
         hand.poll(engine)
         said += [(now, line) for line in hand.take_messages()]
-        held.append((now, engine.holder is not None))
+        held.append((now, engine.active_input is not None))
         time.sleep(0.01)
     time.sleep(0.5)
     report = hand.report()
     hand.close()
     time.sleep(0.2)
-    left = engine.holder
+    left = engine.active_input
     meters, voice = stream.meters, engine.meters
 running.communicate("")
 print(json.dumps({
@@ -104,14 +104,14 @@ def check(found):
     for name in ("damaged", "lost", "repeated", "clock_wraps"):
         assert report[name] > 0, name
     assert report["clock_restarts"] == 0
-    unplugged = [one for one in device["faults"] if one["name"] == "unplugged"]
+    unplugged = [one for one in device["faults"] if one["name"] == "disconnected"]
     assert report["connections_lost"] == len(unplugged)
     assert report["connected"]
     # seen, said once, let go, and taken hold of again
     lines = [line.partition(": ")[2] for _, line in found["said"]]
     for word, times in (
         ("damaged", 1), ("missing", 1), ("twice", 1), ("very same", 1 + len(unplugged)),
-        ("unplugged", len(unplugged)), ("is back", len(unplugged)),
+        ("disconnected", len(unplugged)), ("reconnected", len(unplugged)),
     ):  # fmt: skip
         there = sum(word in line for line in lines)
         assert 1 <= there <= times, (word, lines)
@@ -123,7 +123,7 @@ def check(found):
         assert before[-1], fault
         during = holding[(times > fault["from"]) & (times < fault["to"] + 0.2)]
         if fault["name"] in LETS_GO:
-            assert not during[-1 if fault["name"] == "unplugged" else slice(None)].all(), fault
+            assert not during[-1 if fault["name"] == "disconnected" else slice(None)].all(), fault
         last = fault["to"]
     assert holding[-1]
     assert found["left"] is None

@@ -18,7 +18,7 @@ def watch(delivered, seconds, jitter_s=0.02):
     while time_s < seconds:
         time_s += 0.005 + jitter_s * dice.random()
         frames = int(delivered(time_s)) // BLOCK * BLOCK
-        lost.look(100.0 + time_s, frames, RATE, BLOCK)
+        lost.update(100.0 + time_s, frames, RATE, BLOCK)
         counts.append(lost.count)
     assert counts == sorted(counts)
     return lost
@@ -41,5 +41,5 @@ def test_a_pause_that_is_told_is_no_gap():
     lost = watch(lambda t: t * RATE, 5.0)
     lost.restart()
     for i in range(200):
-        lost.look(300.0 + 0.02 * i, 5 * RATE + 0.02 * i * RATE, RATE, BLOCK)
+        lost.update(300.0 + 0.02 * i, 5 * RATE + 0.02 * i * RATE, RATE, BLOCK)
     assert lost.count == 0

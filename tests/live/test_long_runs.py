@@ -47,7 +47,7 @@ chance = random.Random(1)
 football = ov.load_preset("football").with_changes({"disk.k1": 0.0036, "disk.k2": 0.015})
 engine = ov.Engine(football, ov.load_timeline("world-cup-final-2018"))
 engine.prepare(rate, 8192)
-changed = {id: engine.preset.number(id) for id in ("tactor.gain_db", "surface.ambience")}
+changed = {id: engine.preset.number(id) for id in ("tactor.gain_db", "surface.intensity_gain")}
 # (time s, frames, underflows) ten times a second; filled, so that it takes its memory now
 looks = np.full((round(11.0 * seconds) + 100, 3), -1.0)
 looked = 0
@@ -62,12 +62,12 @@ def state():
     }
 
 def strikes_of_the_gesture():
-    engine.take_strikes()
+    engine.pop_strikes()
     began = engine.sample_time + rate // 2
     for stamp, theta2, touching in zip(gesture.stamps(rate), gesture.theta2, gesture.touching):
         engine.control(float(theta2), bool(touching), began + int(stamp))
     time.sleep(0.5 + gesture.duration_s + 3.0)
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     return {
         "sample": (strikes.time_s * rate - began).tolist(),
         "event": strikes.event.tolist(),
@@ -101,7 +101,7 @@ def play_for(span):
         if turn % 100 == 0:
             engine.set("tactor.gain_db", chance.uniform(-12.0, 0.0))
         if turn % 1000 == 0:
-            engine.set("surface.ambience", chance.uniform(0.0, 2.0))
+            engine.set("surface.intensity_gain", chance.uniform(0.0, 2.0))
         time.sleep(0.01)
     for id, value in changed.items():
         engine.set(id, value)

@@ -88,7 +88,7 @@ def test_the_whole_take_goes_on_elsewhere_and_the_session_says_where(disk, why, 
         said = process.stderr.read().splitlines()
         assert process.wait(60) == 0
     (take,) = (tmp_path / "state").rglob("*.csv")
-    assert [line for line in said if why in line and f"goes on in {take}" in line], said
-    assert f"{take}: the take, to the bit" in said
+    assert [line for line in said if why in line and f"continues in {take}" in line], said
+    assert f"take saved as {take}; its render is bit-identical" in said
     gesture = ov.load_gesture(take)
     assert gesture.touching.sum() == EVENTS

@@ -100,14 +100,14 @@ def test_a_turning_knob_is_braked_and_a_resting_one_is_not(bench):
     assert not any(bench.targets())
     assert bench.port.lines()[:6] == ["@0", "MC0", "M0", "MMS1000001", "MMD10", "ME1"]
     bench.turn(3.0, 0.8)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     assert min(bench.targets()) < -0.05
     assert max(bench.targets()) == 0.0
     bench.turn(0.0, 0.3)
     assert bench.targets()[-1] == 0.0
     report = bench.input.report()["force"]
     assert report["alive"]
-    assert "mN·m" in bench.input.words
+    assert "mN·m" in bench.input.status_text
 
 
 def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
@@ -116,13 +116,13 @@ def test_silence_zeroes_the_torque_within_50_ms_and_lets_go(bench):
     assert bench.targets()[-1] < 0.0
     silent_at = bench.clock.now
     messages = ()
-    while not any("said nothing" in said for said in messages):
+    while not any("no data from the motor" in said for said in messages):
         assert bench.clock.now < silent_at + 2.0
         bench.clock.now += 0.002
         bench.port.step()
         messages = bench.input.take_messages()
     bench.engine.process(np.zeros((800, 2), dtype=np.float32))
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     last = max(at for at, data in bench.port.written if not data.endswith(b"M0.0000\n"))
     assert last <= silent_at + 0.05
     assert bench.targets()[-1] == 0.0
@@ -135,7 +135,7 @@ def test_another_hand_that_holds_the_disk_does_not_turn_the_motor(bench):
     bench.turn(3.0, 0.1)
     bench.port.targets.clear()
     bench.turn(3.0, 0.2)
-    assert bench.engine.holder[0] == "touch"
+    assert bench.engine.active_input[0] == "touch"
     assert not any(bench.targets())
 
 
@@ -160,7 +160,7 @@ def test_an_unplugged_motor_is_begun_with_again_when_it_is_back(bench):
     bench.there = False
     gone, bench.port.lost = bench.port, True
     until(lambda: gone.closed)
-    assert "no force" in bench.input.words
+    assert "no force" in bench.input.status_text
     bench.there = True
     until(lambda: bench.port is not gone)
     bench.turn(0.0, 0.3)
@@ -174,7 +174,7 @@ def test_a_motor_that_reports_too_seldom_is_reported_once(bench):
     for n in range(140):
         bench.clock.now += 0.02
         bench.port.step(f"0.0000\t{0.001 * n:.4f}\r\n".encode())
-    said = [one for one in bench.input.take_messages() if "times a second" in one]
+    said = [one for one in bench.input.take_messages() if "reports per second" in one]
     assert len(said) == 1
     assert "motor.downsample" in said[0]
 
@@ -243,12 +243,12 @@ def test_a_knob_that_runs_the_surface_itself_is_given_it_and_played(board):
     board.turn(1.0, 1.0)
     assert min(board.torques) < -1e-3
     assert max(board.torques) <= 0.0
-    assert board.engine.holder[0] == "serial"
+    assert board.engine.active_input[0] == "serial"
     assert board.engine.meters.cursor == pytest.approx(board.motor.disk, abs=0.02)
     report = board.input.report()
     assert (report["damaged"], report["lost"]) == (0, 0)
     assert (report["force"]["on_board"], report["force"]["ready"]) == (True, True)
-    assert "made on its board" in board.input.words
+    assert "computed on its board" in board.input.status_text
 
 
 def test_a_changed_surface_and_another_hand_reach_the_board(board, football):
@@ -261,7 +261,7 @@ def test_a_changed_surface_and_another_hand_reach_the_board(board, football):
     board.turn(1.0, 0.1)
     board.torques.clear()
     board.turn(1.0, 0.1)
-    assert board.engine.holder[0] == "touch"
+    assert board.engine.active_input[0] == "touch"
     assert not any(board.torques)
 
 
@@ -316,11 +316,11 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
     force = lines[-1]["summary"]["input"]["force"]
     told = motor.told()
     print(force, told)
-    assert force["put_in_mj"] > 0.5
-    assert force["given_mj"] <= force["put_in_mj"] + force["rubbed_mj"]
-    assert force["put_in_mj"] == pytest.approx(told["put_in_mj"], rel=0.25)
-    assert told["given_mj"] <= told["put_in_mj"]
-    assert told["hand_mj"] > told["put_in_mj"]
+    assert force["absorbed_mj"] > 0.5
+    assert force["returned_mj"] <= force["absorbed_mj"] + force["friction_mj"]
+    assert force["absorbed_mj"] == pytest.approx(told["absorbed_mj"], rel=0.25)
+    assert told["returned_mj"] <= told["absorbed_mj"]
+    assert told["user_mj"] > told["absorbed_mj"]
     assert not told["enabled"]
     assert told["target"] == 0.0
     assert lines[-1]["summary"]["block_size"] == 128
@@ -340,14 +340,14 @@ def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(m
     assert report["damaged"] == 0
     assert any(line["input"]["force"]["torque_nm"] < -1e-3 for line in lines[:-1])
     assert any(line["touching"] and line["cursor"] > 0.5 for line in lines[:-1])
-    assert told["put_in_mj"] > 0.5
-    assert told["hand_mj"] > 0.0
+    assert told["absorbed_mj"] > 0.5
+    assert told["user_mj"] > 0.0
 
 
 @pytest.mark.realtime
 @needs_pty
 def test_a_knob_that_is_held_lies_still_over_a_port(motor):
-    port = motor("--hand", "hold", "--delay-ms", 20)
+    port = motor("--movement", "hold", "--delay-ms", 20)
     lines, _ = played("--input", f"serial:{port},{FORCE}", "--seconds", 7)
     assert lines[-1]["summary"]["input"]["force"]["commands"] > 500
     assert motor.told()["moved_deg"] < 0.2
@@ -356,7 +356,7 @@ def test_a_knob_that_is_held_lies_still_over_a_port(motor):
 @needs_pty
 def test_a_host_that_is_killed_leaves_no_torque(motor):
     """The device's own duty: nothing tells it to stop."""
-    port = motor("--hand", "sweep")
+    port = motor("--movement", "sweep")
     process = subprocess.Popen(
         [*PLAY, "--input", f"serial:{port},{FORCE}"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -387,7 +387,7 @@ def test_a_motor_that_falls_silent_is_let_go(motor):
     assert not force["alive"]
     assert force["torque_nm"] == 0.0
     assert not lines[-2]["touching"]
-    assert "said nothing for 40 ms" in said
+    assert "no data from the motor for 40 ms" in said
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,13 @@ import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output import devices, saved_settings
 from overview_dsp.live.output import settings as pad_output
-from overview_dsp.live.output.devices import find_device, no_stream
+from overview_dsp.live.output.devices import find_device, open_error
 from overview_dsp.live.output.saved_settings import (
     load_settings,
     remembered_actuator,
     save_settings,
 )
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 from overview_dsp.live.output.stream import compile_python_path, connect, run_block
 
 
@@ -156,18 +156,18 @@ def test_stopping_fades_to_zero_without_a_step(match, football, plain):
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"gain_db": 30.0}, "gain 30 is out of range; it is -60 to 24"),
+        ({"gain_db": 30.0}, "gain 30 is out of range; must be -60 to 24"),
         ({"gain_db": float("nan")}, "gain nan isn't a number"),
-        ({"delay_ms": 101.0}, "delay 101 is out of range; it is 0 to 100"),
-        ({"ceiling_db": 1.0}, "ceiling 1 is out of range; it is -60 to 0"),
+        ({"delay_ms": 101.0}, "delay 101 is out of range; must be 0 to 100"),
+        ({"ceiling_db": 1.0}, "ceiling 1 is out of range; must be -60 to 0"),
         ({"channel": -1}, "channel -1 is out of range"),
-        ({"channel": 1}, "can't share channel 1"),
-        ({"channel": (3, 1)}, "can't share channel 1"),
-        ({"channel": (3, 3)}, "channel 3 is named twice"),
-        ({"channel": (3, 0)}, "channel 0 is out of range; it is 1 to 64"),
+        ({"channel": 1}, "both use channel 1"),
+        ({"channel": (3, 1)}, "both use channel 1"),
+        ({"channel": (3, 3)}, "channel 3 is listed twice"),
+        ({"channel": (3, 0)}, "channel 0 is out of range; must be 1 to 64"),
         ({"channel": (3, 65)}, "channel 65 is out of range"),
-        ({"channel": ()}, "no channel is given; 0 is nowhere"),
-        ({"channel": 1.5}, "channel 1.5 isn't a whole number"),
+        ({"channel": ()}, "channels are empty; use 0 for none"),
+        ({"channel": 1.5}, "channel 1.5 must be a whole number"),
         ({"channel": "3+4"}, "channel '3\\+4' isn't a number"),
     ],
 )
@@ -177,16 +177,21 @@ def test_what_a_device_cannot_be_given_is_one_line(values, words):
 
 
 def test_channels_are_typed_as_numbers_joined_by_plus():
-    assert [channels_in(text) for text in ("0", "3", "3+4", "4+3+9")] == [0, 3, (3, 4), (4, 3, 9)]
+    assert [parse_channels(text) for text in ("0", "3", "3+4", "4+3+9")] == [
+        0,
+        3,
+        (3, 4),
+        (4, 3, 9),
+    ]
     for text, words in (
-        ("", "channel ''; it is a number, several"),
-        ("3,4", "channel '3,4'; it is"),
-        ("3+", "channel '3\\+'; it is"),
-        ("-1", "channel -1 is out of range; it is 0 to 64"),
-        ("0+1", "channel 0 is out of range; it is 1 to 64"),
+        ("", "channel '' must be a number, several"),
+        ("3,4", "channel '3,4' must be"),
+        ("3+", "channel '3\\+' must be"),
+        ("-1", "channel -1 is out of range; must be 0 to 64"),
+        ("0+1", "channel 0 is out of range; must be 1 to 64"),
     ):
         with pytest.raises(ov.InputError, match=words):
-            channels_in(text)
+            parse_channels(text)
 
 
 @pytest.mark.parametrize("tactor", [4, (4, 6), 0])
@@ -198,7 +203,7 @@ def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
     save_settings("other", OutputSettings())
     assert load_settings("pad") == pad
     (tmp_path / "a" / "outputs.json").write_text('{"pad": {"click": {}}}')
-    with pytest.raises(ov.InputError, match=r"outputs\.json: the settings of 'pad' are damaged"):
+    with pytest.raises(ov.InputError, match=r"outputs\.json: settings of 'pad' are damaged"):
         load_settings("pad")
 
 
@@ -228,7 +233,7 @@ def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
     monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
     assert pad_output.is_pad(name, channels) == is_pad
     first = load_settings(name, channels)
-    assert first.placed == (
+    assert first.channels_text == (
         "clicks on 1+2, tactor on 3+4" if is_pad else "clicks on 1, tactor on 2"
     )
     assert remembered_actuator(name, channels) == ("dualsense" if is_pad else None)
@@ -251,7 +256,7 @@ def test_the_output_called_pad_is_one_with_coils_of_the_usual_host(monkeypatch):
     there(usual, ("DualSense", "MME", 4))
     assert find_device("pad").index == 1
     there(usual, ("Wireless Controller", "WASAPI", 2))
-    with pytest.raises(ov.InputError, match=r"--device pad: no output .* by Bluetooth"):
+    with pytest.raises(ov.InputError, match=r"--device pad: no output .* by USB"):
         find_device("pad")
 
 
@@ -277,16 +282,16 @@ def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembe
 
     def refusal():
         why = sounddevice.PortAudioError("Invalid number of channels [PaErrorCode -9998]")
-        return str(no_stream(sounddevice, "Pad", 4, 48_000.0, why))
+        return str(open_error(sounddevice, "Pad", 4, 48_000.0, why))
 
     given = refusal()
     assert given == (
         "output device 'Pad' (Pad): Invalid number of channels [PaErrorCode -9998]; it has 2 "
-        "channels, 4 are asked for; `overview play` with --set click.channel=1 --set "
-        "tactor.channel=2 (or `channels 1 2` while it plays) changes that"
+        "channels, but 4 are needed; use `overview play` with --set click.channel=1 --set "
+        "tactor.channel=2, or the command `channels 1 2` during playback"
     )
     save_settings("Pad (ALSA)", PAD)
-    assert refusal() == given.replace("asked for;", f"asked for, as {path} remembers;")
+    assert refusal() == given.replace("needed;", f"needed by its settings in {path};")
 
 
 def test_any_gain_above_0_db_is_limited_at_the_ceiling():

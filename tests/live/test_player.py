@@ -10,10 +10,10 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
-from overview_dsp.live.inputs.lines import LineInput, TakeInput, parse_line
+from overview_dsp.live.inputs.takes_and_lines import TakeInput, TextLineInput, parse_line
 from overview_dsp.live.output import reconnecting_stream
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import AngleMap
@@ -29,7 +29,7 @@ class Outputs:
     def __call__(self, engine, settings):
         if not self.there:
             raise ov.InputError("no audio output")
-        self.streams.append(SilentStream(engine, 256, settings))
+        self.streams.append(NullStream(engine, 256, settings))
         return self.streams[-1]
 
 
@@ -105,7 +105,7 @@ def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_pl
     for _ in range(30):
         said += player.poll().messages
         time.sleep(0.02)
-    assert any("mine.toml" in line and "the last good one plays on" in line for line in said)
+    assert any("mine.toml" in line and "the previous version stays active" in line for line in said)
     assert player.engine.preset.kinds["goal"].height == 2.0 * height
     path.write_text(good)
     said = wait(player, lambda status: player.engine.preset.kinds["goal"].height == height)
@@ -134,14 +134,14 @@ def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
 def test_a_zoom_keeps_the_moment_under_a_finger_whatever_events_the_window_has(make, about):
     player = make()
     player.touch(about)
-    moment = player.moment_s(about)
+    moment = player.time_at(about)
     for n in range(1, 9):
-        player.zoom(1.5, player.finger.position)
+        player.zoom(1.5, player.pointer.position)
         width = pytest.approx(player.timeline.duration_s / 1.5**n)
         wait(player, lambda status, width=width: player.window[1] - player.window[0] == width)
-        assert abs(player.finger.position - about) < 0.06 * n
-        assert player.moment_s(player.finger.position) == pytest.approx(moment, abs=0.05)
-    wait(player, lambda status: abs(player.moment_s(status.cursor) - moment) < 5.0)
+        assert abs(player.pointer.position - about) < 0.06 * n
+        assert player.time_at(player.pointer.position) == pytest.approx(moment, abs=0.05)
+    wait(player, lambda status: abs(player.time_at(status.cursor) - moment) < 5.0)
 
 
 @pytest.mark.parametrize("about", [0.2, 0.4, 0.5, 0.9])
@@ -153,7 +153,7 @@ def test_no_window_of_its_length_has_the_moment_of_a_zoom_nearer(make, match, fo
         return abs(float(shown.position_of(moment - start)) - about)
 
     for _ in range(5):
-        before, moment = player.window, player.moment_s(about)
+        before, moment = player.window, player.time_at(about)
         player.zoom(1.5, about)
         wait(player, lambda status, before=before: player.window != before)
         start, end = player.window
@@ -170,12 +170,12 @@ def test_another_preset_moves_no_place_under_a_hand(make):
     player.use_preset("plain")
     wait(player, lambda status: player.engine.preset.name == "plain")
     assert np.array_equal(player.engine.surface.angle_map.events, places)
-    moment = player.moment_s(0.5)
+    moment = player.time_at(0.5)
     assert moment != 0.5 * player.timeline.duration_s
     player.release()
     wait(player, lambda status: player.engine.surface.angle_map.is_linear)
     assert player.engine.preset == ov.load_preset("plain")
-    assert player.moment_s(0.5) == 0.5 * player.timeline.duration_s
+    assert player.time_at(0.5) == 0.5 * player.timeline.duration_s
 
 
 def test_two_presets_are_compared_on_one_map(make):
@@ -205,12 +205,12 @@ def test_a_lost_output_lets_go_is_reported_and_comes_back(make, outputs):
     outputs.there = False
     outputs.streams[-1].close()
     said = wait(player, lambda status: status.messages != ())
-    assert any("is lost" in line for line in said)
+    assert any("disconnected;" in line for line in said)
     player.touch(0.9)
     assert not player.poll().touching  # nothing is felt where nothing plays
     outputs.there = True
     said = wait(player, lambda status: status.messages != (), 4.0)
-    assert any("is back" in line for line in said)
+    assert any("reconnected" in line for line in said)
     wait(player, lambda status: not status.touching and status.cursor < 0.3)
     player.touch(0.5)
     wait(player, lambda status: abs(status.cursor - 0.5) < 0.02)
@@ -222,11 +222,11 @@ def test_a_session_that_was_suspended_says_nothing_of_its_output(make, outputs, 
     player = make()
     stream = outputs.streams[-1]
     stream.close()
-    monkeypatch.setattr(SilentStream, "active", True)  # it only stands still
+    monkeypatch.setattr(NullStream, "active", True)  # it only stands still
 
     def said(seconds):
         now[0] += seconds
-        return [line for line in player.poll().messages if "is lost" in line]
+        return [line for line in player.poll().messages if "disconnected;" in line]
 
     assert said(0.1) == []
     assert said(60.0) == []  # suspended for a minute
@@ -275,11 +275,11 @@ def test_lines_of_input_move_the_disk_and_their_end_lets_go(make):
         time.sleep(2.0)
         yield "\n"
 
-    hand = LineInput(lines(), player.engine)
+    hand = TextLineInput(lines(), player.engine)
     wait(player, lambda status: status.cursor > 0.6)
     wait(player, lambda status: not status.touching)
     assert hand.is_over(player.engine)
-    assert (hand.refused, hand.first_refused) == (1, "line 1: 'rubbish'")
+    assert (hand.rejected, hand.first_rejected) == (1, "line 1: 'rubbish'")
 
 
 def test_going_from_event_to_event_takes_the_window_along(make):
@@ -293,9 +293,9 @@ def test_going_from_event_to_event_takes_the_window_along(make):
         start, end = player.window
         if start <= goals[1] <= end:
             break
-    assert player.moment_s(player.finger.position) == pytest.approx(goals[1])
-    player.go_to_event(-1, player.finger.position)
-    assert player.moment_s(player.finger.position) < goals[1]
+    assert player.time_at(player.pointer.position) == pytest.approx(goals[1])
+    player.go_to_event(-1, player.pointer.position)
+    assert player.time_at(player.pointer.position) < goals[1]
 
 
 def test_what_a_person_should_know_of_a_zoom_is_reported(make):

@@ -22,12 +22,12 @@ import json, sys, time
 import jack
 import numpy as np
 import overview_dsp as ov
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
+from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 from overview_dsp.live.output.portaudio_stream import OutputStream
 from overview_dsp.live.takes.recorder import Recorder
 
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
-ways = [SignalSettings(channels_in(one)) for one in sys.argv[5:]]
+ways = [SignalSettings(parse_channels(one)) for one in sys.argv[5:]]
 settings = OutputSettings(*ways) if ways else None
 engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
 engine.prepare(48_000, 8192)

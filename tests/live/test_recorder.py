@@ -99,14 +99,14 @@ def test_a_take_says_where_each_event_was_and_the_json_beside_what_changed(
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (None, "take.json with its parameter changes isn't beside"),
+        (None, "take.json with the parameter changes of this recorded take is missing"),
         ("{", "take.json: broken JSON"),
         ("[]", "take.json: not a take's changes"),
         ('{"overview_take": 2, "sample_rate": 0}', "sample_rate is 0"),
-        ('{"overview_take": 2, "sample_rate": 48000, "changes": 3}', "changes isn't a list"),
+        ('{"overview_take": 2, "sample_rate": 48000, "changes": 3}', "changes must be a list"),
         (
             '{"overview_take": 2, "sample_rate": 48000, "changes": [{"sample": 1}]}',
-            r"changes\[0\] isn't one of",
+            r"changes\[0\] must be one of",
         ),
         (
             '{"overview_take": 2, "sample_rate": 48000, "changes": [{"sample": -1, "set": {}}]}',

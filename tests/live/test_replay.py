@@ -11,10 +11,10 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
-from overview_dsp.live.inputs.lines import parse_command
+from overview_dsp.live.inputs.takes_and_lines import parse_command
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream_opener import StreamOpener
-from overview_dsp.live.session import presets
+from overview_dsp.live.session import loop, presets
 from overview_dsp.live.session.commands import COMMANDS, poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
@@ -117,14 +117,14 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
     assert equals_render(first, match, football, gesture)
     assert equals_render(second, match, plain, gesture)
     assert equals_render(third, match, football, gesture)
-    assert any("B, plain.toml: from the loop's start on" in line for line in said)
+    assert any("next pass: B, plain.toml" in line for line in said)
     assert player.engine.meters.late_events == 0
 
 
 def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     session, match, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(presets, "LOOK_EVERY_S", 0.0)
+    monkeypatch.setattr(presets, "CHECK_EVERY_S", 0.0)
     mine = tmp_path / "mine.toml"
     shutil.copy(preset_path("plain"), mine)
     player, sound = session(str(mine), record=tmp_path / "take.csv")
@@ -198,7 +198,7 @@ def test_a_take_begun_while_the_disk_rests_is_what_was_heard_to_the_bit(session,
     play_a_take(player, sound)
     player.close()
     (take,) = player.takes.ended
-    assert player.takes.words == [f"{take}: the take, to the bit"]
+    assert player.takes.summaries == [f"take saved as {take}; its render is bit-identical"]
     assert equals_render(sound.passes[-1], match, football, ov.load_gesture(take))
 
 
@@ -209,15 +209,15 @@ def test_a_take_begun_while_the_disk_moves_says_that_it_is_not(session):
     player.toggle_take()
     wait(player, lambda: player.at_rest, sound)
     player.toggle_take()
-    (line,) = player.takes.words
-    assert "to the bit" not in line
-    assert "the disk held or moving" in line
+    (line,) = player.takes.summaries
+    assert "bit-identical" not in line
+    assert "the disk was touched or moving" in line
 
 
 def test_takes_and_replays_alternate_and_replace_none(session):
     player, sound = session()
     player.toggle_replay()
-    assert any("nothing to replay yet" in line for line in poll(player).messages)
+    assert any("no take to replay" in line for line in poll(player).messages)
     for number in range(3):
         player.toggle_take()
         assert poll(player).recording is not None
@@ -241,31 +241,50 @@ def test_a_gesture_that_is_not_looped_is_played_once(session):
     assert player.engine.meters.strikes > 0
 
 
+def test_a_pass_ends_some_seconds_after_its_gesture_though_the_disk_never_rests(
+    session, monkeypatch
+):
+    player, sound = session()
+    monkeypatch.setattr(loop, "LONGEST_TAIL_S", 0.5)
+    player.loop.begin(ov.tap(0.5, 0.2), "tap", repeats=False)
+    seconds = ov.tap(0.5, 0.2).duration_s
+
+    def poll_until(time_s):
+        while player.engine.sample_time < time_s * player.engine.sample_rate:
+            sound.play(0.02)
+            player.loop.poll(at_rest=False)
+
+    poll_until(seconds + 0.4)
+    assert player.loop.playing
+    poll_until(seconds + 0.6)
+    assert not player.loop.playing
+
+
 def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
     player, sound = session(other="plain")
-    player.ask("record")
-    player.ask("record", "1")  # it is on already
-    wait(player, lambda: player.takes.growing is not None, sound)
-    player.ask("window", "600", "1200")
+    player.queue_command("record")
+    player.queue_command("record", "1")  # it is on already
+    wait(player, lambda: player.takes.recording_path is not None, sound)
+    player.queue_command("window", "600", "1200")
     wait(player, lambda: player.window == (600.0, 1200.0), sound)
-    player.ask("preset", "2")
+    player.queue_command("preset", "2")
     wait(player, lambda: player.engine.preset.name == "plain", sound)
-    player.ask("record", "0")
-    wait(player, lambda: player.takes.growing is None, sound)
-    player.ask("replay", "1")
+    player.queue_command("record", "0")
+    wait(player, lambda: player.takes.recording_path is None, sound)
+    player.queue_command("replay", "1")
     wait(player, lambda: player.loop.playing, sound)
-    player.ask("replay", "0")
+    player.queue_command("replay", "0")
     wait(player, lambda: not player.loop.playing, sound)
-    player.ask("preset", "heart")
+    player.queue_command("preset", "heart")
     wait(player, lambda: player.engine.preset.name == "heart", sound)
     for words, why in (
-        (("window", "5"), "window 5: it is window START END"),
-        (("window", "x", "y"), "a window is two numbers"),
+        (("window", "5"), "window 5: wrong number of arguments; must be window START END"),
+        (("window", "x", "y"), "window start 'x' must be a number"),
         (("window", "9", "1"), "window 9 1"),
-        (("record", "on"), "it takes 0 or 1"),
+        (("record", "on"), "'on' must be 0, 1 or left out"),
         (("preset", "nothing"), "no preset is called 'nothing'"),
     ):
-        player.ask(*words)
+        player.queue_command(*words)
         assert any(why in line for line in poll(player).messages), words
 
 
@@ -348,36 +367,36 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
     try:
         player.touch(0.5)
         wait(player, lambda: poll(player).cursor > 0.45)
-        player.ask("block-size", "64")
+        player.queue_command("block-size", "64")
         wait(player, lambda: poll(player).block_size == 64)
-        assert player.takes.growing is not None  # the same engine goes on
+        assert player.takes.recording_path is not None  # the same engine goes on
         before = poll(player).time_s
-        player.ask("channels", "2", "1")
+        player.queue_command("channels", "2", "1")
         wait(player, lambda: player.output.settings.click.channel == 2)
-        player.ask("channels", "1+2", "3+4")
+        player.queue_command("channels", "1+2", "3+4")
         wait(player, lambda: player.output.settings.channels == 4)
-        assert player.output.settings.placed == "clicks on 1+2, tactor on 3+4"
-        player.ask("actuator", "c2")
+        assert player.output.settings.channels_text == "clicks on 1+2, tactor on 3+4"
+        player.queue_command("actuator", "c2")
         wait(player, lambda: player.output.settings.actuator is not None)
-        player.ask("gain", "click", "-3")
-        player.ask("mute", "tactor")
+        player.queue_command("gain", "click", "-3")
+        player.queue_command("mute", "tactor")
         wait(player, lambda: player.output.settings.tactor.mute)
         assert player.output.settings.click.gain_db == -3.0
-        player.ask("rate", "44100")
+        player.queue_command("rate", "44100")
         wait(player, lambda: poll(player).sample_rate == 44_100)
-        assert player.takes.growing is None
+        assert player.takes.recording_path is None
         assert ov.load_gesture(tmp_path / "take.csv").duration_s >= before - 0.1
         wait(player, lambda: poll(player).time_s > before)
         for words, why in (
             (("rate", "5"), "out of range"),
-            (("block-size", "-1"), "it is 1 to 8192"),
-            (("channels", "1", "1"), "can't share"),
-            (("channels", "1", "2,3"), "it is a number, several (3+4), or 0"),
+            (("block-size", "-1"), "must be 0 to 8192"),
+            (("channels", "1", "1"), "both use channel 1"),
+            (("channels", "1", "2,3"), "must be a number, several numbers (3+4), or 0"),
             (("actuator", "nothing"), "nothing"),
-            (("gain", "left", "3"), "it is click or tactor"),
-            (("dance",), "no such command"),
+            (("gain", "left", "3"), "must be click or tactor"),
+            (("dance",), "unknown command"),
         ):
-            player.ask(*words)
+            player.queue_command(*words)
             said = poll(player).messages
             assert any(why in line and words[0] in line for line in said), (words, said)
             now = poll(player).time_s

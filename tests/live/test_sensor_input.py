@@ -116,11 +116,11 @@ def bench(match, football, monkeypatch):
 
 def test_a_turned_knob_holds_the_disk_and_moves_it(bench):
     bench.turn(0.0, 3)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     for place in (0.1, 0.3, 0.5, 0.5, 0.5):
         bench.turn(place, 5)
     bench.run(1.0)
-    source, theta2 = bench.engine.holder
+    source, theta2 = bench.engine.active_input
     assert source == "serial"
     assert theta2 == pytest.approx(0.5 * math.pi, abs=0.01)
     assert bench.engine.meters.cursor == pytest.approx(0.5, abs=0.02)
@@ -129,27 +129,27 @@ def test_a_turned_knob_holds_the_disk_and_moves_it(bench):
 def test_silence_and_unplugging_let_go_and_it_comes_back(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
-    bench.until(lambda: any("silent" in said for said in bench.input.take_messages()))
+    assert bench.engine.active_input[0] == "serial"
+    bench.until(lambda: any("no data" in said for said in bench.input.take_messages()))
     bench.run(0.1)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     bench.there = False
     bench.port.lost = True
-    bench.until(lambda: any("unplugged" in said for said in bench.input.take_messages()))
+    bench.until(lambda: any("disconnected" in said for said in bench.input.take_messages()))
     bench.run(0.1)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     assert not bench.input.report()["connected"]
-    assert "unplugged" in bench.input.words
+    assert "disconnected" in bench.input.status_text
     bench.there = True
-    bench.until(lambda: any("is back" in said for said in bench.input.take_messages()))
+    bench.until(lambda: any("reconnected" in said for said in bench.input.take_messages()))
     assert len(bench.opened) == 2
     assert bench.opened[0].closed
     bench.send(b"\n")
     bench.turn(0.1, 2)
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     assert bench.input.report()["connections_lost"] == 1
 
 
@@ -160,25 +160,25 @@ def test_a_finger_and_the_knob_change_over_without_a_jump(bench):
     bench.turn(0.8, 30)
     bench.engine.control(0.3 * math.pi, True)
     bench.run(0.05)
-    assert bench.engine.holder[0] == "touch"
+    assert bench.engine.active_input[0] == "touch"
     bench.turn(0.8, 5)
     bench.engine.control(0.3 * math.pi, False)
     bench.run(0.02)
     # the knob stands at 0.8 and takes over where the finger was
-    assert bench.engine.holder[0] == "serial"
-    assert bench.engine.holder[1] == pytest.approx(0.3 * math.pi, abs=0.05)
+    assert bench.engine.active_input[0] == "serial"
+    assert bench.engine.active_input[1] == pytest.approx(0.3 * math.pi, abs=0.05)
     bench.turn(0.8, 40)
-    assert bench.engine.holder[1] == pytest.approx(0.8 * math.pi, abs=0.01)
+    assert bench.engine.active_input[1] == pytest.approx(0.8 * math.pi, abs=0.01)
 
 
 def test_a_saved_preset_changes_the_rules(bench, football):
     bench.turn(0.0, 2)
-    bench.engine.set_preset(football.with_changes({"twist.turn_deg": 60.0}))
+    bench.engine.set_preset(football.with_changes({"twist.engage_deg": 60.0}))
     bench.input.poll(bench.engine)
     bench.turn(0.2, 10)
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
     bench.turn(0.5, 10)
-    assert bench.engine.holder is not None
+    assert bench.engine.active_input is not None
 
 
 def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
@@ -190,21 +190,21 @@ def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
     bench.read(1023)
     assert bench.written == waiting
     bench.run(0.5)
-    assert bench.engine.holder[1] < 0.9 * math.pi
+    assert bench.engine.active_input[1] < 0.9 * math.pi
     bench.turn(1.0, 30)
     bench.run(0.2)
-    assert bench.engine.holder[1] == pytest.approx(math.pi, abs=0.01)
+    assert bench.engine.active_input[1] == pytest.approx(math.pi, abs=0.01)
 
 
 def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     for n in range(120):  # the engine stands still, and the knob is turned back to rest
         bench.read(511 if n < 80 else 0)
     bench.until(lambda: not bench.input.report()["holding"])
     bench.run(0.6)  # with what came before it was known that the engine stands still
-    assert bench.engine.holder is None
+    assert bench.engine.active_input is None
 
 
 @pytest.mark.parametrize(
@@ -213,24 +213,24 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
         # as another speed reads: bytes come, and none of them is a line
         (lambda bench: bytes(range(0, 256, 5)), "speed"),
         # one sample, again and again: the device hangs in its sending
-        (lambda bench: f"{bench.now_ms},512\n".encode(), "twice"),
+        (lambda bench: f"{bench.now_ms},512\n".encode(), "repeated"),
     ],
 )
 def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
     messages = []
     for _ in range(60):
         bench.send(sent(bench))
         bench.run(0.01)
         messages += bench.input.take_messages()
-    assert bench.engine.holder is None
-    assert sum("the disk is let go" in line for line in messages) == 1
+    assert bench.engine.active_input is None
+    assert sum("disk released" in line for line in messages) == 1
     assert sum(said in line for line in messages) == 1
     bench.send(b"\n")
     bench.turn(0.9, 10)
-    assert bench.engine.holder[0] == "serial"
+    assert bench.engine.active_input[0] == "serial"
 
 
 def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(bench, monkeypatch):
@@ -253,19 +253,19 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
     here["elsewhere"] = "1:2:mine"
     bench.until(lambda: bench.input.report()["connected"])
     assert bench.input.report()["port"] == "elsewhere"
-    assert serial.find_again("elsewhere", "1:2:mine") == "elsewhere"
-    assert serial.find_again("elsewhere", "") == "elsewhere"
+    assert serial.find_device_again("elsewhere", "1:2:mine") == "elsewhere"
+    assert serial.find_device_again("elsewhere", "") == "elsewhere"
 
 
 def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
-    held = ov.InputError("serial:made: held by another program (a serial monitor?)")
+    held = ov.InputError("serial:made: used by another program, such as a serial monitor")
     bench.refusal = held
     bench.there = False
     bench.port.lost = True
     bench.until(lambda: not bench.input.report()["connected"])
     bench.until(lambda: bench.refused > 3)
     messages = bench.input.take_messages()
-    assert sum("held by another program" in line for line in messages) == 1
+    assert sum("used by another program" in line for line in messages) == 1
     bench.there = True
     bench.until(lambda: bench.input.report()["connected"])
 
@@ -288,7 +288,9 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
 
     bench.input._port = Flood()
     bench.until(lambda: bench.input.report()["overrun_bytes"] > 1000)
-    bench.until(lambda: any("more comes" in line for line in bench.input.take_messages()))
+    bench.until(
+        lambda: any("faster than they are read" in line for line in bench.input.take_messages())
+    )
 
 
 def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
@@ -323,7 +325,7 @@ def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
     for n in range(600):
         behind = 0.2 if n < 200 else 0.0
         now = round((n * 1e-3 + behind) * 48_000.0)
-        clock.saw(n * 1e-3, now)
+        clock.observe(n * 1e-3, now)
         stamp = clock.stamp(n * 1e-3, now)
         if n > 450:
             assert stamp - now <= 2 * 0.012 * 48_000.0 + 1
@@ -333,7 +335,7 @@ def test_far_too_much_is_given_up_and_counted(bench):
     bench.turn(0.0, 2)
     bench.send(b"12,12\n" * 20_000)
     assert bench.input.report()["overrun_bytes"] > 0
-    assert "overrun bytes" in bench.input.words
+    assert "overrun bytes" in bench.input.status_text
 
 
 @pytest.mark.parametrize("block", [64, 256, 1024])
@@ -347,7 +349,7 @@ def test_events_are_spread_as_the_sensor_took_them(block):
         true = n * 1e-3
         arrival = true + 2e-3 + 1e-3 * dice.random()
         now = int(arrival * rate * drift // block) * block
-        clock.saw(true, now)
+        clock.observe(true, now)
         stamps.append(clock.stamp(true, now))
         waits.append(stamps[-1] - now)
     steps = np.diff(stamps[2000:])
@@ -426,7 +428,7 @@ def test_a_device_on_a_port_is_detected_played_and_recorded(
     lines, said = played("--input", f"serial:{device('--format', form)}", "--seconds", 8,
                          "--record", take)  # fmt: skip
     report = lines[-1]["summary"]["input"]
-    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["told"]
+    assert {"frames": "binary", "text": "lines of ax", "json": "JSON"}[form] in report["format"]
     assert report["readings"] > 800
     assert (report["damaged"], report["lost"], report["implausible"]) == (0, 0, 0)
     assert any(line["touching"] and line["cursor"] > 0.3 for line in lines[:-1])
@@ -464,7 +466,7 @@ def test_a_port_is_held_by_one_program(device):
     path = str(device())
     port = SerialPort(path)
     try:
-        with pytest.raises(ov.InputError, match="held by another program"):
+        with pytest.raises(ov.InputError, match="used by another program"):
             SerialPort(path)
     finally:
         port.close()
@@ -492,6 +494,6 @@ def test_a_machine_that_is_held_up_makes_some_events_late_and_not_all():
     for n in range(5000):
         held_up = 0.08 if n % 100 < 10 else 0.0
         now = round((n * 1e-3 + held_up) * 48_000.0)
-        clock.saw(n * 1e-3, now)
+        clock.observe(n * 1e-3, now)
         clock.stamp(n * 1e-3, now)
     assert clock.added_latency_s[1] <= 0.0121

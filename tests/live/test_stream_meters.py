@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.stream import read_meters, record_callback
 
-FIFTH = 2.0 ** (1 / layout.BINS_AN_OCTAVE)  # from one bin to the next
+FIFTH = 2.0 ** (1 / layout.BINS_PER_OCTAVE)  # from one bin to the next
 
 
 @given(st.lists(st.floats(1e-5, 0.1), min_size=1, max_size=200))

@@ -7,14 +7,16 @@ import math
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output.sample_player import SilentSamplePlayer
+from overview_dsp.live.output import sample_player
+from overview_dsp.live.output.sample_player import NullSamplePlayer
 from overview_dsp.live.output.settings import SignalSettings
-from overview_dsp.live.output.threshold import Rise, felt_at
+from overview_dsp.live.output.threshold import RisingTone, find_threshold
 from tests.live import jack_server
 
 RATE = 48_000
@@ -23,7 +25,7 @@ OUT = SignalSettings(2)
 
 
 def test_the_tone_rises_as_it_says_through_the_actuators_drive():
-    rise = Rise(250.0, 20.0, 1.5)
+    rise = RisingTone(250.0, 20.0, 1.5)
     drive = rise.drive(C2, OUT, 2, RATE)
     assert drive.shape == (RATE * 9 // 2, 2)
     assert not drive[:, 0].any()
@@ -38,11 +40,11 @@ def test_the_tone_rises_as_it_says_through_the_actuators_drive():
 
 
 def test_the_tone_is_on_the_outputs_channel_below_its_ceiling():
-    drive = Rise(250.0, 60.0, 0.0).drive(C2, SignalSettings(4, ceiling_db=-20.0), 4, RATE)
+    drive = RisingTone(250.0, 60.0, 0.0).drive(C2, SignalSettings(4, ceiling_db=-20.0), 4, RATE)
     assert drive.shape[1] == 4
     assert not drive[:, :3].any()
     assert np.abs(drive[:, 3]).max() == pytest.approx(0.1)
-    both = Rise(250.0, 60.0, 0.0).drive(C2, SignalSettings((3, 4), ceiling_db=-20.0), 4, RATE)
+    both = RisingTone(250.0, 60.0, 0.0).drive(C2, SignalSettings((3, 4), ceiling_db=-20.0), 4, RATE)
     assert not both[:, :2].any()
     assert (both[:, 2:] == drive[:, 3:]).all()
 
@@ -50,15 +52,15 @@ def test_the_tone_is_on_the_outputs_channel_below_its_ceiling():
 @pytest.mark.parametrize(
     ("hertz", "db_per_s", "words"),
     [
-        (0.5, 3.0, "a tone of 0.5 Hz; it is 1 to 21600 Hz"),
-        (float("nan"), 3.0, "a tone of nan Hz"),
-        (250.0, 0.0, "a rise of 0 dB/s; it is 0.5 to 60"),
-        (250.0, float("nan"), "a rise of nan dB/s"),
+        (0.5, 3.0, "tone frequency 0.5 Hz must be 1 to 21600 Hz"),
+        (float("nan"), 3.0, "tone frequency nan Hz"),
+        (250.0, 0.0, "ramp of 0 dB/s must be 0.5 to 60"),
+        (250.0, float("nan"), "ramp of nan dB/s"),
     ],
 )
 def test_a_tone_that_cannot_be_is_one_line(hertz, db_per_s, words):
     with pytest.raises(ov.InputError, match=words):
-        Rise(hertz, db_per_s, 0.0).drive(C2, OUT, 2, RATE)
+        RisingTone(hertz, db_per_s, 0.0).drive(C2, OUT, 2, RATE)
 
 
 class PlaybackStub:
@@ -66,7 +68,7 @@ class PlaybackStub:
 
     def __init__(self, times):
         self.times = list(times)
-        self.heard_s = 0.0
+        self.played_s = 0.0
         self.calls = []
 
     def start(self):
@@ -79,15 +81,15 @@ class PlaybackStub:
     def over(self):
         if not self.times:
             return True
-        self.heard_s = self.times.pop(0)
+        self.played_s = self.times.pop(0)
         return False
 
 
 def test_the_level_is_the_one_heard_when_the_key_is_pressed():
-    rise = Rise(250.0, 3.0, 2.0)
+    rise = RisingTone(250.0, 3.0, 2.0)
     for pressed_at, level in ((5.0, -61.0), (12.0, -40.0), (1.0, -math.inf), (99.0, math.inf)):
         playback = PlaybackStub(np.arange(0.0, 22.0, 0.5))
-        found = felt_at(rise, playback, lambda p=playback, at=pressed_at: p.heard_s >= at)
+        found = find_threshold(rise, playback, lambda p=playback, at=pressed_at: p.played_s >= at)
         assert found == level
         assert playback.calls == ["start", "close"]
 
@@ -99,15 +101,46 @@ def test_an_output_is_given_back_when_asking_fails():
         raise ov.InputError("no more")
 
     with pytest.raises(ov.InputError):
-        felt_at(Rise(250.0, 3.0, 0.0), playback, broken)
+        find_threshold(RisingTone(250.0, 3.0, 0.0), playback, broken)
     assert playback.calls == ["start", "close"]
 
 
 def test_an_output_that_nobody_hears_takes_its_time():
-    output = SilentSamplePlayer(np.zeros((2400, 2), dtype=np.float32), RATE)
+    output = NullSamplePlayer(np.zeros((2400, 2), dtype=np.float32), RATE)
     output.start()
     assert not output.over
     time.sleep(0.06)
+    assert output.over
+
+
+def test_the_played_time_is_that_delivered_less_the_latency(monkeypatch):
+    now = [100.0]
+    opened = []
+
+    class Stream:
+        latency = 0.25
+
+        def __init__(self, **settings):
+            self.callback = settings["callback"]
+            opened.append(self)
+
+    monkeypatch.setattr(
+        sample_player,
+        "import_sounddevice",
+        lambda: SimpleNamespace(OutputStream=Stream, PortAudioError=ValueError),
+    )
+    monkeypatch.setattr(sample_player, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    output = sample_player.SamplePlayer(np.ones((1000, 1), dtype=np.float32), 1000.0)
+    assert output.played_s == 0.0
+    out = np.empty((500, 1), dtype=np.float32)
+    opened[0].callback(out, 500, None, None)
+    assert output.played_s == pytest.approx(0.25)
+    now[0] += 0.1
+    assert output.played_s == pytest.approx(0.35)
+    opened[0].callback(out, 500, None, None)
+    assert output.played_s == pytest.approx(0.75)
+    assert not output.over
+    now[0] += 0.3
     assert output.over
 
 
@@ -169,7 +202,7 @@ with client:
     until = time.monotonic() + seconds
     while time.monotonic() < until and not output.over:
         time.sleep(0.01)
-    told = output.heard_s
+    told = output.played_s
     output.close()
     output.close()
     time.sleep(0.3)

@@ -19,7 +19,7 @@ from overview_dsp.measure.arm import (
     spread_db,
 )
 from overview_dsp.measure.event_table import FeltEvents, stroke_events
-from overview_dsp.measure.felt import Stroke, strokes
+from overview_dsp.measure.perceived_level import Stroke, strokes
 from tests.examples import plain_preset, preset_with, timeline_of
 
 RATE = 16_000.0
@@ -234,7 +234,9 @@ def test_an_event_is_felt_if_it_is_detected_and_above_the_weakest_kind():
 def test_the_felt_range_follows_the_curve(gain):
     rise = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = replace(timeline_of(), intensity=rise)
-    preset = plain_preset(disk__inertia=2e-6, surface__ambience=gain, disk__k1=2e-2, disk__k2=8e-2)
+    preset = plain_preset(
+        disk__inertia=2e-6, surface__intensity_gain=gain, disk__k1=2e-2, disk__k2=8e-2
+    )
     felt = felt_range_db(way_out(preset, timeline, ov.sweep(4.0)))
     # medians: 10th and 90th percentile of the curve, at equal speed
     known = (

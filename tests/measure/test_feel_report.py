@@ -7,7 +7,7 @@ import json
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.measure.felt import GESTURES
+from overview_dsp.measure.perceived_level import GESTURES
 from overview_dsp.measure.report import feel_report
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
 from tests.cli.running import MATCH, overview
@@ -49,15 +49,15 @@ def test_a_higher_kind_is_stronger_sharper_and_louder_at_every_speed():
         assert high.contrast_db > low.contrast_db + 2.3 > 4.6
         assert high.sharpness > low.sharpness
         assert high.click_db > low.click_db
-    assert not any("alike" in line or "hardly" in line for line in report.warnings())
+    assert not any("feel the same" in line or "hardly" in line for line in report.warnings())
 
 
 def test_kinds_with_one_profile_feel_alike_and_a_warning_names_both():
     report = feel_report(preset_of(a=20.0, b=20.0), timeline_of(*"abbaabba"))
     for name in SWEEPS:
-        assert [(a, b) for a, b, _ in report.stroke(name).alike] == [("a", "b")]
-    (line,) = (line for line in report.warnings() if "alike" in line)
-    assert line.startswith("a and b feel alike in")
+        assert [(a, b) for a, b, _ in report.stroke(name).indistinct] == [("a", "b")]
+    (line,) = (line for line in report.warnings() if "feel the same" in line)
+    assert line.startswith("a and b feel the same in")
 
 
 def test_what_does_not_stand_out_is_masked():
@@ -131,8 +131,8 @@ def test_each_kind_is_counted_over_all_timelines_with_its_spread():
 def test_an_order_that_is_not_kept_is_named_with_its_strokes():
     preset = preset_of(a=30.0, b=30.0)
     report = feel_report(preset, [timeline_of(*"abba")], FAST, order=["b", "a"])
-    (line,) = (line for line in report.warnings() if "alike" not in line)
-    assert line.startswith("b is less than a step above a in fast (")
+    (line,) = (line for line in report.warnings() if "feel the same" not in line)
+    assert line.startswith("b is less than one JND above a in fast (")
     assert "fast recoil" in line
 
 
@@ -160,7 +160,7 @@ def test_an_event_that_the_disk_never_meets_is_missed():
     )
     kind = report.strokes[0].kind("a")
     assert (kind.events, kind.missed) == (3, 1)
-    assert "never met in part: 1 a" in report.warnings()
+    assert "never passed in part: 1 a" in report.warnings()
 
 
 def test_what_is_below_a_step_of_the_rest_is_masked():

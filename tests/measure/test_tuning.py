@@ -9,10 +9,10 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.gestures import sweep
-from overview_dsp.design.presets.retuning import save_retuned
+from overview_dsp.design.presets.text_update import save_updated
 from overview_dsp.measure import tuning
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.tuning import ORDERED_STEPS, REST, gaps_of, tune
+from overview_dsp.measure.tuning import ORDERED_JNDS, REST, gaps_of, tune
 from overview_dsp.offline.rendering.audition import pages
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
@@ -27,7 +27,7 @@ def two_apart():
 def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
     found = two_apart
     assert found.reached
-    assert found.least_steps >= ORDERED_STEPS
+    assert found.least_jnds >= ORDERED_JNDS
     assert found.preset.kinds["strong"].height > found.preset.kinds["weak"].height
     report = feel_report(found.preset, timeline_of("strong", "weak", "weak", "strong"))
     for name in SWEEPS:
@@ -37,16 +37,16 @@ def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
 
 def test_no_two_kinds_feel_alike_once_they_are_set_apart():
     preset = preset_of(a=20.0, b=20.0, d=8.0)
-    found = tune(preset, ("a", "d"), apart=True, seed=1)
+    found = tune(preset, ("a", "d"), separate=True, seed=1)
     assert found.reached
     report = feel_report(
         found.preset, pages(found.preset), {"slow": sweep(5.0), "fast": sweep(1.0)}
     )
     for name in ("slow", "fast"):
-        assert report.stroke(name).alike == ()
+        assert report.stroke(name).indistinct == ()
         levels = {kind.kind: kind.level_db for kind in report.stroke(name).kinds}
         assert levels["a"] > levels["d"] + 2.3
-    assert tune(found.preset, ("a", "d"), apart=True, seed=2).preset.kinds == found.preset.kinds
+    assert tune(found.preset, ("a", "d"), separate=True, seed=2).preset.kinds == found.preset.kinds
 
 
 @pytest.mark.parametrize("apart", [False, True])
@@ -78,7 +78,7 @@ def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
 
 
 CHILD = """# my match, kept as it is
-schema = 3
+schema = 4
 extends = "football"
 title = "Mine"
 
@@ -105,7 +105,7 @@ def test_a_retuned_child_keeps_its_text(tmp_path, monkeypatch):
         "yellow_card": {"height": 11.0, "width_percent": 0.08},
         "foul": {"height": 2.5},
     }
-    path, made = save_retuned(source, changes, out)
+    path, made = save_updated(source, changes, out)
     assert made == ov.load_preset(path)
     for kind, values in changes.items():
         for key, value in values.items():
@@ -121,15 +121,15 @@ def test_a_retuned_child_keeps_its_text(tmp_path, monkeypatch):
 
 def test_a_file_of_an_older_schema_is_retuned_where_its_keys_are_the_present_ones(tmp_path):
     source, out = tmp_path / "child.toml", tmp_path / "made.toml"
-    for version in (1, 2):
-        source.write_text(CHILD.replace("schema = 3", f"schema = {version}"))
-        _, made = save_retuned(source, {"goal": {"height": 30.0}}, out)
+    for version in (1, 2, 3):
+        source.write_text(CHILD.replace("schema = 4", f"schema = {version}"))
+        _, made = save_updated(source, {"goal": {"height": 30.0}}, out)
         assert made.kinds["goal"].height == pytest.approx(30.0)
         assert out.read_text() == CHILD.replace('0.5"', '0.5) * 1.5"').replace('"$', '"($')
     out.unlink()
-    source.write_text(CHILD.replace("schema = 3", "schema = 2") + "\n[disk]\ncatch_up = 1.1\n")
+    source.write_text(CHILD.replace("schema = 4", "schema = 2") + "\n[disk]\ncatch_up = 1.1\n")
     with pytest.raises(ov.InputError, match=r"child\.toml: has keys of an older schema") as error:
-        save_retuned(source, {"goal": {"height": 30.0}}, out)
+        save_updated(source, {"goal": {"height": 30.0}}, out)
     assert "\n" not in str(error.value)
     assert not out.exists()
 
@@ -137,10 +137,10 @@ def test_a_file_of_an_older_schema_is_retuned_where_its_keys_are_the_present_one
 def test_a_child_of_a_file_extends_it_from_another_folder_too(tmp_path):
     (tmp_path / "base.toml").write_text(CHILD)
     child = tmp_path / "child.toml"
-    child.write_text('schema = 3\nextends = "base.toml"\n')
+    child.write_text('schema = 4\nextends = "base.toml"\n')
     folder = tmp_path / "deep" / "er"
     folder.mkdir(parents=True)
-    _, made = save_retuned(child, {"goal": {"height": 7.0}}, folder / "made.toml")
+    _, made = save_updated(child, {"goal": {"height": 7.0}}, folder / "made.toml")
     assert made.kinds["goal"].height == 7.0
     assert made.title == "Mine"
 
@@ -153,8 +153,8 @@ def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
         short.setattr(tuning, "TRIES", 6)  # whatever it reaches by then
         found = tune(football, target, [match])
     gaps = gaps_of(found.preset, target, [match])
-    assert found.least_steps == pytest.approx(min(gap.steps + (gap.second == REST) for gap in gaps))
-    assert found.reached == (not found.unreached) == (found.least_steps >= 2.0)
+    assert found.least_jnds == pytest.approx(min(gap.steps + (gap.second == REST) for gap in gaps))
+    assert found.reached == (not found.unreached) == (found.least_jnds >= 2.0)
     same = ["goal", "own_goal"]
     limited = tune(
         preset_of(goal=20.0, own_goal=20.0), same, [timeline_of(*["goal", "own_goal"] * 2)]
@@ -171,7 +171,7 @@ def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
     assert not found.reached
     assert all("a is " in line or "b is " in line for line in found.unreached)
     assert any(
-        "steps above b in " in line and " on crowd, 2 wanted" in line for line in found.unreached
+        "JNDs above b in " in line and " on crowd, 2 required" in line for line in found.unreached
     )
 
 
@@ -183,7 +183,7 @@ def test_timelines_of_one_title_are_measured_each_by_itself():
 
 
 def test_a_kind_that_no_timeline_has_is_one_line(match, football):
-    with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the timelines given"):
+    with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the given timelines"):
         tune(football, ["goal", "shot"], [match])
 
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import httpx
 from websockets.sync.client import ClientConnection, connect
 
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.web.app import make_app
@@ -80,7 +80,7 @@ def served(
             player = Player(
                 timeline,
                 PresetWatch(preset),
-                lambda engine, settings: SilentStream(engine, 256, settings),
+                lambda engine, settings: NullStream(engine, 256, settings),
                 OutputSettings(),
                 callback="python",
                 record=record,

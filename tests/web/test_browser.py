@@ -137,7 +137,7 @@ def test_strikes_and_meters_are_reported_when_asked(browser, match, football):
     browser.give(image=encode_engine(engine(match, football, hands=False)))
     _, told = rendered(browser, image="image", events=SOURCE_EVENTS)
     look, struck = told["look"], told["look"]["newStrikes"]
-    strikes, meters = made.take_strikes(), made.meters
+    strikes, meters = made.pop_strikes(), made.meters
     assert len(struck) == len(strikes) == look["strikes"] > 10
     assert [one["sample"] / RATE for one in struck] == strikes.time_s.tolist()
     names = [*event_numbers(made.surface), -1]  # the number -1 is the last

@@ -39,7 +39,7 @@ class Machine:
 
     @property
     def applied(self):
-        return self.engine.take_applied(0)[0]
+        return self.engine.pop_applied(0)[0]
 
 
 @pytest.fixture

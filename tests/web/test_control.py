@@ -242,7 +242,7 @@ def test_the_events_of_a_page_are_recorded_and_replay_bit_identically(match, foo
         page.send(events((time.monotonic() * 1e3, 1.0, 0)))
         server.until(lambda meters: not meters.touching)
         server.player.poll()
-        applied, _ = server.player.engine.take_applied(0)
+        applied, _ = server.player.engine.pop_applied(0)
     assert {ov.gestures.SOURCES[one] for one in applied["source"]} == {"remote"}
     take = ov.load_gesture(path)
     stamps = take.stamps(48_000)

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import sources_digest
+from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
 from overview_dsp.live.output.stream import connect, run_block
 from tests.profiles import share

@@ -22,7 +22,7 @@ from tests.web.test_served_page import page_of, says
 
 @pytest.fixture
 def live():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
     return live
 
@@ -33,7 +33,7 @@ def kinds(word):
 
 def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
     with (
-        served(live.felt(), plays=False, live=live) as server,
+        served(live.padded_snapshot(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && {kinds('foul')}")
@@ -50,7 +50,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         assert not tab.evaluate("overview.view.events.some(({ kind }) => kind === 'red_card')")
         tab.mouse.up()
         until(tab, kinds("red_card"))
-        live.map = "so far"
+        live.layout = "so far"
         until(tab, "p.view.end_s === 1030")
         live.retract(event(900, "goal", "1-0 Parris"))
         until(tab, f"!{kinds('goal')}")
@@ -63,7 +63,7 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
 
 def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
     with (
-        served(live.felt(), plays=False, live=live) as server,
+        served(live.padded_snapshot(), plays=False, live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, f"p.view && p.live && {kinds('foul')}")
@@ -85,9 +85,9 @@ def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
 
 
 def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
     with (
-        served(live.felt(), plays=False, live=live, preset="series") as server,
+        served(live.padded_snapshot(), plays=False, live=live, preset="series") as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view && p.live")
@@ -105,7 +105,7 @@ def test_values_and_now_of_a_series_that_grows_are_shown(chromium):
 
 def test_a_page_of_a_hosts_disk_is_told_too(live, chromium):
     with (
-        served(live.felt(), live=live) as server,
+        served(live.padded_snapshot(), live=live) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view")
@@ -141,7 +141,7 @@ def test_a_film_that_is_still_recorded_is_watched_where_it_has_come_to(live, chr
     record(8)
     media = open_media(str(film), -295.0)
     with (
-        served(live.felt(), plays=False, live=live, media=media) as server,
+        served(live.padded_snapshot(), plays=False, live=live, media=media) as server,
         page_of(server, chromium) as (tab, wrong),
     ):
         until(tab, "p.view && p.film")

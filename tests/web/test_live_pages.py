@@ -80,14 +80,14 @@ class Listening:
 
 @pytest.fixture
 def live():
-    live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[event(0, "period"), event(300, "foul", "a")], clock_s=800.0)
     return live
 
 
 @pytest.fixture
 def server(live):
-    with served(live.felt(), plays=False, live=live) as server:
+    with served(live.padded_snapshot(), plays=False, live=live) as server:
         yield server
 
 
@@ -110,7 +110,7 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
         assert len(patch) < len(mine) / 2
         mine = patched(mine, patch, second["bytes"])
         preset = ov.load_preset("football")
-        assert mine == window_bytes(build_surface(live.felt(), preset), preset, 48_000)
+        assert mine == window_bytes(build_surface(live.padded_snapshot(), preset), preset, 48_000)
         live.retract("no such id")
         live.retract(event(900, "goal", "1-0"))
         page.until(lambda one: any(change["action"] == "retracted" for change in one["changes"]))
@@ -121,7 +121,7 @@ def test_what_is_new_is_told_in_a_line_and_fetched_as_the_surface_of_the_moment(
 
 def surface_of(live, rate=48_000):
     preset = ov.load_preset("football")
-    return window_bytes(build_surface(live.felt(), preset), preset, rate)
+    return window_bytes(build_surface(live.padded_snapshot(), preset), preset, rate)
 
 
 def unpacked(notice):
@@ -175,8 +175,11 @@ def test_a_hundred_pages_that_have_the_same_get_one_events_bytes(live):
 
 
 def test_a_series_has_its_values_also_where_it_began_with_none():
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
-    with served(live.felt(), plays=False, live=live) as server, server.client() as client:
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
+    with (
+        served(live.padded_snapshot(), plays=False, live=live) as server,
+        server.client() as client,
+    ):
         assert client.get("/data/timeline.json").json()["series"]["unit"] == "kW"
         for now in (60.0, 120.0):
             values = [(float(t), 20.0 + t / 7.0) for t in range(0, int(now) + 1, 10)]
@@ -209,7 +212,7 @@ def test_a_page_that_reconnects_receives_the_missed_changes(server, live):
 
 def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
     with server.client(Origin=server.origin) as client:
-        live.map = "so far"
+        live.layout = "so far"
         live.append(clock_s=1000.0, events=[event(950, "goal", "x")])
         assert client.get("/data/timeline.json").json()["duration_s"] == 1030.0
         window = {"window": [900.0, 1000.0]}
@@ -266,7 +269,7 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
         content = (folder / "live" / f"{now['version']}-48000.update").read_bytes()
         (length,) = struct.unpack("<I", content[:4])
         view = json.loads(content[4 : 4 + length])
-        surface = build_surface(live.felt(), football)
+        surface = build_surface(live.padded_snapshot(), football)
         assert patched(b"", content[4 + length :], view["bytes"]) == window_bytes(
             surface, football, 48_000
         )
@@ -276,7 +279,7 @@ def test_a_folder_is_kept_up_for_any_host(live, tmp_path):
 
 
 def test_a_folder_of_a_series_has_the_values_of_each_version(tmp_path):
-    live = ov.LiveTimeline("load", expect_s=3600.0, unit="kW")
+    live = ov.LiveTimeline("load", expected_duration_s=3600.0, unit="kW")
     live.append(intensity=[(0.0, 1.5), (60.0, 2.5)])
     folder = tmp_path / "site"
     published = StaticPublisher(live, ov.load_preset("series"), folder, print, interval_s=0.02)

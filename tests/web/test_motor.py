@@ -74,7 +74,7 @@ def looks_of(timeline, preset, seconds):
         engine.control(min(now / seconds, 1.0) * HALF_TURN, True)
         run_block(engine, out)
         peak = max(peak, float(np.abs(out[:, 1]).max()))
-        strikes = engine.take_strikes()
+        strikes = engine.pop_strikes()
         for number in strikes.event:
             if number >= 0:
                 codes.append(list(vibration_pattern(timeline.events[number].kind, preset)))

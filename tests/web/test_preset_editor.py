@@ -228,7 +228,7 @@ def stroke(tab, *positions):
 def test_a_drawn_map_of_the_curve_is_felt_at_once_undone_and_kept(chromium, own_folder, tmp_path):
     ramp = ov.Intensity(np.array([0.0, 60.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("a ramp", 60.0, (), ramp)
-    series = ov.load_preset("series").with_changes({"surface.ambience": 9.0})
+    series = ov.load_preset("series").with_changes({"surface.intensity_gain": 9.0})
     path = ov.presets.save(series, tmp_path / "steep.toml")
     with (
         served(timeline, plays=False, preset=str(path)) as server,

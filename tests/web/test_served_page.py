@@ -79,10 +79,10 @@ def test_a_movement_reaches_the_host_in_small_steps(match, chromium, monkeypatch
         tab.mouse.move(*at(tab, 0.1))
         tab.mouse.down()
         server.until(lambda meters: meters.touching)
-        first = len(server.player.engine.take_applied(0)[0])
+        first = len(server.player.engine.pop_applied(0)[0])
         tab.mouse.move(*at(tab, 0.4), steps=30)
         server.until(lambda meters: abs(meters.cursor - 0.4) < 0.02)
-        applied = server.player.engine.take_applied(0)[0][first:]
+        applied = server.player.engine.pop_applied(0)[0][first:]
         assert len(applied) > 90  # a pointer tells 30
         assert (applied["touching"] == 1).all()
         tab.mouse.up()
@@ -102,12 +102,12 @@ def test_a_touching_page_that_is_closed_frees_the_disk(match, chromium):
 def test_a_finger_taps_on_a_phone(match, chromium):
     with served(match) as server, page_of(server, chromium, has_touch=True) as (tab, wrong):
         connected(tab)
-        before = len(server.player.engine.take_applied(0)[0])
+        before = len(server.player.engine.pop_applied(0)[0])
         tab.touchscreen.tap(*at(tab, 0.8))
         server.until(lambda meters: meters.engaged and not meters.touching)  # released at once
         server.until(lambda meters: meters.engaged and abs(meters.cursor - 0.8) < 0.02)
         server.until(lambda meters: not meters.engaged)
-        applied = server.player.engine.take_applied(0)[0][before:]
+        applied = server.player.engine.pop_applied(0)[0][before:]
         assert applied["theta2"][0] == pytest.approx(0.8 * 3.14159265, abs=0.02)
         assert list(applied["touching"]).count(0) == 1
         assert wrong == []

@@ -10,7 +10,7 @@ import numpy as np
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
-from overview_dsp.kernels.derive import APPROACH_S, GRAIN_S
+from overview_dsp.kernels.derive import APPROACH_S, TEXTURE_LEVEL_S
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
@@ -34,7 +34,7 @@ _SETTINGS: dict[str, str | int | Callable[[Engine], float]] = {
     "click_gain": layout.C_CLICK_GAIN,
     "texture_gain": layout.C_TEXTURE_GAIN,
     "brightness_hz": "texture.brightness_hz",
-    "grain_s": lambda engine: GRAIN_S,
+    "grain_s": lambda engine: TEXTURE_LEVEL_S,
     "ceiling": layout.C_CEILING,
     "dc_pole": layout.C_DC_POLE,
 }

@@ -19,12 +19,12 @@ def command() -> None:
 @cli_command("actuators list", group=command)
 def list_(*, as_json: bool = JSON) -> None:
     """List the bundled actuators and yours."""
-    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.calibration import apply_calibration
     from overview_dsp.signal.actuators.library import actuator_names
 
     list_profiles(
         actuator_names(),
-        calibrated_actuator,
+        apply_calibration,
         lambda actuator: {
             "name": actuator.name,
             "title": actuator.title,
@@ -40,10 +40,10 @@ def list_(*, as_json: bool = JSON) -> None:
 @cli_command("actuators show c2", group=command)
 def show(name: str, *, as_json: bool = JSON) -> None:
     """Show all values and limits of the actuator NAME (or of a .toml file)."""
-    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.calibration import apply_calibration
     from overview_dsp.signal.actuators.describe import describe, describe_json
 
-    actuator = calibrated_actuator(name)
+    actuator = apply_calibration(name)
     show_report(as_json, describe_json(actuator), describe(actuator))
 
 

@@ -104,14 +104,14 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
-    from overview_dsp.live.output.threshold import SILENCE_S, Rise, felt_at
+    from overview_dsp.live.output.threshold import SILENCE_S, RisingTone, find_threshold
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels
     channel_text = " and ".join(map(str, out.channels))
     hertz = actuator.resonance_hz if frequency is None else frequency
     announce_compile("drive_block")
-    Rise(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # checks the options
+    RisingTone(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # checks the options
     keys = _Keys()
     levels: list[float] = []
     early = 0
@@ -121,11 +121,11 @@ def _answers(
         err=True,
     )
     while len(levels) < repeats:
-        rise = Rise(hertz, db_per_s, random.uniform(*SILENCE_S))
+        rise = RisingTone(hertz, db_per_s, random.uniform(*SILENCE_S))
         samples = rise.drive(actuator, out, channels, rate)
         click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
         keys.discard()
-        level = felt_at(rise, _playback(device, index, samples, rate), keys.pressed)
+        level = find_threshold(rise, _playback(device, index, samples, rate), keys.pressed)
         if math.isfinite(level):
             click.echo(f"felt at {level:.1f} dB", err=True)
             levels.append(level)
@@ -149,7 +149,7 @@ def _output(
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import device_named
     from overview_dsp.live.output.saved_settings import load_settings
-    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, channels_in
+    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
@@ -159,7 +159,7 @@ def _output(
         settings = load_settings(name, found.channels)
     tactor = settings.tactor
     if channel is not None:
-        tactor = replace(tactor, channel=channels_in(channel))
+        tactor = replace(tactor, channel=parse_channels(channel))
     if not tactor.channels:
         raise InputError(f"the tactor has no channel of {name}; select one with --channel")
     return OutputSettings(SignalSettings(0), tactor), name, rate, index
@@ -168,10 +168,10 @@ def _output(
 def _playback(
     device: str | None, index: int | None, samples: NDArray[np.float32], rate: float
 ) -> SamplePlayback:
-    from overview_dsp.live.output.sample_player import SamplePlayer, SilentSamplePlayer
+    from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
 
     if device == SILENT:
-        return SilentSamplePlayer(samples, rate)
+        return NullSamplePlayer(samples, rate)
     return SamplePlayer(samples, rate, index)
 
 

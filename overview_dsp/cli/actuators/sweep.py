@@ -31,7 +31,7 @@ def sweep(
     import numpy as np
 
     from overview_dsp.files.sound import save_sound
-    from overview_dsp.signal.actuators.stage import ActuatorStage, protected_report
+    from overview_dsp.signal.actuators.stage import ActuatorStage, protection_json
 
     actuator = ov.load_actuator(name)
     if not apply_shaping:
@@ -44,10 +44,10 @@ def sweep(
     stage.process(samples, 1)
     save_sound(output, samples, sample_rate, subtype)
     done = stage.protected
-    if done.taken_db > UNEVEN_DB:
+    if done.reduction_db > UNEVEN_DB:
         note(
-            f"the rating reduces the sweep by up to {done.taken_db:.1f} dB, so it is not even; use "
-            "a lower --level"
+            f"the rating reduces the sweep by up to {done.reduction_db:.1f} dB, so it is not even; "
+            "use a lower --level"
         )
     rms = float(np.sqrt(np.mean(np.square(samples[:, 1], dtype=float)))) * actuator.full_scale
     report = {
@@ -57,7 +57,7 @@ def sweep(
         "seconds": duration,
         "drive_rms": round(rms, 6),
         "unit": actuator.values["drive.unit"],
-        "actuator": protected_report(actuator, done),
+        "actuator": protection_json(actuator, done),
     }
     line = (
         f"{output}: {low_frequency:g} to {high_frequency:g} Hz in {duration:g} s, {level:g} dB of "

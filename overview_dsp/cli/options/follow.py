@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from starlette.routing import BaseRoute
 
     from overview_dsp.data.timeline import Timeline
-    from overview_dsp.live.session.growing import Growth
+    from overview_dsp.live.session.live_updates import FollowSettings
     from overview_dsp.web.media import Media
 
 FIRST_WITHIN_S = 3.0
@@ -54,7 +54,7 @@ class Feed:
     )
 
     @contextmanager
-    def opened(self, timeline: str | None, reading: Reading) -> Iterator[Growth | None]:
+    def opened(self, timeline: str | None, reading: Reading) -> Iterator[FollowSettings | None]:
         """Follow the live source; yields None if TIMELINE is a file.
 
         Raises
@@ -73,17 +73,17 @@ class Feed:
         refuse_options("doesn't apply to --follow; remove it", Reading)
         from overview_dsp.data.feeds.follower import Follower
         from overview_dsp.data.feeds.sources import Sound
-        from overview_dsp.live.inputs.feeds import expected_s, map_named, source_named
-        from overview_dsp.live.session.growing import Growth
+        from overview_dsp.live.inputs.feeds import open_source, parse_duration, parse_layout
+        from overview_dsp.live.session.live_updates import FollowSettings
 
         after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
         if after_s is not None and not after_s >= 0.0:
             raise InputError(f"--update-held-after is {after_s:g}; must be 0 s or more")
         live = ov.LiveTimeline(
-            expect_s=None if length is None else expected_s(length),
-            map=None if layout is None else map_named(layout),
+            expected_duration_s=None if length is None else parse_duration(length),
+            layout=None if layout is None else parse_layout(layout),
         )
-        source = source_named(self.follow, sys.stdin.buffer)
+        source = open_source(self.follow, sys.stdin.buffer)
         follower = Follower(live, source).start()
         try:
             until = time.monotonic() + FIRST_WITHIN_S
@@ -92,7 +92,7 @@ class Feed:
             if live.revision == 0 and follower.over:
                 raise InputError("; ".join(follower.take_messages()) or f"{self.follow}: no data")
             preset = "crowd" if isinstance(source, Sound) else None  # silent at first
-            yield Growth(live, follower, after_s, self.announce, layout is not None, preset)
+            yield FollowSettings(live, follower, after_s, self.announce, layout is not None, preset)
         finally:
             follower.close()
 
@@ -104,13 +104,13 @@ class OpenedData:
     timeline: Timeline
     window: tuple[float, float] | None
     preset: str
-    growth: Growth | None
+    follow: FollowSettings | None
 
     def routes(self, audio: str, linear: bool, media: Media | None = None) -> list[BaseRoute]:
         """Return the routes that serve the data to a page."""
         from overview_dsp.web.data import data_routes
 
-        live = None if self.growth is None else self.growth.live
+        live = None if self.follow is None else self.follow.live
         return data_routes(
             self.timeline, self.preset, audio=audio, first=self.window, media=media, live=live,
             linear=linear,
@@ -122,17 +122,17 @@ def open_data(
     timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
 ) -> Iterator[OpenedData]:
     """Open the timeline of a file, or follow a live source; InputError."""
-    with feed.opened(timeline, reading) as growth:
-        if growth is None:
+    with feed.opened(timeline, reading) as follow:
+        if follow is None:
             assert timeline is not None
             data = open_timeline(timeline, reading)
         else:
-            data, preset = growth.live.felt(), preset or growth.preset
+            data, preset = follow.live.padded_snapshot(), preset or follow.preset
         first = window.of(data)
-        if first is not None and window.window and growth is None:
+        if first is not None and window.window and follow is None:
             data, first = data.window(*first), None
         name = preset_for(data, preset)
-        if growth is not None:
-            growth.lay_out(ov.load_preset(name))
-            data = growth.live.felt()
-        yield OpenedData(data, first, name, growth)
+        if follow is not None:
+            follow.use_preset_layout(ov.load_preset(name))
+            data = follow.live.padded_snapshot()
+        yield OpenedData(data, first, name, follow)

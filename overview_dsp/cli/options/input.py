@@ -17,7 +17,7 @@ from overview_dsp.errors import InputError, did_you_mean
 if TYPE_CHECKING:
     from overview_dsp.live.inputs.controllers import Reader
     from overview_dsp.live.inputs.input import Input
-    from overview_dsp.live.inputs.lines import LineInput
+    from overview_dsp.live.inputs.takes_and_lines import TextLineInput
     from overview_dsp.live.session.player import Player
 
 PARTS: dict[str, tuple[str, ...]] = {
@@ -90,13 +90,13 @@ class Sources:
 
     Attributes
     ----------
-    lines : LineInput or None
+    lines : TextLineInput or None
         Standard input, after `open`.
     """
 
     openers: dict[str, Callable[[Player], Input]]
     force: bool = False
-    lines: LineInput | None = None
+    lines: TextLineInput | None = None
 
     @property
     def by_lines(self) -> bool:
@@ -105,17 +105,17 @@ class Sources:
 
     def open(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
         """Open the sources as one input; `closing` receives the close function of each."""
-        from overview_dsp.live.inputs.input import SeveralInputs
-        from overview_dsp.live.inputs.lines import LineInput
+        from overview_dsp.live.inputs.input import CombinedInput
+        from overview_dsp.live.inputs.takes_and_lines import TextLineInput
 
         inputs: dict[str, Input] = {}
         for name, open_one in self.openers.items():
             one = inputs[name] = open_one(player)
             closing(one.close)
-            if isinstance(one, LineInput):
+            if isinstance(one, TextLineInput):
                 self.lines = one
         if len(inputs) > 1:
-            return SeveralInputs(inputs)
+            return CombinedInput(inputs)
         return next(iter(inputs.values()), None)
 
 
@@ -169,20 +169,20 @@ def _settings(source: str, kind: str, rest: str) -> tuple[str, dict[str, str]]:
 
 
 def _open_lines(player: Player) -> Input:
-    from overview_dsp.live.inputs.lines import LineInput
+    from overview_dsp.live.inputs.takes_and_lines import TextLineInput
 
-    return LineInput(sys.stdin, player.engine, player.ask)
+    return TextLineInput(sys.stdin, player.engine, player.queue_command)
 
 
 def _take(source: str) -> Callable[[Player], Input]:
-    from overview_dsp.live.inputs.lines import TakeInput
+    from overview_dsp.live.inputs.takes_and_lines import TakeInput
 
     gesture = read_gesture(source)
     return lambda player: TakeInput(gesture)
 
 
 def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
-    from overview_dsp.devices.force_feedback.loop import require_motor
+    from overview_dsp.devices.force_feedback.motor_loop import require_motor
     from overview_dsp.devices.sensors.profile import Sensor, load_sensor
     from overview_dsp.live.inputs.motors import MotorInput
     from overview_dsp.live.inputs.sensors import SensorInput
@@ -245,7 +245,7 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
         return OscReader(counters, controls)
 
     return lambda player: ControllerInput(
-        player.engine, kind, lambda: OscPort(where), reader, SILENT_OSC_S, player.ask
+        player.engine, kind, lambda: OscPort(where), reader, SILENT_OSC_S, player.queue_command
     )
 
 

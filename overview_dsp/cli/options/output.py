@@ -12,7 +12,7 @@ from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
     from overview_dsp.signal.actuators.model import Actuator
-    from overview_dsp.signal.actuators.stage import Protected
+    from overview_dsp.signal.actuators.stage import ProtectionReport
 
 NONE = "none"
 CALLBACK = "OVERVIEW_CALLBACK"
@@ -69,9 +69,9 @@ def _switch(text: str) -> bool:
 
 
 def _channels(text: str) -> int | tuple[int, ...]:
-    from overview_dsp.live.output.settings import channels_in
+    from overview_dsp.live.output.settings import parse_channels
 
-    return channels_in(text)
+    return parse_channels(text)
 
 
 def _number(text: str) -> float:
@@ -104,15 +104,15 @@ def output_changes(texts: tuple[str, ...]) -> dict[str, dict[str, Any]]:
 
 def calibrated(name: str | None) -> Actuator | None:
     """Load an actuator by name or file, with its calibrated gain; None for none."""
-    from overview_dsp.signal.actuators.calibration import calibrated_actuator
+    from overview_dsp.signal.actuators.calibration import apply_calibration
 
-    return None if name is None or name == NONE else calibrated_actuator(name)
+    return None if name is None or name == NONE else apply_calibration(name)
 
 
-def drive_line(actuator: Actuator, protected: Protected) -> str:
+def drive_line(actuator: Actuator, protected: ProtectionReport) -> str:
     """Return a line about an actuator and its protection."""
     gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""
     return (
-        f"driven for {actuator.title}{gain}: reduced by up to {protected.taken_db:.1f} dB to its "
-        f"rating, {protected.at_peak} samples at its peak"
+        f"driven for {actuator.title}{gain}: reduced by up to {protected.reduction_db:.1f} dB to "
+        f"its rating, {protected.at_peak} samples at its peak"
     )

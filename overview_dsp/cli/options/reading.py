@@ -121,9 +121,9 @@ class PresetChoice:
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
     """Return `preset`, or the bundled one that fits the data."""
-    from overview_dsp.design.presets.library import fitting_preset
+    from overview_dsp.design.presets.library import best_preset_for
 
-    return preset if preset is not None else fitting_preset(timeline)
+    return preset if preset is not None else best_preset_for(timeline)
 
 
 def open_window(path: str, reading: Reading, window: Window) -> Timeline:

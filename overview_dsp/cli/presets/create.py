@@ -40,7 +40,7 @@ def new(
     """Write a preset that extends another one, with every parameter to edit."""
     from overview_dsp.design.presets.library import LIBRARY
     from overview_dsp.design.presets.reference import json_schema
-    from overview_dsp.design.presets.writing import started_from
+    from overview_dsp.design.presets.writing import preset_template
     from overview_dsp.files.toml import SUFFIX
 
     if not _NAME.fullmatch(name):
@@ -54,7 +54,7 @@ def new(
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
-    write_text(path, f"{SCHEMA_LINE}\n{started_from(str(named), preset, name)}")
+    write_text(path, f"{SCHEMA_LINE}\n{preset_template(str(named), preset, name)}")
     ov.load_preset(path)
     write_text(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
     line = f"{path}: extends {base}; edit it with: overview presets edit {output or name}"
@@ -114,7 +114,7 @@ def randomize(
 
     if seed < 0:
         raise InputError(f"--seed is {seed}; must be 0 or more")
-    found = ov.presets.randomized(ov.load_preset(preset), seed, amount)
+    found = ov.presets.randomize(ov.load_preset(preset), seed, amount)
     path = save_preset(found, output if output is not None else found.name + SUFFIX)
     show(as_json, {"files": [str(path)]}, path)
 

@@ -26,19 +26,21 @@ def list_(
     """List the bundled presets and yours, with their purpose."""
     from overview_dsp.design.presets.library import (
         LIBRARY,
+        check_tag,
+        has_tag,
+        is_for_use,
         load_preset,
         preset_path,
-        require_tag,
-        serves,
-        tagged,
     )
 
     for tag in tags:
-        require_tag(tag)
+        check_tag(tag)
 
     def matches(name: str) -> bool:
         preset = load_preset(name)
-        return all(tagged(preset, tag) for tag in tags) and (use is None or serves(preset, use))
+        return all(has_tag(preset, tag) for tag in tags) and (
+            use is None or is_for_use(preset, use)
+        )
 
     names = [*LIBRARY.bundled, *LIBRARY.user]
     if tags or use is not None:

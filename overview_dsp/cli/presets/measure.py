@@ -56,7 +56,11 @@ class Observer:
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `measure.observe`, without unset ones."""
-        options = {"modalities": self.modality or None, "hands": self.movement, "seed": self.seed}
+        options = {
+            "modalities": self.modality or None,
+            "movement": self.movement,
+            "seed": self.seed,
+        }
         return {name: value for name, value in options.items() if value is not None}
 
 
@@ -225,7 +229,7 @@ def tune(
     With --separate, no two kinds of PRESET feel the same, and each kind in --order is one JND
     stronger than the next. The file keeps everything else in PRESET: base, variables and comments.
     """
-    from overview_dsp.design.presets.retuning import save_retuned
+    from overview_dsp.design.presets.text_update import save_updated
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.measure.tuning import tune as tune_kinds
 
@@ -242,13 +246,13 @@ def tune(
     names = list(loaded.kinds) if separate else target
     path = Path(output) if output is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
     moved = {name: _changed_values(loaded.kinds[name], found.preset.kinds[name]) for name in names}
-    _, made = save_retuned(preset, {name: keys for name, keys in moved.items() if keys}, path)
+    _, made = save_updated(preset, {name: keys for name, keys in moved.items() if keys}, path)
     reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
     relation = "from any other" if separate else "above the next"
     number = "one" if separate else "two"
     report = {
         "file": str(path),
-        "least_steps": round(found.least_steps, 2),
+        "least_jnds": round(found.least_jnds, 2),
         "reached": found.reached,
         "unreached": list(found.unreached),
         "kinds": {name: {key: getattr(made.kinds[name], key) for key in TUNED} for name in names},
@@ -257,7 +261,7 @@ def tune(
         as_json,
         report,
         *(_change_text(name, loaded.kinds[name], made.kinds[name]) for name in names),
-        f"{path}: each at least {found.least_steps:.2f} JNDs {relation} at every speed; {number} "
+        f"{path}: each at least {found.least_jnds:.2f} JNDs {relation} at every speed; {number} "
         f"{reached}",
         *(f"not reached: {line}" for line in found.unreached),
     )

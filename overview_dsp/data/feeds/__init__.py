@@ -1,1 +1,1 @@
-"""Timelines that are still growing: what came so far, feeds, and the sources they come from."""
+"""Live timelines: the feed format, its sources, and the thread that follows them."""

@@ -1,6 +1,6 @@
-"""What a feed has said, in bounded memory: its events, its samples and which times it covers.
+"""Events, samples and covered times of a feed, in bounded memory.
 
-Each event is there once; what was taken back stays away. Samples are in order.
+Each event is stored once, and a retracted event stays retracted. Samples are sorted by time.
 """
 
 from __future__ import annotations
@@ -20,79 +20,75 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 
 Key = tuple[float, str, str]
-What = Literal["added", "retracted"]
+Action = Literal["added", "retracted"]
 
 MAX_EVENTS = 20_000
-"""Most events (and most details) that are kept; more than a surface holds."""
+"""Maximum number of stored events, and of stored details. A surface holds fewer."""
 
-MAX_TAKEN_BACK = 10_000
-"""So many retractions are remembered, for events that come late or again."""
+MAX_RETRACTIONS = 10_000
+"""Maximum number of stored retractions, which apply to events that arrive late or again."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """An event that came or was taken back."""
+    """An event that was added or retracted."""
 
     revision: int
-    what: What
+    action: Action
     event: Event
 
 
-class KeptEvents:
-    """Events and details by time, kind and label, and by the names that a feed gives them.
+class EventBuffer:
+    """Events and details by time, kind and label, and by their ids in the feed.
 
-    What a call changes is told as pairs of `"added"` or `"retracted"` and the event; of a detail
-    there are none.
+    Methods return their changes as pairs of `"added"` or `"retracted"` and the event. Changes of
+    details are not listed.
     """
 
     def __init__(self) -> None:
         self.events: dict[Key, Event] = {}
         self.details: dict[Key, Event] = {}
-        self.left_out = 0
+        self.omitted = 0
         self._ids: OrderedDict[str, Key] = OrderedDict()
-        self._taken_back: OrderedDict[Key | str | tuple[str, Key], None] = OrderedDict()
-        self._last_s: float | None = 0.0  # None is to be looked up
+        self._retracted: OrderedDict[Key | str | tuple[str, Key], None] = OrderedDict()
+        self._last_s: float | None = 0.0  # None: has to be computed
 
     @property
     def last_s(self) -> float:
-        """The latest event's or detail's time, s; 0 of none."""
+        """Time of the latest event or detail, s; 0 without any."""
         if self._last_s is None:
             self._last_s = max((key[0] for key in (*self.events, *self.details)), default=0.0)
         return self._last_s
 
-    def put(self, event: Event, name: str | None) -> list[tuple[What, Event]] | None:
-        """Keep an event under the feed's name for it; what changes, None if it isn't new."""
-        key = event_key(event)
-        if not self._taken_back.keys().isdisjoint((key, name, (name, key))):
+    def put(self, event: Event, id_: str | None) -> list[tuple[Action, Event]] | None:
+        """Store an event under its id; return the changes, None if it is not new."""
+        key = identity_of(event)
+        if not self._retracted.keys().isdisjoint((key, id_, (id_, key))):
             return None
-        corrected = self._named(name, key) if name is not None else None
-        there = self.events.get(key)
-        if there is not None and there.weight >= event.weight and corrected is None:
+        corrected = self._assign_id(id_, key) if id_ is not None else None
+        present = self.events.get(key)
+        if present is not None and present.weight >= event.weight and corrected is None:
             return None
-        self.events[key] = event
-        self._reaches(event.time_s)
-        changes: list[tuple[What, Event]] = []
+        self._store(self.events, key, event)
+        changes: list[tuple[Action, Event]] = []
         if corrected is not None:
             changes.append(("retracted", corrected))
-        if there is None:
+        if present is None:
             changes.append(("added", event))
-        self._keep_within(self.events)
         return changes
 
     def put_detail(self, event: Event) -> bool:
-        """Keep a detail; whether it is new."""
-        key = event_key(event)
-        if key in self.details or key in self._taken_back:
+        """Store a detail; return whether it is new."""
+        key = identity_of(event)
+        if key in self.details or key in self._retracted:
             return False
-        self.details[key] = event
-        self._reaches(event.time_s)
-        self._keep_within(self.details)
+        self._store(self.details, key, event)
         return True
 
-    def retract(self, event: Event | str) -> list[tuple[What, Event]] | None:
-        """Take back an event or what a feed names so; what changes, None if it wasn't there."""
-        key = self._ids.get(event) if isinstance(event, str) else event_key(event)
-        self._take_back(event if isinstance(event, str) else event_key(event))
+    def retract(self, event: Event | str) -> list[tuple[Action, Event]] | None:
+        """Retract an event or an id; return the changes, None if the event was not stored."""
+        key = self._ids.get(event) if isinstance(event, str) else identity_of(event)
+        self._remember_retraction(event if isinstance(event, str) else identity_of(event))
         if key is None:
             return None
         self._last_s = None
@@ -100,58 +96,59 @@ class KeptEvents:
             return [("retracted", self.events.pop(key))]
         return None if self.details.pop(key, None) is None else []
 
-    def _named(self, name: str, key: Key) -> Event | None:
-        """Give an event a name; the event that had it until now, which is gone."""
-        earlier = self._ids.get(name)
-        self._ids[name] = key
+    def _assign_id(self, id_: str, key: Key) -> Event | None:
+        """Assign an id to an event; remove and return the event that had it before."""
+        earlier = self._ids.get(id_)
+        self._ids[id_] = key
         if len(self._ids) > MAX_EVENTS:
             self._ids.popitem(last=False)
         if earlier is None or earlier == key:
             return None
-        self._take_back((name, earlier))  # a feed that begins again doesn't bring it back
+        self._remember_retraction((id_, earlier))  # a feed that restarts does not add it again
         self._last_s = None
         return self.events.pop(earlier, None)
 
-    def _take_back(self, key: Key | str | tuple[str, Key]) -> None:
-        self._taken_back[key] = None
-        while len(self._taken_back) > MAX_TAKEN_BACK:
-            self._taken_back.popitem(last=False)
+    def _remember_retraction(self, key: Key | str | tuple[str, Key]) -> None:
+        self._retracted[key] = None
+        while len(self._retracted) > MAX_RETRACTIONS:
+            self._retracted.popitem(last=False)
 
-    def _reaches(self, time_s: float) -> None:
+    def _store(self, events: dict[Key, Event], key: Key, event: Event) -> None:
+        events[key] = event
         if self._last_s is not None:
-            self._last_s = max(self._last_s, time_s)
-
-    def _keep_within(self, events: dict[Key, Event]) -> None:
+            self._last_s = max(self._last_s, event.time_s)
         if len(events) > MAX_EVENTS:
-            self.left_out += _thin(events)
+            self.omitted += _thin(events)
             self._last_s = None
 
 
-def event_key(event: Event) -> Key:
-    """What makes an event another one."""
+def identity_of(event: Event) -> Key:
+    """Return the fields that identify an event: time, kind and label."""
     return event.time_s, event.kind, event.label
 
 
 def _thin(events: dict[Key, Event]) -> int:
-    """Leave out every second event of the commonest kind; how many."""
+    """Remove every second event of the most frequent kind; return the number removed."""
     counts = Counter(kind for _, kind, _ in events)
     common = max(counts, key=lambda kind: (counts[kind], kind))
-    gone = sorted(key for key in events if key[1] == common)[1::2]
-    for key in gone:
+    removed = sorted(key for key in events if key[1] == common)[1::2]
+    for key in removed:
         del events[key]
-    return len(gone)
+    return len(removed)
 
 
 MAX_SAMPLES = 65_536
-"""Most samples that are kept: nine minutes' worth more than a match's at ten a second, and as many
-as a surface looks at one by one. When there are more, each two become one."""
+"""Maximum number of stored samples, enough for 109 minutes at 10 Hz.
+
+A surface evaluates as many samples one by one. Above the maximum, pairs of samples are merged.
+"""
 
 
-class KeptSamples:
-    """A curve's points; one that comes again for a time takes the place of the first.
+class SampleBuffer:
+    """Samples of a curve; a sample replaces an earlier one of the same time.
 
-    Where they are too many, each two next to each other become the larger one: a cheer stays as
-    high as it was.
+    Above `MAX_SAMPLES`, each pair of neighbouring samples is merged into the larger one. So the
+    peaks keep their height.
     """
 
     def __init__(self) -> None:
@@ -163,42 +160,41 @@ class KeptSamples:
 
     @property
     def last_s(self) -> float:
-        """The latest sample's time, s."""
+        """Time of the latest sample, s."""
         return self._time_s[-1]
 
     def put(self, time_s: float, value: float) -> bool:
-        """Keep a sample; whether it is new."""
-        times, place = self._time_s, bisect_left(self._time_s, time_s)
-        if place < len(times) and times[place] == time_s:
-            is_new = self._value[place] != value
-            self._value[place] = value
+        """Store a sample; return whether it changes the curve."""
+        index = bisect_left(self._time_s, time_s)
+        if index < len(self) and self._time_s[index] == time_s:
+            is_new = self._value[index] != value
+            self._value[index] = value
             return is_new
-        times.insert(place, time_s)
-        self._value.insert(place, value)
-        if len(times) > MAX_SAMPLES:
+        self._time_s.insert(index, time_s)
+        self._value.insert(index, value)
+        if len(self) > MAX_SAMPLES:
             self._halve()
         return True
 
     def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Copies of the times (s) and the values."""
+        """Return copies of the times (s) and the values."""
         return np.array(self._time_s, np.float64), np.array(self._value, np.float64)
 
     def _halve(self) -> None:
         times, values = self.arrays()
         count = len(times) // 2 * 2
         pair = values[:count].reshape(-1, 2)
-        kept = np.arange(0, count, 2) + np.argmax(pair, axis=1)
-        # the newest stays, so that the curve still reaches to where it did
-        kept = np.unique(np.append(kept, len(times) - 1))
-        self._time_s = array("d", times[kept])
-        self._value = array("d", values[kept])
+        larger = np.arange(0, count, 2) + np.argmax(pair, axis=1)
+        # the latest sample stays, so that the end of the curve does not move
+        selected = np.unique(np.append(larger, len(times) - 1))
+        self._time_s = array("d", times[selected])
+        self._value = array("d", values[selected])
 
 
 class Coverage:
-    """Signs of life on a time axis, joined where they are no further apart than `reach_s`.
+    """Time ranges in which a feed was active: times that are at most `reach_s` apart are joined.
 
-    The same signs give the same stretches in whatever order they come. Memory is that of the
-    stretches, not of the signs.
+    The order in which times are added has no effect. Only the ranges are stored.
     """
 
     def __init__(self, reach_s: float) -> None:
@@ -207,8 +203,8 @@ class Coverage:
         self._ends: list[float] = []
 
     def add(self, time_s: float) -> bool:
-        """Note a sign; whether that changes a stretch."""
-        # stretches that end at or after the sign less the reach, and begin before it and the reach
+        """Add a time at which the feed was active; return whether a range changes."""
+        # the ranges within `reach_s` of the time
         first = bisect_left(self._ends, time_s - self.reach_s)
         stop = bisect_right(self._starts, time_s + self.reach_s)
         if first >= stop:
@@ -224,17 +220,11 @@ class Coverage:
 
     @property
     def first_s(self) -> float:
-        """When the first sign was, s; without end where there is none."""
+        """Earliest time that was added, s; infinite without any."""
         return self._starts[0] if self._starts else math.inf
 
     def gaps(self, more: Iterable[float] = ()) -> tuple[tuple[float, float], ...]:
-        """The stretches between those that were heard of.
-
-        Parameters
-        ----------
-        more
-            Further signs, which are not kept.
-        """
+        """Return the gaps between the ranges; `more` has further times, which are not stored."""
         joined = Coverage(self.reach_s)
         joined._starts, joined._ends = self._starts.copy(), self._ends.copy()
         for time_s in more:
@@ -246,15 +236,15 @@ class Coverage:
 
 
 def merged_gaps(found: Iterable[tuple[float, float, str]]) -> tuple[Gaps, tuple[str, ...]]:
-    """Gaps (start_s, end_s, why) in order, those that overlap as one, and why each is there.
+    """Return gaps and their reasons, from (start_s, end_s, reason) in any order.
 
-    Of those that overlap, the first one's reason stays. Empty ones are left out.
+    Overlapping gaps become one, with the reason of the first. Empty gaps are omitted.
     """
     merged: list[tuple[float, float, str]] = []
-    for start, end, why in sorted(one for one in found if one[0] < one[1]):
+    for start, end, reason in sorted(one for one in found if one[0] < one[1]):
         if merged and start < merged[-1][1]:
-            first, last, reason = merged[-1]
-            merged[-1] = (first, max(last, end), reason)
+            first, last, first_reason = merged[-1]
+            merged[-1] = (first, max(last, end), first_reason)
         else:
-            merged.append((start, end, why))
-    return tuple((a, b) for a, b, _ in merged), tuple(why for *_, why in merged)
+            merged.append((start, end, reason))
+    return tuple((a, b) for a, b, _ in merged), tuple(reason for *_, reason in merged)

@@ -1,18 +1,18 @@
-"""The feed format: JSON, one object a line, each with one of these keys.
+"""Feed format: one JSON object per line, each with one of these keys.
 
-| key | value | beside it |
+| key | value | optional further keys |
 |---|---|---|
-| `overview_feed` | 1, the format's version; the first line, and again after a new start | `title`, `unit`, `start`, `provenance`, `notes`, `percentiles`, `silence_s`, `expect_s`, `map` |
+| `overview_feed` | 1, the version; in the first line, and again after each restart | `title`, `unit`, `start`, `provenance`, `notes`, `percentiles`, `silence_s`, `expected_duration_s`, `layout` |
 | `event` | `{"time_s": 786.2, "kind": "goal", "label": "1-0 Parris", "weight": 1.0}` | `id` |
-| `detail` | the same: felt in windows | |
-| `sample` | `[time_s, value]` or a list of these | |
-| `retract` | an `id`, or an event's time_s, kind and label | |
-| `clock` | what time it is, s: all up to then was told | |
-| `gap` | `[start_s, end_s]`: nothing is known | `reason` |
-| `end` | how long it was, s | `title`, `provenance`, `notes` |
+| `detail` | as `event`; shown in windows only | |
+| `sample` | `[time_s, value]` or a list of such pairs | |
+| `retract` | an `id`, or the time_s, kind and label of an event | |
+| `clock` | current time, s: the feed is complete until this time | |
+| `gap` | `[start_s, end_s]`: time range without data | `reason` |
+| `end` | final duration, s | `title`, `provenance`, `notes` |
 
-A line with another key is of a later version: it is passed over, and said once. A line that is
-broken is passed over too, and said; what comes after it isn't lost.
+A line with another key belongs to a later version. Such a line and an invalid line are skipped,
+and a message is shown once. The lines after them are read.
 """  # noqa: E501
 
 from __future__ import annotations
@@ -36,35 +36,38 @@ HEADER = "overview_feed"
 KEYS = (HEADER, "event", "detail", "sample", "retract", "clock", "gap", "end")
 
 MAX_LINE_BYTES = 65_536
-"""A longer line is no line of a feed: an event has some hundred bytes."""
+"""Maximum length of a line. An event has about 100 bytes."""
 
 _EVENT_KEYS = frozenset({"time_s", "kind", "label", "weight"})
-_BESIDE = {
+_FURTHER_KEYS = {
     HEADER: {
-        "title", "unit", "start", "provenance", "notes", "percentiles", "silence_s", "expect_s",
-        "map",
+        "title", "unit", "start", "provenance", "notes", "percentiles", "silence_s",
+        "expected_duration_s", "layout",
     },
     "event": {"id"},
     "gap": {"reason"},
     "end": {"title", "provenance", "notes"},
 }  # fmt: skip
 
-CLOCK_EVERY_S = 30.0
-"""A recorded feed tells its clock so often, s, well within what counts as silence; but in ..."""
+_RENAMED_KEYS = {"expected_duration_s": "expected_duration_s", "map": "layout"}
+"""Keys of the header in feeds that were recorded with version 0.1."""
 
-MOST_CLOCKS = 1_000
-"""... no more than so many lines, of a timeline of years."""
+CLOCK_EVERY_S = 30.0
+"""Interval of the clock lines in an exported feed, s, shorter than the default `silence_s`."""
+
+MAX_CLOCK_LINES = 1_000
+"""Maximum number of clock lines in an exported feed, which limits them for a timeline of years."""
 
 _SCORE = re.compile(r"(?<=\S )\d+[-–]\d+(?= \S)")
 
 
-def encode_line(what: Mapping[str, Any]) -> str:
-    """Return an object as a line of a feed, with its end."""
-    return json.dumps(what, ensure_ascii=False, allow_nan=False) + "\n"
+def encode_line(line: Mapping[str, Any]) -> str:
+    """Return an object as a line of a feed, with its newline."""
+    return json.dumps(line, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def event_object(event: Event) -> dict[str, Any]:
-    """Return an event as the feed has it: a label of nothing and a weight of 1 are left out."""
+    """Return an event as an object of the feed, without an empty label and a weight of 1."""
     written: dict[str, Any] = {"time_s": event.time_s, "kind": event.kind}
     if event.label:
         written["label"] = event.label
@@ -74,52 +77,52 @@ def event_object(event: Event) -> dict[str, Any]:
 
 
 class Lines:
-    """Bytes as they come, cut into lines; a line that is too long is passed over as a whole."""
+    """Splitter of a byte stream into lines; a line above `MAX_LINE_BYTES` is skipped."""
 
     def __init__(self) -> None:
         self._rest = b""
-        self._passing = False
+        self._skips = False
         self.too_long = 0
 
     def cut(self, data: bytes) -> Iterator[bytes]:
-        """Yield the lines that are whole by now, without their ends."""
+        """Yield the lines that are complete after `data`, without their newlines."""
         *whole, rest = (self._rest + data).split(b"\n")
         self._rest = b""
         for line in whole:
-            if self._passing:
-                self._passing = False
+            if self._skips:
+                self._skips = False
             elif len(line) > MAX_LINE_BYTES:
                 self.too_long += 1
             else:
                 yield line
-        if self._passing:
+        if self._skips:
             return
         if len(rest) > MAX_LINE_BYTES:
             self.too_long += 1
-            self._passing = True
+            self._skips = True
         else:
             self._rest = rest
 
     def last(self) -> Iterator[bytes]:
-        """Yield a last line that had no end; the next data begin a line."""
+        """Yield a last line without a newline, and start again."""
         rest, self._rest = self._rest, b""
-        passing, self._passing = self._passing, False
-        if rest.strip() and not passing:
+        skips, self._skips = self._skips, False
+        if rest.strip() and not skips:
             yield rest
 
 
-def take_line(live: LiveTimeline, line: bytes | str) -> str:
-    """Do to a timeline what a line of a feed says.
+def apply_line(live: LiveTimeline, line: bytes | str) -> str:
+    """Apply a line of a feed to a timeline.
 
     Returns
     -------
     str
-        Which of `KEYS` it was; "" for an empty line, `later` for one of a later version.
+        The key of the line, one of `KEYS`; "" for an empty line, `later` for a later version.
 
     Raises
     ------
     InputError
-        It isn't a line of a feed, or says what can't be; nothing is changed.
+        The line is not in the feed format, or a value is not allowed; nothing is changed.
     """
     try:
         text = line.decode() if isinstance(line, bytes) else line
@@ -127,19 +130,27 @@ def take_line(live: LiveTimeline, line: bytes | str) -> str:
             return ""
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{_start(line)}: not one JSON object a line ({error})") from None
+        raise InputError(f"{_start(line)}: must be one JSON object ({error})") from None
     if not isinstance(document, dict):
-        raise InputError(f"{_start(line)}: not an object {{...}}")
+        raise InputError(f"{_start(line)}: must be a JSON object {{...}}")
     found = [key for key in KEYS if key in document]
     if not found:
         return "later"
     if len(found) > 1:
-        raise InputError(f"{_start(line)}: has both {found[0]} and {found[1]}; write two lines")
+        raise InputError(
+            f"{_start(line)}: has both {found[0]} and {found[1]}; write them as two lines"
+        )
     key = found[0]
-    more = document.keys() - {key} - _BESIDE.get(key, set())
-    if more:
-        raise InputError(f"{_start(line)}: {key} has no {shown(min(more))} beside it")
-    _take(live, key, document[key], document)
+    if key == HEADER:
+        document = {_RENAMED_KEYS.get(name, name): value for name, value in document.items()}
+    allowed = _FURTHER_KEYS.get(key, set())
+    unknown = document.keys() - {key} - allowed
+    if unknown:
+        raise InputError(
+            f"{_start(line)}: unknown key {shown(min(unknown))} in a line with {key}; allowed: "
+            f"{', '.join(sorted(allowed)) or 'no further key'}"
+        )
+    _apply(live, key, document[key], document)
     return key
 
 
@@ -148,59 +159,61 @@ def _start(line: bytes | str) -> str:
     return shown(text.strip()[:60])
 
 
-def _take(live: LiveTimeline, key: str, value: object, line: Mapping[str, Any]) -> None:
-    """Do what a line with one of `KEYS` says."""
+def _apply(live: LiveTimeline, key: str, value: object, line: Mapping[str, Any]) -> None:
+    """Apply a line with one of `KEYS`."""
     if key == HEADER:
-        _take_header(live, value, line)
+        _apply_header(live, value, line)
     elif key == "event":
-        given = line.get("id")
-        name = None if given is None else validation.text(_as_text(given), "id")
-        live.append(events=(event_of(value),), ids=(name,))
+        id_ = line.get("id")
+        id_ = None if id_ is None else validation.text(_as_text(id_), "id")
+        live.append(events=(event_of(value),), ids=(id_,))
     elif key == "detail":
         live.append(details=(event_of(value),))
     elif key == "sample":
         several = isinstance(value, list) and bool(value) and isinstance(value[0], list)
-        live.append(intensity=value if several else (value,))  # type: ignore[arg-type]  # checked there
+        live.append(intensity=value if several else (value,))  # type: ignore[arg-type]  # validated by append
     elif key == "retract":
-        what = _as_text(value)
-        live.retract(what if isinstance(what, str) else event_of(what))
+        event = _as_text(value)
+        live.retract(event if isinstance(event, str) else event_of(event))
     elif key == "clock":
         live.append(clock_s=validation.number(value, "clock"))
     elif key == "gap":
         start_s, end_s = _pair(value, "gap")
         live.gap(start_s, end_s, line.get("reason", ""))
     else:
-        words = _words(line)
+        description = _description(line)
         live.end(None if value is None else validation.number(value, "end"))
-        live.describe(**words)
+        live.describe(**description)
 
 
-def _take_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
+def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
     if isinstance(version, bool) or version != VERSION:
-        raise InputError(f"{HEADER} is {shown(version)}; this program follows version {VERSION}")
+        raise InputError(
+            f"{HEADER} is {shown(version)}; must be {VERSION}, the version this program reads"
+        )
     start = line.get("start")
     if start is not None:
         try:
             start = datetime.fromisoformat(validation.text(start, "start"))
         except ValueError:
-            raise InputError(f"start is {shown(start)}; write it as ISO 8601") from None
+            raise InputError(f"start is {shown(start)}; must be a date in ISO 8601") from None
     percentiles = line.get("percentiles")
     if percentiles is not None:
         percentiles = tuple(_pair(percentiles, "percentiles"))
     live.describe(
-        **_words(line),
+        **_description(line),
         unit=_text(line, "unit"),
         start=start,
         percentiles=percentiles,
         silence_s=line.get("silence_s"),
     )
-    live.suggest(line.get("expect_s"), line.get("map"))
+    live.suggest(line.get("expected_duration_s"), line.get("layout"))
 
 
-def _words(line: Mapping[str, Any]) -> dict[str, Any]:
+def _description(line: Mapping[str, Any]) -> dict[str, Any]:
     notes = line.get("notes")
     if notes is not None and not isinstance(notes, list):
-        raise InputError(f"notes is {shown(notes)}, not a list")
+        raise InputError(f"notes is {shown(notes)}; must be a list of strings")
     return {"title": _text(line, "title"), "provenance": _text(line, "provenance"), "notes": notes}
 
 
@@ -210,61 +223,54 @@ def _text(line: Mapping[str, Any], key: str) -> str | None:
 
 
 def event_of(value: object) -> Event:
-    """Return the event that an object of a feed means; InputError names what is wrong."""
+    """Return the Event of a feed's object; InputError if a key is unknown or missing."""
     if not isinstance(value, dict):
-        raise InputError(f"an event is {shown(value)}, not an object")
-    more = value.keys() - _EVENT_KEYS
-    if more:
-        raise InputError(f"an event has no {shown(min(more))}; it has time_s, kind, label, weight")
+        raise InputError(f"the event is {shown(value)}; must be a JSON object {{...}}")
+    unknown = value.keys() - _EVENT_KEYS
+    if unknown:
+        raise InputError(
+            f"the event has the unknown key {shown(min(unknown))}; allowed: time_s, kind, label, "
+            "weight"
+        )
     for key in ("time_s", "kind"):
         if key not in value:
-            raise InputError(f"an event lacks {key}")
+            raise InputError(f"the event has no {key}; time_s and kind are required")
     return Event(**value)
 
 
-def _as_text(name: object) -> object:
-    """An id that is written as a number is the same as its digits."""
-    return str(name) if type(name) is int else name
+def _as_text(id_: object) -> object:
+    """Return an id that is a number as its digits."""
+    return str(id_) if type(id_) is int else id_
 
 
-def _pair(value: object, what: str) -> list[float]:
+def _pair(value: object, name: str) -> list[float]:
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{what} is {shown(value)}; it is a list of two numbers")
-    return [validation.number(one, what) for one in value]
+        raise InputError(f"{name} is {shown(value)}; must be a list of two numbers")
+    return [validation.number(one, name) for one in value]
 
 
-def feed_of(timeline: Timeline) -> Iterator[tuple[float, dict[str, Any]]]:
-    """Tell a timeline as a feed.
+def lines_of_timeline(timeline: Timeline) -> Iterator[tuple[float, dict[str, Any]]]:
+    """Yield a timeline as the lines of a feed: times, s, ascending, and JSON objects.
 
-    The score in the title comes with the end. A curve that was derived from the events isn't told,
-    as whoever follows derives it.
-
-    Parameters
-    ----------
-    timeline
-        What is told.
-
-    Yields
-    ------
-    time_s, line
-        When it is told, ascending, and an object of `feed_lines`.
+    The score in the title is sent with the end only. A curve that was derived from the events is
+    not sent, because the receiver derives it.
     """
     periods_first = sorted(timeline.events, key=lambda event: event.kind != "period")
     derived, provenance, notes = derive_intensity(periods_first, timeline.duration_s)
     is_derived = derived is not None and derived == timeline.intensity
-    words: dict[str, Any] = {
+    description: dict[str, Any] = {
         "title": timeline.title,
         "provenance": timeline.provenance,
         "notes": list(timeline.notes),
     }
     if is_derived:
-        words["provenance"] = timeline.provenance.removesuffix(provenance).removesuffix("; ")
-        words["notes"] = [one for one in timeline.notes if one not in notes]
-    clock_every_s = max(CLOCK_EVERY_S, timeline.duration_s / MOST_CLOCKS)
+        description["provenance"] = timeline.provenance.removesuffix(provenance).removesuffix("; ")
+        description["notes"] = [one for one in timeline.notes if one not in notes]
+    clock_every_s = max(CLOCK_EVERY_S, timeline.duration_s / MAX_CLOCK_LINES)
     header: dict[str, Any] = {
         HEADER: VERSION,
         "title": _SCORE.sub("-", timeline.title),
-        "expect_s": timeline.duration_s,
+        "expected_duration_s": timeline.duration_s,
         "silence_s": 4.0 * clock_every_s,
     }
     if timeline.start is not None:
@@ -275,17 +281,16 @@ def feed_of(timeline: Timeline) -> Iterator[tuple[float, dict[str, Any]]]:
         if curve.percentiles != EXTREMES:
             header["percentiles"] = list(curve.percentiles)
     yield 0.0, header
-    told: list[tuple[float, dict[str, Any]]] = []
-    told += [(event.time_s, {"event": event_object(event)}) for event in timeline.events]
-    told += [(event.time_s, {"detail": event_object(event)}) for event in timeline.details]
+    lines: list[tuple[float, dict[str, Any]]] = []
+    lines += [(event.time_s, {"event": event_object(event)}) for event in timeline.events]
+    lines += [(event.time_s, {"detail": event_object(event)}) for event in timeline.details]
     if curve is not None:
         points = zip(curve.time_s[:].tolist(), curve.value.tolist(), strict=True)
-        told += [(point[0], {"sample": list(point)}) for point in points]
+        lines += [(point[0], {"sample": list(point)}) for point in points]
     reasons = timeline.gap_reasons or ("",) * len(timeline.gaps)
     for (start, end), reason in zip(timeline.gaps, reasons, strict=True):
-        told.append((end, {"gap": [start, end], **({"reason": reason} if reason else {})}))
+        lines.append((end, {"gap": [start, end], **({"reason": reason} if reason else {})}))
     clocks = int(timeline.duration_s // clock_every_s)
-    told += [(n * clock_every_s, {"clock": n * clock_every_s}) for n in range(1, clocks + 1)]
-    told.sort(key=lambda one: one[0])
-    yield from told
-    yield timeline.duration_s, {"end": timeline.duration_s, **words}
+    lines += [(n * clock_every_s, {"clock": n * clock_every_s}) for n in range(1, clocks + 1)]
+    yield from sorted(lines, key=lambda line: line[0])
+    yield timeline.duration_s, {"end": timeline.duration_s, **description}

@@ -1,4 +1,4 @@
-"""Keeps a LiveTimeline up with a source, in a thread of its own; loses it and finds it again."""
+"""Thread that updates a LiveTimeline from a source, and reconnects when the source is lost."""
 
 from __future__ import annotations
 
@@ -8,68 +8,68 @@ import time
 from collections import deque
 from collections.abc import Generator
 
-from overview_dsp.data.feeds.feed_lines import Lines, take_line
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, apply_line
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
-from overview_dsp.data.feeds.sources import Came, LostError, Source
+from overview_dsp.data.feeds.sources import LostError, Source
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.units import clock_text
 
-AGAIN_S = (0.25, 15.0)
-"""A lost source is tried again after so long, and then after twice as long each time, up to ..."""
+RETRY_S = (0.25, 15.0)
+"""First and longest wait before a lost source is opened again, s. Each wait is twice the last."""
 
 SILENT_S = 60.0
-"""Nothing for so long is told."""
+"""Time without data after which a message is shown, s."""
 
-MOST_SAID = 20
-"""So many different faults of a feed are told; the rest is counted."""
+MAX_MESSAGES = 20
+"""Number of different faults of a feed that are reported; further ones are only counted."""
 
 
 class Follower:
-    """Follows a source until it ends or `close`.
+    """Updates a live timeline from a source, until the source ends or `close` is called.
 
-    Thread: `live` is fed by the follower's own; everything else any.
+    Thread: any. The follower's own thread updates `live`.
 
     Attributes
     ----------
     live : LiveTimeline
-        What it keeps up.
-    refused : int
-        Lines that were none.
+        Timeline that is updated.
+    rejected : int
+        Number of invalid lines.
     lost : int
-        How often the source was lost.
+        Number of times the source was lost.
     """
 
     def __init__(self, live: LiveTimeline, source: Source) -> None:
         self.live = live
         self._source = source
         self._messages: deque[str] = deque(maxlen=200)
-        self._said: set[str] = set()
+        self._reported: set[str] = set()
         self._over = threading.Event()
         self._stop = threading.Event()
-        self._heard_at = time.monotonic()
+        self._received_at = time.monotonic()
         self._silent = self._is_lost = False
-        self.refused = self.lost = 0
+        self.rejected = self.lost = 0
         self._thread = threading.Thread(target=self._run, name="feed", daemon=True)
 
     def start(self) -> Follower:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
         return self
 
     def close(self) -> None:
-        """Stop; a source that waits for longer than it may is left to itself."""
+        """Stop the thread; wait for it at most the source's `close_timeout_s`."""
         self._stop.set()
-        self._thread.join(self._source.ends_within_s)
+        self._thread.join(self._source.close_timeout_s)
 
     @property
     def over(self) -> bool:
-        """Whether nothing more comes: the source has ended, or can't be followed."""
+        """True after the source has ended or failed: no more data arrive."""
         return self._over.is_set()
 
     @property
-    def words(self) -> str:
-        """How it stands, for a person."""
+    def status_text(self) -> str:
+        """Status for display."""
         until = f"data until {clock_text(self.live.now_s)}"
         if self.live.ended:
             return f"the end, {until}"
@@ -78,77 +78,76 @@ class Follower:
         return until if not self.over else f"feed ended, {until}"
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
-        silent = time.monotonic() - self._heard_at > SILENT_S and not self.over
+        """Return the messages added since the last call."""
+        silent = time.monotonic() - self._received_at > SILENT_S and not self.over
         if silent and not self._silent and not self.live.ended:
-            self._messages.append(f"{self._source.name}: silent; {self.words}")
+            self._messages.append(f"{self._source.name}: silent; {self.status_text}")
         self._silent = silent
         return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     # --- the follower's thread ------------------------------------------------------------------
 
     def _run(self) -> None:
-        wait_s = AGAIN_S[0]
+        wait_s = RETRY_S[0]
         try:
             while not self._stop.is_set():
                 lines = Lines()
-                coming = self._source.come()
+                items = self._source.read()
                 try:
-                    for came in coming:
+                    for item in items:
                         if self._stop.is_set():
                             return
-                        if came is not None:
-                            wait_s = AGAIN_S[0]
-                            self._take(came, lines)
+                        if item is not None:
+                            wait_s = RETRY_S[0]
+                            self._receive(item, lines)
                     for line in lines.last():
-                        self._take_line(line)
+                        self._apply_line(line)
                     return
                 except LostError as error:
-                    self._lose(error)
-                    # apart from each other, where many have lost the same server
-                    wait_s = min(2.0 * wait_s, AGAIN_S[1])
+                    if not self._is_lost:
+                        self._is_lost = True
+                        self.lost += 1
+                        self._report(f"lost ({error}); trying again")
+                    # random, so that many followers of one server do not reconnect at once
+                    wait_s = min(2.0 * wait_s, RETRY_S[1])
                     self._stop.wait(max(wait_s * random.uniform(0.5, 1.0), error.wait_s))
                 finally:
-                    if isinstance(coming, Generator):
-                        coming.close()  # what it opened is given back here, and now
+                    if isinstance(items, Generator):
+                        items.close()  # closes the file, connection or device now
         except InputError as error:
-            self._messages.append(f"{error}; nothing more is followed")
-        except Exception as error:  # a fault of this program: the disk plays on
-            self._messages.append(f"{self._source.name}: {type(error).__name__}: {error}")
+            self._messages.append(f"{error}; the feed is no longer followed")
+        except Exception as error:  # a bug in this program must not stop the disk
+            self._report(f"{type(error).__name__}: {error}")
         finally:
             self._over.set()
 
-    def _take(self, came: Came, lines: Lines) -> None:
-        if came:
-            self._heard_at = time.monotonic()
+    def _receive(self, item: bytes | Timeline, lines: Lines) -> None:
+        if item:
+            self._received_at = time.monotonic()
         if self._is_lost:
             self._is_lost = False
-            self._messages.append(f"{self._source.name}: is back")
-        if isinstance(came, Timeline):
-            self.live.replace(came)
+            self._report("connected again")
+        if isinstance(item, Timeline):
+            self.live.replace(item)
             return
-        assert came is not None
         before = lines.too_long
-        for line in lines.cut(came):
-            self._take_line(line)
+        for line in lines.cut(item):
+            self._apply_line(line)
         if lines.too_long > before:
-            self._refuse("a line longer than 64 KB")
+            self._reject(f"a line is longer than {MAX_LINE_BYTES >> 10} KB")
 
-    def _take_line(self, line: bytes) -> None:
+    def _apply_line(self, line: bytes) -> None:
         try:
-            if take_line(self.live, line) == "later":
-                self._refuse("a line of a later version of the format")
+            if apply_line(self.live, line) == "later":
+                self._reject("a line of a later version of the format")
         except InputError as error:
-            self._refuse(str(error))
+            self._reject(str(error))
 
-    def _refuse(self, why: str) -> None:
-        self.refused += 1
-        if len(self._said) < MOST_SAID and why not in self._said:
-            self._said.add(why)
-            self._messages.append(f"{self._source.name}: passed over: {why}")
+    def _reject(self, reason: str) -> None:
+        self.rejected += 1
+        if len(self._reported) < MAX_MESSAGES and reason not in self._reported:
+            self._reported.add(reason)
+            self._report(f"line skipped: {reason}")
 
-    def _lose(self, error: LostError) -> None:
-        if not self._is_lost:
-            self._is_lost = True
-            self.lost += 1
-            self._messages.append(f"{self._source.name}: lost ({error}); it is tried again")
+    def _report(self, text: str) -> None:
+        self._messages.append(f"{self._source.name}: {text}")

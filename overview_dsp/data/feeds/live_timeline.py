@@ -1,8 +1,8 @@
-"""A timeline that is still growing: what came so far, in whatever order, as one Timeline at a time.
+"""Live timeline: events and samples received so far, provided as one Timeline at a time.
 
-What comes may be late, doubled, out of order and taken back: the same things give the same
-timeline in any order (events of one time stay in the order they came), except that the last of two
-values for one sample or one id stands.
+Events may arrive late, twice or out of order, and may be retracted. The result does not depend on
+the order of arrival, with two exceptions: events with equal times keep their order of arrival, and
+the later of two values for one sample or one id is used.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from numpy.typing import ArrayLike
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.feeds.feed_history import (
+    Action,
     Change,
     Coverage,
-    KeptEvents,
-    KeptSamples,
-    What,
-    event_key,
+    EventBuffer,
+    SampleBuffer,
+    identity_of,
     merged_gaps,
 )
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
@@ -38,70 +38,72 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.public import counted, short
 from overview_dsp.units import clock_text
 
-Map = Literal["whole", "so far"]
+Layout = Literal["whole", "so far"]
 
-MAPS: tuple[Map, ...] = ("whole", "so far")
-"""How a timeline that grows may be laid out."""
+LAYOUTS: tuple[Layout, ...] = ("whole", "so far")
+"""Allowed values of `layout`."""
 
 LONGEST_S = 100 * 366 * 86_400.0
-"""A time beyond this is no moment of a feed but a broken clock."""
+"""Maximum time of an event or sample, s. Later times indicate a broken clock."""
 
 MAX_CHANGES = 1_000
-"""So many of the latest changes are remembered for `changes_since`."""
+"""Number of latest changes stored for `changes_since`."""
 
 EXTRA_TIME = 0.05
-"""By which part of the expected length it is extended, again and again, when play goes on: half an
-hour for a day, five minutes for a match, so that the map changes rarely."""
+"""Share of the expected duration that is added each time the clock passes the end.
 
-ROOM = 0.03
-"""How much of the future lies behind what has just happened, at least, as a part of what has."""
+The share is five minutes for a match and over an hour for a day, so the layout changes rarely."""
+
+FUTURE_MARGIN = 0.03
+"""Minimum length of the future after now, as a share of the time until now."""
 
 SHORTEST_S = 1.0
-"""What has only just begun is at least so long."""
+"""Minimum duration, s."""
 
 SILENCE_S = 120.0
-"""A feed that tells its clock (or samples) and is silent for longer leaves a gap."""
+"""Silence, s, after which a feed that sends clock lines or samples gets a gap."""
 
 
 class LiveTimeline:
-    """A timeline that grows: events and samples are appended, and events retracted, as they happen.
+    """Timeline of an event in progress: events and samples are appended, events can be retracted.
 
-    `snapshot` gives the timeline as it is at that moment. It is mapped in one of two ways: `"so
-    far"` ends now, `"whole"` is as long as what is expected, and what lies behind now is the
-    future, which feels like nothing else. Without samples, football events get the curve of
-    excitement that a file of them gets.
+    `snapshot` returns the current timeline. Its `layout` is one of two: `"so far"` ends now,
+    `"whole"` has the expected duration and marks the time after now as the future. The future has
+    its own friction. Football events without samples get the same excitement curve as a file of
+    these events.
 
     Thread: any.
 
     Parameters
     ----------
     title : str
-        Words for a person.
-    expect_s : float or None
-        How long it is expected to last, s; play that goes on extends it by 5 % at a time.
-    map : {"whole", "so far"} or None
-        How it is laid under the hand; None is whole where a length is expected, else so far.
+        Title for display.
+    expected_duration_s : float or None
+        Expected duration, s. It is extended by 5 % each time the clock passes it.
+    layout : {"whole", "so far"} or None
+        Part of the duration that the disk covers. None: "whole" with an expected duration, else
+        "so far".
     unit : str
-        Of the samples.
+        Unit of the samples.
     start : datetime or None
-        The calendar moment of time 0.
+        Calendar date and time of time 0.
     percentiles : (float, float)
-        Which percentiles of the samples become 0 and 1.
+        Percentiles of the samples that become intensity 0 and 1.
     silence_s : float
-        A feed that tells its clock, or samples, and is silent for longer leaves a gap, s.
+        Silence, s, after which a feed that sends clock lines or samples gets a gap.
 
     Raises
     ------
     InputError
-        A value that isn't allowed.
+        A value is not allowed.
 
     Examples
     --------
-    >>> live = ov.LiveTimeline("Home - Away", expect_s=5700.0)
+    >>> live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     >>> live.append(events=[ov.Event(786.2, "goal", "1-0 Parris")])
     >>> live.snapshot().known_until_s
     786.2
-    >>> live.map = "so far"
+    >>> live.layout = "so far"
     >>> live.snapshot().duration_s
     786.2
     """
@@ -110,8 +112,8 @@ class LiveTimeline:
         self,
         title: str = "",
         *,
-        expect_s: float | None = None,
-        map: Map | None = None,
+        expected_duration_s: float | None = None,
+        layout: Layout | None = None,
         unit: str = "",
         start: datetime | None = None,
         percentiles: tuple[float, float] = EXTREMES,
@@ -125,21 +127,21 @@ class LiveTimeline:
         self._percentiles = percentiles
         self._provenance = "a feed"
         self._notes: tuple[str, ...] = ()
-        self._kept = KeptEvents()
-        self._samples = KeptSamples()
-        self._heard = Coverage(validation.positive(silence_s, "silence_s"))
-        self._given_gaps: dict[tuple[float, float], str] = {}
+        self._buffer = EventBuffer()
+        self._samples = SampleBuffer()
+        self._coverage = Coverage(validation.positive(silence_s, "silence_s"))
+        self._reported_gaps: dict[tuple[float, float], str] = {}
         self._clock_s = 0.0
         self._document: Timeline | None = None
         self._revision = 0
         self._changes: deque[Change] = deque(maxlen=MAX_CHANGES)
-        self._expect_s = _checked_expectation(expect_s)
-        wanted: Map = "whole" if expect_s else "so far"
-        self._map: Map = wanted if map is None else _checked_map(map)
-        self._is_map_chosen = map is not None
+        self._expected_duration_s = _checked_expectation(expected_duration_s)
+        default: Layout = "whole" if expected_duration_s else "so far"
+        self._layout: Layout = default if layout is None else _checked_layout(layout)
+        self._is_layout_set = layout is not None
         self._end_s: float | None = None
-        self._made: tuple[int, Timeline] | None = None
-        self._felt: tuple[Timeline, Timeline] | None = None
+        self._snapshot: tuple[int, Timeline] | None = None
+        self._padded: tuple[Timeline, Timeline] | None = None
 
     def append(
         self,
@@ -150,28 +152,28 @@ class LiveTimeline:
         clock_s: float | None = None,
         ids: Iterable[str | None] = (),
     ) -> None:
-        """Take what has happened: all of it, or none.
+        """Add events, samples and the clock; if one is invalid, nothing is added.
 
-        What is there already stays as it is; what was retracted stays away.
+        Events that are present already are ignored, as are retracted events.
 
         Parameters
         ----------
         events : iterable of Event
-            In any order.
+            Events in any order.
         intensity : Intensity or iterable of (float, float)
-            Samples: seconds and value; one for a time that is there already replaces that.
+            Samples as time (s) and value. A sample replaces an earlier one of the same time.
         details : iterable of Event
-            Smaller things, felt in windows.
+            Detail events, which are shown in windows only.
         clock_s : float or None
-            What time it is, s: nothing else has happened up to then.
+            Current time, s. All events until this time have been reported.
         ids : iterable of (str or None)
-            The feed's name of each of the events: an event of the same name replaces the earlier
-            one, and is retracted by it.
+            Id in the feed of each event. An event replaces an earlier one with the same id, and
+            the id can be used to retract it.
 
         Raises
         ------
         InputError
-            A time, value or type that isn't allowed; nothing is taken.
+            A time, value or type is not allowed; nothing is added.
 
         Examples
         --------
@@ -180,57 +182,59 @@ class LiveTimeline:
         >>> live.snapshot().duration_s
         12.0
         """
-        happened = tuple(_checked_event(one, "events") for one in events)
-        smaller = tuple(_checked_event(one, "details") for one in details)
+        checked = tuple(_checked_event(one, "events") for one in events)
+        checked_details = tuple(_checked_event(one, "details") for one in details)
         unit = ""
         if isinstance(intensity, Intensity):
             unit = intensity.unit
             intensity = np.column_stack([intensity.time_s[:], intensity.value])
         samples = [_checked_sample(one) for one in intensity]
-        named: tuple[str | None, ...] = tuple(ids)
-        if named and len(named) != len(happened):
-            raise InputError(f"{len(named)} ids for {len(happened)} events; give one for each")
+        event_ids: tuple[str | None, ...] = tuple(ids)
+        if event_ids and len(event_ids) != len(checked):
+            raise InputError(
+                f"{len(event_ids)} ids for {len(checked)} events; must be one id per event"
+            )
         clock = None if clock_s is None else _checked_time(clock_s, "clock_s")
         with self._lock:
-            before = self._sight()
+            before = self.now_s, bool(self._coverage)
             changed = False
             if unit and unit != self._unit:
                 self._unit, changed = unit, True
-            effects: list[tuple[What, Event]] = []
-            for event, name in zip(happened, named or (None,) * len(happened), strict=True):
-                effect = self._kept.put(event, name)
+            effects: list[tuple[Action, Event]] = []
+            for event, id_ in zip(checked, event_ids or (None,) * len(checked), strict=True):
+                effect = self._buffer.put(event, id_)
                 changed |= effect is not None
                 effects += effect or ()
-            for detail in smaller:
-                changed |= self._kept.put_detail(detail)
+            for detail in checked_details:
+                changed |= self._buffer.put_detail(detail)
             for time_s, value in samples:
                 changed |= self._samples.put(time_s, value)
-                changed |= self._heard.add(time_s)
+                changed |= self._coverage.add(time_s)
             if clock is not None:
-                changed |= self._heard.add(clock)
+                changed |= self._coverage.add(clock)
                 self._clock_s = max(self._clock_s, clock)
-            if changed or self._sight() != before:
-                self._revised(effects)
+            if changed or (self.now_s, bool(self._coverage)) != before:
+                self._record_revision(effects)
 
     def retract(self, event: Event | str) -> bool:
-        """Take an event back: a goal that was annulled.
+        """Retract an event, such as a disallowed goal.
 
-        It stays away, also if the feed gives it again or only gives it later.
+        It stays retracted, even if the feed sends it again or sends it only later.
 
         Parameters
         ----------
         event : Event or str
-            An event of that time, kind and label, or the feed's id of it.
+            Event with the same time, kind and label, or its id in the feed.
 
         Returns
         -------
         bool
-            Whether it was there.
+            True if the event was present.
 
         Raises
         ------
         InputError
-            Neither of both.
+            `event` is neither an Event nor an id.
 
         Examples
         --------
@@ -243,28 +247,28 @@ class LiveTimeline:
         {'foul': 1}
         """
         if not isinstance(event, Event | str):
-            raise InputError(f"{shown(event)} is neither an Event nor an id")
+            raise InputError(f"event is {shown(event)}; must be an Event or an id")
         with self._lock:
-            effect = self._kept.retract(event)
+            effect = self._buffer.retract(event)
             if effect is None:
                 return False
-            self._revised(effect)
+            self._record_revision(effect)
             return True
 
     def gap(self, start_s: float, end_s: float, reason: str = "") -> None:
-        """Say that nothing is known of a stretch.
+        """Add a gap: a time range without data.
 
         Parameters
         ----------
         start_s, end_s : float
-            Seconds.
+            Start and end of the gap, s.
         reason : str
-            Why.
+            Reason for the gap.
 
         Raises
         ------
         InputError
-            Not 0 <= start_s < end_s.
+            `0 <= start_s < end_s` does not hold.
 
         Examples
         --------
@@ -276,13 +280,18 @@ class LiveTimeline:
         """
         start, end = _checked_time(start_s, "start_s"), _checked_time(end_s, "end_s")
         if start >= end:
-            raise InputError(f"a gap from {start!r} to {end!r} s; it begins before it ends")
+            raise InputError(
+                f"gap is from {start!r} to {end!r} s; its start must be before its end"
+            )
         validation.text(reason, "reason")
         with self._lock:
-            if self._given_gaps.get((start, end)) != reason and len(self._given_gaps) < MAX_CHANGES:
-                self._given_gaps[start, end] = reason
+            if (
+                self._reported_gaps.get((start, end)) != reason
+                and len(self._reported_gaps) < MAX_CHANGES
+            ):
+                self._reported_gaps[start, end] = reason
                 self._clock_s = max(self._clock_s, end)
-                self._revised()
+                self._record_revision()
 
     def describe(
         self,
@@ -295,29 +304,29 @@ class LiveTimeline:
         percentiles: tuple[float, float] | None = None,
         silence_s: float | None = None,
     ) -> None:
-        """Say what it is; what is left out stays as it was.
+        """Set the description; parameters that are None stay unchanged.
 
         Parameters
         ----------
         title : str or None
-            Words for a person.
+            Title for display.
         unit : str or None
-            Of the samples.
+            Unit of the samples.
         start : datetime or None
-            The calendar moment of time 0.
+            Calendar date and time of time 0.
         provenance : str or None
-            Where it is from.
+            Origin of the data.
         notes : iterable of str or None
-            What a person should know.
+            Notes for display.
         percentiles : (float, float) or None
-            As an Intensity's.
+            Percentiles of the samples that become intensity 0 and 1.
         silence_s : float or None
-            As in the constructor; nothing once the clock was told.
+            As in the constructor. It has no effect after the first clock line or sample.
 
         Raises
         ------
         InputError
-            A value that isn't allowed; nothing is changed.
+            A value is not allowed; nothing is changed.
 
         Examples
         --------
@@ -326,39 +335,39 @@ class LiveTimeline:
         >>> live.snapshot().title
         'Home - Away'
         """
-        words = {"title": title, "unit": unit, "provenance": provenance}
-        said: dict[str, object] = {
+        texts = {"title": title, "unit": unit, "provenance": provenance}
+        fields: dict[str, object] = {
             f"_{name}": validation.text(text, name)
-            for name, text in words.items()
+            for name, text in texts.items()
             if text is not None
         }
         if notes is not None:
-            said["_notes"] = tuple(validation.text(note, "notes") for note in notes)
+            fields["_notes"] = tuple(validation.text(note, "notes") for note in notes)
         validation.moment(start, LONGEST_S)
         if start is not None:
-            said["_start"] = start
+            fields["_start"] = start
         if percentiles is not None:
-            Intensity(np.zeros(1), np.zeros(1), percentiles=percentiles)  # checked there
-            said["_percentiles"] = percentiles
+            Intensity(np.zeros(1), np.zeros(1), percentiles=percentiles)  # validates them
+            fields["_percentiles"] = percentiles
         reach = None if silence_s is None else validation.positive(silence_s, "silence_s")
         with self._lock:
-            if reach is not None and not self._heard:
-                self._heard.reach_s = reach
-            if any(getattr(self, key) != value for key, value in said.items()):
-                self.__dict__.update(said)
-                self._revised()
+            if reach is not None and not self._coverage:
+                self._coverage.reach_s = reach
+            if any(getattr(self, key) != value for key, value in fields.items()):
+                self.__dict__.update(fields)
+                self._record_revision()
 
     def replace(self, timeline: Timeline) -> None:
-        """Take over a timeline that was read anew, in place of all that came.
+        """Replace all data by a timeline that was read again.
 
         Parameters
         ----------
         timeline : Timeline
-            All that has happened so far.
+            All data until now.
 
         Examples
         --------
-        >>> live = ov.LiveTimeline(expect_s=5880.0)
+        >>> live = ov.LiveTimeline(expected_duration_s=5880.0)
         >>> live.replace(match.window(0.0, 2400.0))
         >>> live.snapshot().known_until_s
         2400.0
@@ -366,17 +375,17 @@ class LiveTimeline:
         with self._lock:
             if self._document == timeline:
                 return
-            before = {event_key(event): event for event in self._all_events()}
-            after = {event_key(event): event for event in timeline.events}
-            changes: list[tuple[What, Event]] = []
+            before = {identity_of(event): event for event in self._all_events()}
+            after = {identity_of(event): event for event in timeline.events}
+            changes: list[tuple[Action, Event]] = []
             changes += [("retracted", event) for key, event in before.items() if key not in after]
             changes += [("added", event) for key, event in after.items() if key not in before]
             self._document = timeline
-            self._revised(changes)
+            self._record_revision(changes)
 
     @property
     def now_s(self) -> float:
-        """Up to when it has happened, s: the latest of the clock, the events and the samples."""
+        """Latest time of the clock, the events and the samples, s."""
         with self._lock:
             if self._document is not None:
                 document = self._document
@@ -386,210 +395,215 @@ class LiveTimeline:
                     else document.known_until_s
                 )
             last_s = self._samples.last_s if len(self._samples) else 0.0
-            return max(self._clock_s, self._kept.last_s, last_s)
+            return max(self._clock_s, self._buffer.last_s, last_s)
 
     @property
     def revision(self) -> int:
-        """Counts up with every change."""
+        """Number of changes so far."""
         return self._revision
 
     @property
-    def left_out(self) -> int:
-        """How many events were too many to be kept."""
-        return self._kept.left_out
+    def omitted_events(self) -> int:
+        """Number of events that exceeded the capacity and were omitted."""
+        return self._buffer.omitted
 
     def changes_since(self, revision: int) -> tuple[Change, ...]:
-        """Look up which events came and which were taken back.
+        """Return the events that were added and retracted after a revision.
 
         Parameters
         ----------
         revision : int
-            After which.
+            Value of `revision` after which changes are returned.
 
         Returns
         -------
         tuple of Change
-            In order; each has `revision`, `what` (`"added"` or `"retracted"`) and `event`. The
-            latest 1000 are remembered.
+            Changes in order; each has `revision`, `action` (`"added"` or `"retracted"`) and
+            `event`. The latest 1000 changes are stored.
 
         Examples
         --------
         >>> live = ov.LiveTimeline()
         >>> live.append(events=[ov.Event(10.0, "foul")])
-        >>> [change.what for change in live.changes_since(0)]
+        >>> [change.action for change in live.changes_since(0)]
         ['added']
         """
         with self._lock:
             return tuple(change for change in self._changes if change.revision > revision)
 
-    def _sight(self) -> tuple[float, bool]:
-        return self.now_s, bool(self._heard)
-
-    def _revised(self, changes: Iterable[tuple[What, Event]] = ()) -> None:
+    def _record_revision(self, changes: Iterable[tuple[Action, Event]] = ()) -> None:
         self._revision += 1
-        self._changes.extend(Change(self._revision, what, event) for what, event in changes)
+        self._changes.extend(Change(self._revision, action, event) for action, event in changes)
 
     def _all_events(self) -> Iterable[Event]:
-        return self._kept.events.values() if self._document is None else self._document.events
+        return self._buffer.events.values() if self._document is None else self._document.events
 
     def end(self, duration_s: float | None = None) -> None:
-        """Say that it is over: no map has a future any more.
+        """Mark the timeline as ended: no layout has a future any longer.
 
-        Corrections may still come.
+        Corrections may still arrive.
 
         Parameters
         ----------
         duration_s : float or None
-            How long it was, s; None is up to now.
+            Final duration, s. None: until now.
 
         Raises
         ------
         InputError
-            Not a number above 0.
+            `duration_s` is not a number above 0.
 
         Examples
         --------
-        >>> live = ov.LiveTimeline(expect_s=5700.0)
+        >>> live = ov.LiveTimeline(expected_duration_s=5700.0)
         >>> live.append(events=[ov.Event(10.0, "foul")])
         >>> live.end(5790.0)
         >>> live.snapshot().duration_s, live.ended
         (5790.0, True)
         """
-        rule = "a duration is a finite number of seconds"
-        given = None if duration_s is None else _checked_length(duration_s, "duration_s", rule)
+        length = None if duration_s is None else _checked_duration(duration_s, "duration_s")
         with self._lock:
-            over = max(self.now_s, SHORTEST_S) if given is None else given
-            if self._end_s != over:
-                self._end_s = over
-                self._revised()
+            end_s = max(self.now_s, SHORTEST_S) if length is None else length
+            if self._end_s != end_s:
+                self._end_s = end_s
+                self._record_revision()
 
     @property
     def ended(self) -> bool:
-        """Whether it is over."""
+        """True after `end`."""
         return self._end_s is not None
 
     @property
-    def map(self) -> Map:
-        """How it is laid under the hand, `"whole"` or `"so far"`; may be set at any time."""
-        return self._map
+    def layout(self) -> Layout:
+        """Part of the duration that the disk covers, `"whole"` or `"so far"`. It can be set."""
+        return self._layout
 
-    @map.setter
-    def map(self, map: Map) -> None:
+    @layout.setter
+    def layout(self, layout: Layout) -> None:
         with self._lock:
-            self._is_map_chosen = True
-            if _checked_map(map) != self._map:
-                self._map = map
-                self._revised()
+            self._is_layout_set = True
+            if _checked_layout(layout) != self._layout:
+                self._layout = layout
+                self._record_revision()
 
     @property
-    def expect_s(self) -> float | None:
-        """How long it is expected to last, s; may be set at any time."""
-        return self._expect_s
+    def expected_duration_s(self) -> float | None:
+        """Expected duration, s. It can be set."""
+        return self._expected_duration_s
 
-    @expect_s.setter
-    def expect_s(self, expect_s: float | None) -> None:
+    @expected_duration_s.setter
+    def expected_duration_s(self, expected_duration_s: float | None) -> None:
         with self._lock:
-            if _checked_expectation(expect_s) != self._expect_s:
-                self._expect_s = expect_s
-                self._revised()
+            if _checked_expectation(expected_duration_s) != self._expected_duration_s:
+                self._expected_duration_s = expected_duration_s
+                self._record_revision()
 
-    def suggest(self, expect_s: float | None = None, map: Map | None = None) -> None:
-        """Use a length and a map where none was chosen: what a feed says of itself.
+    def suggest(
+        self, expected_duration_s: float | None = None, layout: Layout | None = None
+    ) -> None:
+        """Set the expected duration and layout of the feed, unless they have been set already.
 
         Parameters
         ----------
-        expect_s : float or None
-            How long it is expected to last, s.
-        map : {"whole", "so far"} or None
-            How it is laid under the hand; None is whole where a length is expected.
+        expected_duration_s : float or None
+            Expected duration, s.
+        layout : {"whole", "so far"} or None
+            Layout. None: "whole" with an expected duration.
 
         Raises
         ------
         InputError
-            A value that isn't allowed; nothing is changed.
+            A value is not allowed; nothing is changed.
 
         Examples
         --------
-        >>> live = ov.LiveTimeline(map="so far")
-        >>> live.suggest(expect_s=5700.0)
-        >>> live.map, live.expect_s
+        >>> live = ov.LiveTimeline(layout="so far")
+        >>> live.suggest(expected_duration_s=5700.0)
+        >>> live.layout, live.expected_duration_s
         ('so far', 5700.0)
         """
-        length = _checked_expectation(expect_s)
-        laid: Map = "whole" if length is not None else self._map
-        wanted = laid if map is None else _checked_map(map)
+        length = _checked_expectation(expected_duration_s)
+        default: Layout = "whole" if length is not None else self._layout
+        suggested = default if layout is None else _checked_layout(layout)
         with self._lock:
-            before = self._map, self._expect_s
-            if self._expect_s is None:
-                self._expect_s = length
-            if not self._is_map_chosen:
-                self._map = wanted
-            if before != (self._map, self._expect_s):
-                self._revised()
+            before = self._layout, self._expected_duration_s
+            if self._expected_duration_s is None:
+                self._expected_duration_s = length
+            if not self._is_layout_set:
+                self._layout = suggested
+            if before != (self._layout, self._expected_duration_s):
+                self._record_revision()
 
     @property
     def duration_s(self) -> float:
-        """How long `snapshot` is, s."""
+        """Duration of `snapshot`, s."""
         with self._lock:
             now = self.now_s
             if self._end_s is not None:
                 return max(self._end_s, now)
-            if self._map == "so far" or self._expect_s is None:
+            if self._layout == "so far" or self._expected_duration_s is None:
                 return now if now > 0.0 else SHORTEST_S
-            over = math.ceil(max(now / self._expect_s - 1.0, 0.0) / EXTRA_TIME)
-            return self._expect_s * (1.0 + over * EXTRA_TIME)
+            expected = self._expected_duration_s
+            extensions = math.ceil(max(now / expected - 1.0, 0.0) / EXTRA_TIME)
+            return expected * (1.0 + extensions * EXTRA_TIME)
 
     def snapshot(self) -> Timeline:
-        """Give the timeline as it is now.
+        """Return the current timeline.
 
         Returns
         -------
         Timeline
-            In the map that is chosen; the same object until something changes. Of a feed that has
-            given nothing yet, a flat curve with a note.
+            Timeline in the current layout; the same object until the data change. Before any
+            data arrive it has a flat curve and a note.
 
         Examples
         --------
-        >>> live = ov.LiveTimeline(expect_s=5700.0)
+        >>> live = ov.LiveTimeline(expected_duration_s=5700.0)
         >>> live.snapshot().notes
         ('nothing has happened yet',)
         """
         with self._lock:
-            if self._made is None or self._made[0] != self._revision:
-                self._made = (self._revision, self._build())
-            return self._made[1]
+            if self._snapshot is None or self._snapshot[0] != self._revision:
+                self._snapshot = (self._revision, self._build())
+            return self._snapshot[1]
 
-    def felt(self) -> Timeline:
-        """Give the timeline as it is laid under a hand: as `snapshot`, with room behind now.
+    def padded_snapshot(self) -> Timeline:
+        """Return `snapshot` with at least 3 % of future after now, until the timeline has ended.
 
-        What has just happened lies at the very end of `snapshot` where that is so far, and a disk
-        only meets what it can pass. So 3 % of future lie behind it, until it is over.
+        The disk strikes an event only when it passes it. In the layout `"so far"` the latest event
+        is at the end of `snapshot`, where the disk cannot pass it.
 
         Returns
         -------
         Timeline
-            The same object until something changes.
+            The same object until the data change.
 
         Examples
         --------
-        >>> live = ov.LiveTimeline(map="so far")
+        >>> live = ov.LiveTimeline(layout="so far")
         >>> live.append(events=[ov.Event(1000.0, "goal")])
-        >>> live.felt().duration_s, live.felt().known_until_s
+        >>> live.padded_snapshot().duration_s, live.padded_snapshot().known_until_s
         (1030.0, 1000.0)
         """
         with self._lock:
-            shown = self.snapshot()
+            snapshot = self.snapshot()
             now = self.now_s
-            if self.ended or now == 0.0 or shown.duration_s >= now * (1.0 + ROOM):
-                return shown
-            if self._felt is None or self._felt[0] is not shown:
-                room = replace(shown, duration_s=now * (1.0 + ROOM), known_until_s=now)
-                self._felt = (shown, room)
-            return self._felt[1]
+            if self.ended or now == 0.0 or snapshot.duration_s >= now * (1.0 + FUTURE_MARGIN):
+                return snapshot
+            if self._padded is None or self._padded[0] is not snapshot:
+                padded = replace(
+                    snapshot, duration_s=now * (1.0 + FUTURE_MARGIN), known_until_s=now
+                )
+                self._padded = (snapshot, padded)
+            return self._padded[1]
 
     def _build(self) -> Timeline:
         duration_s, now = self.duration_s, self.now_s
-        growing = self._end_s is None and self._map == "whole" and self._expect_s is not None
+        growing = (
+            self._end_s is None
+            and self._layout == "whole"
+            and self._expected_duration_s is not None
+        )
         known_until_s = now if growing and now < duration_s else None
         if self._document is not None:
             document = self._document
@@ -597,9 +611,9 @@ class LiveTimeline:
                 return document
             return replace(document, duration_s=duration_s, known_until_s=known_until_s)
         reach = duration_s if known_until_s is None else now
-        # periods first, as the readers of matches list them: the same products to the bit
+        # periods first, as the match readers sort them, so that the curve is bit-identical
         events = sorted(
-            self._kept.events.values(), key=lambda one: (one.kind != "period", one.time_s)
+            self._buffer.events.values(), key=lambda one: (one.kind != "period", one.time_s)
         )
         provenance, notes = self._provenance, self._notes
         intensity: Intensity | None = None
@@ -607,15 +621,15 @@ class LiveTimeline:
             times, values = self._samples.arrays()
             intensity = Intensity(times, values, self._unit, self._percentiles)
         elif events and reach > 0.0:
-            intensity, derived, said = derive_intensity(events, reach)
+            intensity, derived, derived_notes = derive_intensity(events, reach)
             provenance = "; ".join(part for part in (provenance, derived) if part)
-            notes = (*notes, *said)
+            notes = (*notes, *derived_notes)
         if not events and intensity is None:
             intensity = Intensity(np.zeros(1), np.zeros(1), self._unit)
             if now == 0.0:
                 notes = (*notes, "nothing has happened yet")
-        if self._kept.left_out:
-            notes = (*notes, f"{self._kept.left_out} events were too many to be kept")
+        if self.omitted_events:
+            notes = (*notes, f"{self.omitted_events} events were omitted: too many to store")
         gaps, reasons = self._gaps(events, reach)
         return Timeline(
             title=self._title,
@@ -627,71 +641,67 @@ class LiveTimeline:
             provenance=provenance,
             notes=notes,
             start=self._start,
-            details=tuple(self._kept.details.values()),
+            details=tuple(self._buffer.details.values()),
             known_until_s=known_until_s,
         )
 
     def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:
-        """The stretches that were silent, and those that the feed names; joined where they meet."""
-        # a feed that tells no clock may be silent, and what was before the first is not known
-        signs = (event.time_s for event in events if event.time_s > self._heard.first_s)
-        found = [(*gap, "the feed was silent") for gap in self._heard.gaps(signs)]
-        found += [(start, min(end, reach), why) for (start, end), why in self._given_gaps.items()]
+        """Return the silent time ranges and the gaps in the feed, merged, with their reasons."""
+        # silence counts only from the first clock line or sample on
+        times = (event.time_s for event in events if event.time_s > self._coverage.first_s)
+        found = [(*gap, "the feed was silent") for gap in self._coverage.gaps(times)]
+        found += [
+            (start, min(end, reach), why) for (start, end), why in self._reported_gaps.items()
+        ]
         return merged_gaps(found)
 
     def __repr__(self) -> str:
-        over = "ended" if self.ended else f"{self._map}, now {clock_text(self.now_s)}"
+        status = "ended" if self.ended else f"{self._layout}, now {clock_text(self.now_s)}"
         count = counted(sum(1 for _ in self._all_events()), "event")
-        return f"<LiveTimeline {short(self._title)}: {over}, {count}>"
+        return f"<LiveTimeline {short(self._title)}: {status}, {count}>"
 
 
-def _within(value: object, what: str, hint: str, low: float, high: float) -> float:
-    """Return a number in a range; InputError ends with the hint."""
-    number = validation.number(value, what, hint)
+def _in_range(value: object, name: str, hint: str, low: float, high: float) -> float:
+    """Return a number from `low` to `high`; the InputError ends with `hint`."""
+    number = validation.number(value, name, hint)
     if not low <= number <= high:
-        raise InputError(f"{what} is {number!r}; {hint}")
+        raise InputError(f"{name} is {number!r}; {hint}")
     return number
 
 
-def _checked_event(value: object, where: str) -> Event:
-    """Return an event at a time that is allowed; `where` is what holds it."""
+def _checked_event(value: object, parameter: str) -> Event:
     if not isinstance(value, Event):
-        raise InputError(f"{where} holds {shown(value)}; give Event")
+        raise InputError(f"{parameter} contains {shown(value)}; each item must be an Event")
     _checked_time(value.time_s, "time_s")
     return value
 
 
-def _checked_time(value: object, what: str) -> float:
-    """Return seconds from the start."""
-    hint = f"times are seconds from the start, 0 to {LONGEST_S:g}"
-    return _within(value, what, hint, 0.0, LONGEST_S)
+def _checked_time(value: object, name: str) -> float:
+    hint = f"times must be 0 to {LONGEST_S:g} s from the start"
+    return _in_range(value, name, hint, 0.0, LONGEST_S)
 
 
 def _checked_sample(value: object) -> tuple[float, float]:
-    """Return a sample's time, s, and its value."""
+    """Return the time, s, and the value of a sample."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError(f"a sample is {shown(value)}; give a time in s and a value")
-    hint = f"it is finite, up to {MAX_VALUE:g}"
-    level = _within(value[1], "a sample's value", hint, -MAX_VALUE, MAX_VALUE)
+        raise InputError(f"a sample is {shown(value)}; must be a time in s and a value")
+    hint = f"must be finite, -{MAX_VALUE:g} to {MAX_VALUE:g}"
+    level = _in_range(value[1], "a sample's value", hint, -MAX_VALUE, MAX_VALUE)
     return _checked_time(value[0], "a sample's time"), level
 
 
-def _checked_length(value: object, name: str, rule: str) -> float:
-    """Return seconds that a feed may last; `name` is the parameter's, `rule` what it has to be."""
-    hint = f"{rule} above 0, up to {LONGEST_S:g}"
-    return _within(validation.positive(value, name, hint), name, hint, 0.0, LONGEST_S)
+def _checked_duration(value: object, name: str) -> float:
+    hint = f"must be above 0, up to {LONGEST_S:g} s"
+    return _in_range(validation.positive(value, name, hint), name, hint, 0.0, LONGEST_S)
 
 
 def _checked_expectation(value: object) -> float | None:
-    """Return how long a feed is expected to last, s, or None."""
-    rule = "the expected length is seconds,"
-    return None if value is None else _checked_length(value, "expect_s", rule)
+    return None if value is None else _checked_duration(value, "expected_duration_s")
 
 
-def _checked_map(value: Map) -> Map:
-    """Return how a timeline that grows is laid out."""
-    if value not in MAPS:
-        raise InputError(f"map is {shown(value)}; it is one of {', '.join(MAPS)}")
+def _checked_layout(value: Layout) -> Layout:
+    if value not in LAYOUTS:
+        raise InputError(f"layout is {shown(value)}; must be one of {', '.join(LAYOUTS)}")
     return value

@@ -1,8 +1,8 @@
-"""What a timeline is followed from: a file that grows or is replaced, a stream of bytes, a sound.
+"""Sources of a live timeline: a file that grows or is replaced, a byte stream, a sound.
 
-A source is an iterator of what came: bytes of a feed (none of them are a sign of life), a timeline
-that was read anew, or None where nothing came for a moment. It ends where the feed does, and raises
-`LostError` where it is lost but may come back; then it is asked again.
+`read` of a source yields bytes of a feed, a timeline that was read again, or None if nothing was
+received for a moment. Empty bytes show that the source is still connected. The iterator ends with
+the feed. It raises `LostError` if the connection is lost; then `read` is called again later.
 """
 
 from __future__ import annotations
@@ -26,44 +26,44 @@ from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
-LOOK_EVERY_S = 0.05
-"""How often a file is looked at: a goal is felt within a tenth of a second."""
+POLL_EVERY_S = 0.05
+"""Interval at which a file is checked, s: an announcement then starts within 0.1 s."""
 
 READ_AGAIN_S = 0.25
-"""A file that isn't a feed is read anew at most so often ..."""
+"""Minimum interval between two readings of a file that is not a feed, s."""
 
-ENDS_WITHIN_S = 0.5
-DEVICE_ENDS_WITHIN_S = 10.0
-"""A device that isn't given back before the program ends takes the program with it."""
+MAX_READING_SHARE = 0.2
+"""Maximum share of the time that is spent on reading such a file."""
 
-BUSY_PART = 0.2
-"""... and less often if that takes longer than this part of the time."""
+CLOSE_TIMEOUT_S = 0.5
+DEVICE_CLOSE_TIMEOUT_S = 10.0
+"""Timeout for an audio device, s. Exiting before the device is closed can crash the program."""
 
 CHUNK_BYTES = 1 << 16
 
-Came = bytes | Timeline | None
+Received = bytes | Timeline | None
 
 
 class LostError(Exception):
-    """A source that is gone for now: why, and how long it asks to be left alone, s."""
+    """A source is lost for now; `wait_s` is the wait that the source requests before a retry."""
 
-    def __init__(self, why: str, wait_s: float = 0.0) -> None:
-        super().__init__(why)
+    def __init__(self, reason: str, wait_s: float = 0.0) -> None:
+        super().__init__(reason)
         self.wait_s = wait_s
 
 
 class Source(Protocol):
-    """Where a feed comes from; `ends_within_s`: what it opened is given back in so long."""
+    """Source of a live timeline; `close_timeout_s` is the time in which it closes, s."""
 
     name: str
-    ends_within_s: float
+    close_timeout_s: float
 
-    def come(self) -> Iterator[Came]:
-        """Connect, and give what comes from now on; LostError, or InputError for good."""
+    def read(self) -> Iterator[Received]:
+        """Connect and yield the data; LostError, or InputError if a retry is useless."""
 
 
 def is_feed(head: bytes) -> bool:
-    """Whether a file's first bytes are lines of the feed format."""
+    """Return whether a file's first bytes are lines of the feed format."""
     first = head.lstrip().split(b"\n", 1)[0]
     try:
         document = json.loads(first)
@@ -74,79 +74,77 @@ def is_feed(head: bytes) -> bool:
 
 @dataclass
 class GrowingFile:
-    """A file that grows, by its path: a feed is read on, anything else is read again.
+    """Path of a file that grows. A feed is read on; any other file is read again when it changes.
 
-    One that isn't there yet is waited for; one that is replaced or cut begins again, which
-    changes nothing where it says the same.
+    A missing file is waited for. A file that is replaced or truncated is read from its start;
+    events that were read before have no effect.
     """
 
     name: str
-    ends_within_s: float = ENDS_WITHIN_S
+    close_timeout_s: float = CLOSE_TIMEOUT_S
 
-    def come(self) -> Iterator[Came]:
-        """What is there, and then what comes."""
+    def read(self) -> Iterator[Received]:
+        """Yield the content of the file, then its changes."""
         while True:
             try:
                 file = open(self.name, "rb")  # noqa: SIM115
             except FileNotFoundError:
                 yield None
-                time.sleep(LOOK_EVERY_S)
+                time.sleep(POLL_EVERY_S)
                 continue
             except OSError as error:
-                raise InputError(f"{self.name}: can't be read ({error.strerror})") from None
+                raise InputError(f"{self.name}: cannot be read ({error.strerror})") from None
             with file:
                 head = file.read(CHUNK_BYTES)
-                if b"\n" not in head and len(head) < CHUNK_BYTES:  # nothing is known of it yet
+                if b"\n" not in head and len(head) < CHUNK_BYTES:  # too short to detect the format
                     yield None
-                    time.sleep(LOOK_EVERY_S)
+                    time.sleep(POLL_EVERY_S)
                     continue
                 if not is_feed(head):
                     break
                 yield head
-                yield from self._more(file)
-        yield from self._again()
+                yield from self._read_on(file)
+        yield from self._read_again()
 
-    def _more(self, file: BinaryIO) -> Iterator[Came]:
+    def _read_on(self, file: BinaryIO) -> Iterator[Received]:
         while True:
             while data := file.read(CHUNK_BYTES):
                 yield data
             yield None
-            with contextlib.suppress(OSError):  # gone for a moment: it is replaced
+            with contextlib.suppress(OSError):  # the file is missing while it is being replaced
                 status = os.stat(self.name)
                 if status.st_size < file.tell() or not os.path.samestat(
                     status, os.fstat(file.fileno())
                 ):
-                    yield b"\n"  # whatever was half a line
+                    yield b"\n"  # ends an incomplete line
                     return
-            time.sleep(LOOK_EVERY_S)
+            time.sleep(POLL_EVERY_S)
 
-    def _again(self) -> Iterator[Came]:
-        seen: tuple[int, int, int] | None = None
-        wait_s = 0.0
+    def _read_again(self) -> Iterator[Received]:
+        last: tuple[int, int, int] | None = None
         while True:
+            wait_s = POLL_EVERY_S
+            timeline = None
             with contextlib.suppress(OSError):
                 status = os.stat(self.name)
                 state = (status.st_mtime_ns, status.st_size, status.st_ino)
-                if state != seen:
-                    begun = time.monotonic()
-                    timeline = self._read(first=seen is None)
-                    seen = state
-                    wait_s = max(READ_AGAIN_S, (time.monotonic() - begun) / BUSY_PART)
+                if state != last:
+                    start = time.monotonic()
+                    timeline = self._load(first=last is None)
+                    last = state
                     if timeline is not None:
-                        yield timeline
-                        time.sleep(wait_s)
-                        continue
-            yield None
-            time.sleep(LOOK_EVERY_S)
+                        took_s = time.monotonic() - start
+                        wait_s = max(READ_AGAIN_S, took_s / MAX_READING_SHARE)
+            yield timeline
+            time.sleep(wait_s)
 
-    def _read(self, first: bool) -> Timeline | None:
-        """The file without a last line that isn't whole yet; None if it can't be read just now."""
+    def _load(self, first: bool) -> Timeline | None:
+        """Return the file without an incomplete last line; None if it is invalid at the moment."""
         try:
             with open(self.name, "rb") as file:
                 data = file.read()
-            cut = data.rfind(b"\n") + 1
-            text = data if self.name.endswith(".json") or not cut else data[:cut]
-            return load_timeline(text)
+            end = data.rfind(b"\n") + 1
+            return load_timeline(data if self.name.endswith(".json") or not end else data[:end])
         except InputError as error:
             if first:
                 raise InputError(f"{self.name}: {error}") from None
@@ -155,76 +153,76 @@ class GrowingFile:
 
 @dataclass
 class Stream:
-    """A stream of bytes: standard input, a pipe."""
+    """Byte stream, such as standard input or a pipe."""
 
     stream: BinaryIO
     name: str = "standard input"
-    ends_within_s: float = ENDS_WITHIN_S
+    close_timeout_s: float = CLOSE_TIMEOUT_S
 
-    def come(self) -> Iterator[bytes]:
-        """What comes, until its end."""
+    def read(self) -> Iterator[bytes]:
+        """Yield the bytes until the end of the stream."""
         read = getattr(self.stream, "read1", self.stream.read)
         while data := read(CHUNK_BYTES):
             yield data
 
 
-LISTEN_EVERY_S = 0.5
-"""Cheers are looked for so often ..."""
+ANALYSE_EVERY_S = 0.5
+"""Minimum interval between two searches for cheers, s."""
 
-LISTEN_PART = 0.1
-"""... or less, so that it takes no more than this part of the time."""
+MAX_ANALYSIS_SHARE = 0.1
+"""Maximum share of the time that is spent on searching for cheers."""
 
 LONGEST_S = 27 * 3600.0
-"""What comes later isn't listened to: as much as is read of a file."""
+"""Duration that is analysed, s, the maximum of an audio file too. Later samples are ignored."""
 
 
-class Crowd:
-    """Listens; tells a timeline whenever there is enough that is new.
+class LoudnessMonitor:
+    """Measures the loudness of a live sound and detects cheers in it.
 
-    Loudness and cheers are those that the reader of recordings finds in a file of as much. All that
-    is kept of the sound is ten numbers a second. The background reaches a minute ahead, so a cheer
-    of the last minute may still change a little.
+    Loudness and cheers equal those of a file with the same sound. Only ten values per second are
+    stored. The background is averaged over a minute ahead too, so a cheer of the last minute may
+    still change a little.
 
     Parameters
     ----------
     sample_rate
-        Hz, 4000 or more.
+        Sample rate, Hz, 4000 or more.
     channels
-        How many.
-    tell
-        Receives a timeline of all that was heard.
+        Number of channels.
+    on_timeline
+        Function that receives a timeline of the whole sound so far.
     now
-        A clock, s.
+        Clock, s.
 
     Raises
     ------
     InputError
-        A rate or number of channels that can't be measured.
+        The loudness cannot be measured at this rate or with this number of channels.
     """
 
     def __init__(
         self,
         sample_rate: int,
         channels: int,
-        tell: Callable[[Timeline], None],
+        on_timeline: Callable[[Timeline], None],
         now: Callable[[], float] = time.monotonic,
     ) -> None:
         if sample_rate < MIN_RATE or sample_rate > 768_000 or not 1 <= channels <= 64:
             raise InputError(
-                f"{channels} channels at {sample_rate} Hz; loudness is measured of 1 to 64, from "
-                f"{MIN_RATE} Hz up"
+                f"the sound has {channels} channels at {sample_rate} Hz; must be 1 to 64 channels "
+                f"at {MIN_RATE} to 768000 Hz"
             )
         self._rate, self._channels = sample_rate, channels
         layout = layout_of(channels)
         self._meter = StepMeter(sample_rate, weights_of(layout) if layout else (1.0,) * channels)
         self._waiting: list[NDArray[np.floating[Any]]] = []
-        self._frames = self._heard = 0
-        self._tell, self._now = tell, now
-        self._look_at = 0.0
+        self._frames = self._measured = 0
+        self._on_timeline, self._now = on_timeline, now
+        self._next_at = 0.0
 
     def feed(self, block: NDArray[np.floating[Any]]) -> None:
-        """Listen to the next (frames, channels), of any length; NaN is missing."""
-        if self._heard >= LONGEST_S * self._rate:
+        """Measure the next samples (frames, channels), any number of frames; NaN is missing."""
+        if self._measured >= LONGEST_S * self._rate:
             return
         self._waiting.append(block)
         self._frames += len(block)
@@ -234,69 +232,69 @@ class Crowd:
         sound = np.concatenate(self._waiting)
         self._waiting = [sound[whole:].copy()]
         self._frames -= whole
-        self._heard += whole
-        for start in range(0, whole, self._rate):  # the meter takes whole seconds
+        self._measured += whole
+        for start in range(0, whole, self._rate):  # the meter requires whole seconds
             self._meter.feed(sound[start : start + self._rate])
-        begun = self._now()
-        if begun >= self._look_at:
-            self._tell(self._timeline(self._meter))
-            took = self._now() - begun
-            self._look_at = begun + max(LISTEN_EVERY_S, took / LISTEN_PART)
+        start_s = self._now()
+        if start_s >= self._next_at:
+            self._report()
+            took_s = self._now() - start_s
+            self._next_at = start_s + max(ANALYSE_EVERY_S, took_s / MAX_ANALYSIS_SHARE)
 
     def end(self) -> None:
-        """Tell the whole: it is over."""
+        """Measure the remaining samples and report the whole sound."""
         if self._frames:
             self._meter.feed(np.concatenate(self._waiting))
-            self._heard += self._frames
-        if self._heard:
-            self._tell(self._timeline(self._meter))
+            self._measured += self._frames
+        if self._measured:
+            self._report()
 
-    def _timeline(self, meter: StepMeter) -> Timeline:
-        kind = f"sound as it is heard, {self._channels} channels at {self._rate} Hz"
-        return timeline_of(meter.so_far(), "loudness", "", kind, ())
+    def _report(self) -> None:
+        kind = f"live sound, {self._channels} channels at {self._rate} Hz"
+        self._on_timeline(timeline_of(self._meter.so_far(), "loudness", "", kind, ()))
 
 
 @dataclass
 class Sound:
-    """A sound as blocks of samples: its loudness and cheers.
+    """Sound as blocks of samples: its loudness and cheers.
 
-    `open_blocks` gives a rate (Hz), the number of channels and float blocks of them.
+    `open_blocks` returns the rate (Hz), the number of channels, and float blocks of samples.
     """
 
     name: str
     open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]]
-    ends_within_s: float = ENDS_WITHIN_S
+    close_timeout_s: float = CLOSE_TIMEOUT_S
 
-    def come(self) -> Iterator[Came]:
-        """A timeline of all that was heard, now and then."""
+    def read(self) -> Iterator[Received]:
+        """Yield timelines of the whole sound so far."""
         rate, channels, blocks = self.open_blocks()
-        told: list[Timeline] = []
-        crowd = Crowd(rate, channels, told.append)
+        timelines: list[Timeline] = []
+        monitor = LoudnessMonitor(rate, channels, timelines.append)
         try:
             for block in blocks:
                 if block is not None:
-                    crowd.feed(block)
-                yield from told or (None,)
-                told.clear()
+                    monitor.feed(block)
+                yield from timelines or (None,)
+                timelines.clear()
         finally:
             if isinstance(blocks, Generator):
                 blocks.close()
-        crowd.end()
-        yield from told
+        monitor.end()
+        yield from timelines
 
 
 def pcm_blocks(
     stream: BinaryIO, rate: int, channels: int
 ) -> tuple[int, int, Iterator[np.ndarray | None]]:
-    """Raw samples, 16 bits each, little-endian, channels interleaved, for `Sound`."""
+    """Return raw 16-bit samples, little-endian, channels interleaved, as blocks for `Sound`."""
 
     def blocks() -> Iterator[np.ndarray | None]:
         rest, frame = b"", 2 * channels
-        for data in Stream(stream).come():
+        for data in Stream(stream).read():
             rest += data
             whole = len(rest) // frame * frame
-            data, rest = rest[:whole], rest[whole:]
-            samples = np.frombuffer(data, "<i2").reshape(-1, channels)
+            samples = np.frombuffer(rest[:whole], "<i2").reshape(-1, channels)
+            rest = rest[whole:]
             yield samples.astype(np.float32) / 32_768.0
 
     return rate, channels, blocks()

@@ -15,10 +15,10 @@ from overview_dsp.data.readers.cardiac import wfdb_reader
 from overview_dsp.data.readers.data_file import DataFile, Format
 from overview_dsp.data.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.data.readers.football import (
+    kloppy_formats,
     metrica,
     minute_list,
     openfootball,
-    providers,
     statsbomb,
     wyscout,
 )
@@ -74,8 +74,8 @@ FORMATS: tuple[Format, ...] = (
     Format(
         "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
         "extra `football`)",
-        providers.sniff,
-        providers.read,
+        kloppy_formats.sniff,
+        kloppy_formats.read,
     ),
     Format(
         "openfootball matches (JSON with team1, team2 and goals)",

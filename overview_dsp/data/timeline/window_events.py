@@ -31,7 +31,7 @@ at a slow ten degrees per second."""
 
 MOST_DETAILS = 200
 """Number of events up to which details are added, about one per degree. In a sweep of twelve
-degrees per second, nine of ten are perceived separately (`measure.events_felt_apart`)."""
+degrees per second, nine of ten are perceived separately (`measure.count_resolved_events`)."""
 
 MOST_BY_RULE = 90
 """Number of events up to which events found by rules are added, one per two degrees. A whole series

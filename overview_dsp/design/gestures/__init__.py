@@ -1,4 +1,4 @@
-"""Gestures: scripts and takes in, control events out; opens no device."""
+"""Gestures: control events from scripts and takes, without devices."""
 
 from overview_dsp.design.gestures.model import SOURCES, Change, Gesture
 from overview_dsp.design.gestures.scripts import arm, flick, pause, scrub, sweep, tap

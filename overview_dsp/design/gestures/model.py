@@ -1,4 +1,4 @@
-"""A gesture: what one hand does, as control events in time."""
+"""Gestures: timed control events of one or several inputs."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
 LONGEST_S = 7 * 24 * 3600.0
-"""No gesture is longer: a time beyond it is a slip of the pen, and would render for ever."""
+"""Longest gesture, s; a longer time is taken for a mistake."""
 
 
 SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")
-"""Hands that may hold the disk; their order settles ties at the same sample."""
+"""Inputs that may hold the disk; their order decides ties at the same sample."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """A parameter or surface change of a recorded take.
+    """Parameter or surface change of a recorded take.
 
-    `time_s` from the gesture's start; `what` is {"set": {id: value}}, {"preset": ...},
-    {"window": [start_s, end_s]}, {"timeline": ...} (it has grown) or {"pattern": ...} (something
-    new was told).
+    `time_s` is from the gesture's start. `what` is {"set": {id: value}}, {"preset": ...},
+    {"window": [start_s, end_s]}, {"timeline": ...} (an update of a live timeline) or
+    {"pattern": ...} (an announcement).
     """
 
     time_s: float
@@ -37,33 +37,33 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Gesture:
-    """Control events in order of time: of one hand, or of several in a recorded take.
+    """Control events of one input, or of several in a recorded take, in order of time.
 
-    `a + b` is one after the other.
+    `a + b` plays one gesture after the other.
 
     Parameters
     ----------
     time_s : float64 (events,)
-        From the gesture's start, s, never decreasing, >= 0.
+        Times from the gesture's start, s, >= 0, never decreasing.
     theta2 : float64 (events,)
         Input angle, rad; 0 = start of the timeline, pi = its end.
     touching : bool (events,)
-        Whether the hand holds on.
+        Whether the input touches the disk.
     duration_s : float
-        When the gesture is over, s, at or after its last event.
+        End of the gesture, s, at or after its last event.
     source : int8 (events,)
-        Which hand, as an index of touch, twist, serial, osc, midi, remote; touch if left out.
+        Input, as an index of touch, twist, serial, osc, midi, remote; default: touch.
     changes : tuple
         Parameter and surface changes of a recorded take, each with its time, in order.
 
     Raises
     ------
     InputError
-        Times that go back or are not finite, arrays of different lengths.
+        Times decrease or are not finite, or arrays have different lengths.
 
     See Also
     --------
-    sweep, tap, pause : Make one.
+    sweep, tap, pause : Make gestures.
 
     Examples
     --------
@@ -102,7 +102,7 @@ class Gesture:
         if not last <= LONGEST_S or not 0.0 <= duration_s <= LONGEST_S:
             raise InputError(
                 f"the gesture's duration {max(last, duration_s):g} s is out of range; "
-                f"it is 0 to {LONGEST_S:g} s"
+                f"allowed: 0 to {LONGEST_S:g} s"
             )
         if self.duration_s < last:
             raise InputError(
@@ -115,11 +115,11 @@ class Gesture:
             object.__setattr__(self, name, array)
 
     def __add__(self, other: Gesture) -> Gesture:
-        """This gesture, then the other."""
+        """Return this gesture followed by the other."""
         return joined([self, other])
 
     def stamps(self, sample_rate: float) -> NDArray[np.int64]:
-        """Find the sample of each event: the nearest to its time.
+        """Return the sample nearest to the time of each event.
 
         Parameters
         ----------
@@ -139,8 +139,8 @@ class Gesture:
         return np.rint(self.time_s * sample_rate).astype(np.int64)
 
     def __repr__(self) -> str:
-        hands = " and ".join(SOURCES[i] for i in np.unique(self.source))
-        by = f" by {hands}" if hands not in ("", SOURCES[0]) else ""
+        inputs = " and ".join(SOURCES[i] for i in np.unique(self.source))
+        by = f" by {inputs}" if inputs not in ("", SOURCES[0]) else ""
         changes = f", {counted(len(self.changes), 'change')}" if self.changes else ""
         return (
             f"<Gesture: {self.duration_s:g} s, {counted(len(self.time_s), 'control event')}{by}"
@@ -149,7 +149,7 @@ class Gesture:
 
 
 def joined(parts: Sequence[Gesture]) -> Gesture:
-    """Gestures one after the other; at least one."""
+    """Return one or more gestures in sequence."""
     starts = list(accumulate((part.duration_s for part in parts), initial=0.0))
     return Gesture(
         np.concatenate([part.time_s + start for part, start in zip(parts, starts, strict=False)]),

@@ -1,6 +1,6 @@
-"""Recorded takes: what a kernel applied, sample by sample, and what else changed meanwhile.
+"""Recorded takes: control events with their samples, and stamped changes.
 
-Written while they are played: `growing_take.py`.
+`take_writer.py` writes them during a session.
 
 The CSV has the columns of any take and `sample`, `sample_rate` and `source`; a JSON of the same
 name beside it holds the stamped parameter and surface changes::
@@ -13,15 +13,15 @@ name beside it holds the stamped parameter and surface changes::
                  {"sample": 96000, "timeline": {..., "window": [0.0, 2700.0]}},
                  {"sample": 144000, "pattern": {"kind": "goal", "weight": 1.0}}]}
 
-`timeline` is how one that grows has changed (`feeds.difference`) and which part of it is under
-the hand (null: all); with `ahead` (0 to 1) only what lies beyond there has (`surface.ahead`). The
-timeline at the take's beginning is in `NAME.timeline.json` beside it. `angle_map` is the preset's
-`surface.angle_map` at the take's beginning: by which map its angles were moments.
+`timeline` is the change of a live timeline (`data/feeds`) and its window (null: all). With `ahead`
+(0 to 1), only positions beyond it have changed. The first timeline of the take is in
+`NAME.timeline.json` in the same folder. `angle_map` is the first value of the preset's
+`surface.angle_map`.
 
-| version | what is new |
+| version | change |
 |---|---|
-| 1 | the first: a release let the disk go at once |
-| 2 | `angle_map`; after a release the disk arrives first |
+| 1 | shaft 2 disengaged at once after a release |
+| 2 | `angle_map`; the disk arrives after a release |
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ VERSION = 2
 
 
 @dataclass(frozen=True)
-class Beside:
-    """What the JSON beside a take says: its changes, and for one cut short how far it came, s."""
+class TakeDocument:
+    """Changes of a recorded take, and the played duration (s) of an interrupted one."""
 
     changes: tuple[Change, ...]
     played_s: float | None
@@ -56,7 +56,7 @@ def save_document(
     about: Mapping[str, Any],
     changes: Iterable[tuple[int, Mapping[str, Any]]],
 ) -> None:
-    """Write the JSON beside the take at `path`, whole or not at all; InputError, OutputError."""
+    """Write the JSON file of the take at `path`, completely or not at all."""
     document = {
         "overview_take": VERSION,
         "sample_rate": sample_rate,
@@ -69,7 +69,7 @@ def save_document(
 
 
 def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
-    """An event (sample, source, theta2, touching) as a line of a recorded take."""
+    """Return an event (sample, source, theta2, touching) as a line of a recorded take."""
     sample, source, theta2, touching = event
     return (
         f"{sample / sample_rate!r},{float(theta2)!r},{int(touching)},{sample},"
@@ -77,21 +77,21 @@ def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
     )
 
 
-def load_beside(path: Path) -> Beside:
-    """What lies beside a recorded take's CSV.
+def load_document(path: Path) -> TakeDocument:
+    """Return the contents of the JSON file of a recorded take.
 
     Raises
     ------
     InputError
-        No JSON there, or one that doesn't hold a take's changes: names the file and the place.
+        The JSON file is missing or not valid; the error names file and location.
     """
     beside = path.with_suffix(".json")
     try:
         text = beside.read_bytes()
     except FileNotFoundError:
         raise InputError(
-            f"{path}: a recorded take, but {beside.name} with its parameter changes isn't beside "
-            "it; put it there, or delete the columns sample, sample_rate and source"
+            f"{path}: {beside.name} with the parameter changes of this recorded take is missing; "
+            "add it, or delete the columns sample, sample_rate and source"
         ) from None
     except OSError as error:
         raise InputError(f"{beside}: can't be read ({error.strerror})") from None
@@ -108,35 +108,35 @@ def load_beside(path: Path) -> Beside:
     if document["overview_take"] < VERSION:
         warnings.warn(
             f"{path}: of an older version, in which a release let the disk go at once; now the "
-            "disk arrives first, so what follows a release sounds otherwise",
+            "disk arrives first, so that it sounds different after a release",
             OverviewWarning,
             stacklevel=3,
         )
     rate = document.get("sample_rate")
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0.0:
-        raise InputError(f"{beside}: sample_rate is {rate!r}; it is a number above 0, Hz")
+        raise InputError(f"{beside}: sample_rate is {rate!r}; must be a number above 0 (Hz)")
     listed = document.get("changes", [])
     if not isinstance(listed, list):
-        raise InputError(f"{beside}: changes isn't a list")
+        raise InputError(f"{beside}: changes must be a list")
     changes: list[Change] = []
     played_s = None
     before = 0.0
     for index, entry in enumerate(listed):
-        place = f"{beside}: changes[{index}]"
+        location = f"{beside}: changes[{index}]"
         if not isinstance(entry, dict) or (
             len(entry.keys() & set(CHANGES)) != 1 and not (growing and entry.keys() == {"sample"})
         ):
-            raise InputError(f"{place} isn't one of {', '.join(CHANGES)} with its sample")
-        before = _sample_s(entry, before, rate, place)
+            raise InputError(f"{location} must be one of {', '.join(CHANGES)} with its sample")
+        before = _sample_s(entry, before, rate, location)
         what = {key: value for key, value in entry.items() if key != "sample"}
         if what:
             changes.append(Change(before, what))
         else:
             played_s = before
-    return Beside(tuple(changes), played_s)
+    return TakeDocument(tuple(changes), played_s)
 
 
-def _sample_s(entry: Mapping[str, Any], before: float, rate: float, place: str) -> float:
+def _sample_s(entry: Mapping[str, Any], before: float, rate: float, location: str) -> float:
     sample = entry.get("sample")
     if (
         isinstance(sample, bool)
@@ -144,14 +144,14 @@ def _sample_s(entry: Mapping[str, Any], before: float, rate: float, place: str) 
         or not before <= sample / rate <= LONGEST_S
     ):
         raise InputError(
-            f"{place}.sample is {sample!r}; samples count up, from 0 to {LONGEST_S:g} s"
+            f"{location}.sample is {sample!r}; samples must increase, from 0 to {LONGEST_S:g} s"
         )
     return sample / rate
 
 
 def _cut_short(text: bytes) -> Any:
-    """The lines of a take that was cut short as the document they would have become, or None."""
-    *lines, _ = text.split(b"\n")  # after the last line's end there is nothing, or a part of one
+    """Return the document of an interrupted take's lines, or None."""
+    *lines, _ = text.split(b"\n")  # the last line may be incomplete
     try:
         head, *entries = [json.loads(line) for line in lines]
     except (ValueError, RecursionError):

@@ -16,7 +16,7 @@ CONTROL_RATE = 200.0
 """Control events a second of a scripted movement."""
 
 TAP_S = 0.05
-"""How long a tap touches that has no time of its own: the disk goes all the way all the same."""
+"""Default duration of a tap, s; the disk arrives however short it is."""
 
 LONGEST_S = 24 * 3600.0
 
@@ -43,32 +43,32 @@ def _seconds(value: float, what: str, zero: bool = False) -> float:
     value = validation.real(value, what)
     if not (0.0 < value <= LONGEST_S or (zero and value == 0.0)):
         raise InputError(
-            f"{what} {value:g} s is out of range; it is more than 0 and up to {LONGEST_S:g} s"
+            f"{what} {value:g} s is out of range; allowed: more than 0 and up to {LONGEST_S:g} s"
         )
     return value
 
 
 def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
-    """Touch down at `start`, move steadily to `end` in `seconds`, release.
+    """Touch at `start`, move steadily to `end` in `seconds`, release.
 
     The disk lags the finger; shaft 2 stays engaged until it has arrived.
 
     Parameters
     ----------
     seconds : float
-        How long the movement takes, s.
+        Duration of the movement, s.
     start, end : float
         Positions, 0 (start of the timeline) to 1 (its end).
 
     Returns
     -------
     Gesture
-        With 200 control events a second.
+        Gesture with 200 control events per second.
 
     Raises
     ------
     InputError
-        A time or a position out of range.
+        A time or a position is out of range.
 
     Examples
     --------
@@ -80,36 +80,36 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     _position(start, "a sweep's start")
     _position(end, "a sweep's end")
     part = _parts(seconds)
-    place = start + (end - start) * part
+    position_at = start + (end - start) * part
     time_s = np.append(seconds * part, seconds)
-    theta2 = np.append(place, place[-1]) * HALF_TURN
+    theta2 = np.append(position_at, position_at[-1]) * HALF_TURN
     touching = np.ones(len(part) + 1, dtype=bool)
     touching[-1] = False
     return Gesture(time_s, theta2, touching, float(time_s[-1]))
 
 
 def tap(position: float, hold_seconds: float | None = None) -> Gesture:
-    """Touch down at a position (a step of theta2), hold, release.
+    """Touch at a position (a step of theta2), hold, release.
 
-    The disk goes all the way there before it recoils, however short the touch; how fast is the
-    preset's.
+    The disk arrives there before it recoils, however short the touch. Its speed depends on the
+    preset.
 
     Parameters
     ----------
     position : float
         0 (start of the timeline) to 1 (its end).
     hold_seconds : float or None
-        How long the finger stays, s; None is 0.05 s.
+        Duration of the touch, s; None: 0.05 s.
 
     Returns
     -------
     Gesture
-        Of two control events.
+        Gesture of two control events.
 
     Raises
     ------
     InputError
-        A time or a position out of range.
+        A time or a position is out of range.
 
     Examples
     --------
@@ -123,22 +123,22 @@ def tap(position: float, hold_seconds: float | None = None) -> Gesture:
 
 
 def pause(seconds: float) -> Gesture:
-    """Do nothing: between two gestures, time to recoil.
+    """Wait between two gestures, so that the disk can recoil.
 
     Parameters
     ----------
     seconds : float
-        How long, s, 0 too.
+        Duration, s; 0 is allowed.
 
     Returns
     -------
     Gesture
-        Without events.
+        Gesture without events.
 
     Raises
     ------
     InputError
-        A time out of range.
+        The time is out of range.
 
     Examples
     --------
@@ -166,7 +166,7 @@ def arm(seconds: float, rest_s: float = ARM_REST_S) -> Gesture:
     Returns
     -------
     Gesture
-        With 200 control events per second.
+        Gesture with 200 control events per second.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def flick(seconds: float = FLICK_S) -> Gesture:
     Returns
     -------
     Gesture
-        With 200 control events per second.
+        Gesture with 200 control events per second.
 
     Raises
     ------
@@ -238,7 +238,7 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
     Returns
     -------
     Gesture
-        With 200 control events per second.
+        Gesture with 200 control events per second.
 
     Raises
     ------
@@ -255,20 +255,20 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
     width = validation.real(width, "the width of scrubbing")
     if not 0.0 < width <= 1.0:
         raise InputError(
-            f"the width of scrubbing {width:g} is out of range; it is more than 0 and up to 1"
+            f"the width of scrubbing {width:g} is out of range; allowed: more than 0 and up to 1"
         )
     hz = validation.real(hz, "the frequency of scrubbing")
     if not 0.0 < hz <= FASTEST_SCRUB_HZ:
         raise InputError(
-            f"the frequency of scrubbing {hz:g} Hz is out of range; it is more than 0 and up to "
+            f"the frequency of scrubbing {hz:g} Hz is out of range; allowed: more than 0 and up to "
             f"{FASTEST_SCRUB_HZ:g} Hz"
         )
     _seconds(seconds, "the duration of scrubbing")
     approach, wave_s = _parts(APPROACH_S), seconds * _parts(seconds)
     wave = position - width * np.cos(2.0 * np.pi * hz * wave_s)
-    places = [max(position - width, 0.0) * _minimum_jerk(approach), np.clip(wave, 0.0, 1.0)]
+    positions = [max(position - width, 0.0) * _minimum_jerk(approach), np.clip(wave, 0.0, 1.0)]
     time_s = np.append(APPROACH_S * approach, APPROACH_S + APPROACH_REST_S + wave_s)
-    return _released(time_s, np.concatenate(places), float(time_s[-1]))
+    return _released(time_s, np.concatenate(positions), float(time_s[-1]))
 
 
 def _parts(seconds: float) -> NDArray[np.float64]:
@@ -283,9 +283,11 @@ def _minimum_jerk(part: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.minimum(part**3 * (10.0 - part * (15.0 - 6.0 * part)), 1.0))
 
 
-def _released(time_s: NDArray[np.float64], place: NDArray[np.float64], release_s: float) -> Gesture:
-    """Return the gesture of a finger that touches at these places and then releases."""
+def _released(
+    time_s: NDArray[np.float64], position_at: NDArray[np.float64], release_s: float
+) -> Gesture:
+    """Return the gesture of a finger that touches at these positions and then releases."""
     touching = np.ones(len(time_s) + 1, dtype=bool)
     touching[-1] = False
-    theta2 = np.append(place, place[-1]) * HALF_TURN
+    theta2 = np.append(position_at, position_at[-1]) * HALF_TURN
     return Gesture(np.append(time_s, release_s), theta2, touching, release_s)

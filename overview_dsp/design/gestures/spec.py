@@ -1,4 +1,4 @@
-"""Gesture SPEC, as typed on the command line: `sweep:4+rest:2+tap:0.8:1.5`, or a take's path."""
+"""Gesture SPEC of the command line: `sweep:4+rest:2+tap:0.8:1.5`, or a take's path."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FORMS = (
     "flick[:SECONDS], scrub:POSITION:WIDTH:HZ[:SECONDS], rest:SECONDS, or a take's path (.csv)"
 )
 DEFAULT = "sweep:4"
-"""What the hand does where nothing is said."""
+"""Default gesture."""
 
 _MAKERS: dict[str, tuple[Callable[..., Gesture], tuple[int, ...]]] = {
     "sweep": (sweep, (1, 3)),
@@ -32,7 +32,7 @@ _MAKERS: dict[str, tuple[Callable[..., Gesture], tuple[int, ...]]] = {
 
 
 def parse_gesture(spec: str) -> Gesture:
-    """Make the gesture of a SPEC, as typed on the command line.
+    """Make the gesture of a SPEC of the command line.
 
     Parameters
     ----------
@@ -44,19 +44,19 @@ def parse_gesture(spec: str) -> Gesture:
     Returns
     -------
     Gesture
-        One part after the other.
+        Parts in sequence.
 
     Raises
     ------
     InputError
-        A part that is not understood: names it and the allowed forms.
+        A part is not valid; the error names it and the allowed forms.
 
     Examples
     --------
     >>> ov.parse_gesture("sweep:2:0:0.6+rest:3+tap:0.8:1.5").duration_s
     6.5
     """
-    validation.instance(spec, str, "a gesture", f"it is {FORMS}")
+    validation.instance(spec, str, "a gesture", f"allowed: {FORMS}")
     # a take's path may hold any character, a plus too
     if Path(spec).suffix.lower() == ".csv" and os.path.exists(spec):
         return load_gesture(spec)
@@ -73,10 +73,10 @@ def _part(text: str) -> Gesture:
     if name not in _MAKERS:
         if Path(text).suffix.lower() == ".csv":
             return load_gesture(text)
-        raise InputError(f"gesture {text!r} is not understood; it is {FORMS}")
+        raise InputError(f"gesture {text!r} is not valid; allowed: {FORMS}")
     make, counts = _MAKERS[name]
     if len(arguments) not in counts:
-        raise InputError(f"gesture {text!r} has {len(arguments)} numbers; it is {FORMS}")
+        raise InputError(f"gesture {text!r} has {len(arguments)} numbers; allowed: {FORMS}")
     numbers = [_number(argument, text) for argument in arguments]
     return make(*numbers)
 
@@ -85,7 +85,7 @@ def _number(text: str, part: str) -> float:
     try:
         value = float(text)
     except ValueError:
-        raise InputError(f"gesture {part!r}: {text!r} is not a number; it is {FORMS}") from None
+        raise InputError(f"gesture {part!r}: {text!r} is not a number; allowed: {FORMS}") from None
     if not math.isfinite(value):
-        raise InputError(f"gesture {part!r}: {text} is not finite; it is {FORMS}")
+        raise InputError(f"gesture {part!r}: {text} is not finite; allowed: {FORMS}")
     return value

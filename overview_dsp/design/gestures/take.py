@@ -17,13 +17,13 @@ import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Gesture
-from overview_dsp.design.gestures.recorded_take import Beside, load_beside
+from overview_dsp.design.gestures.recorded_take import TakeDocument, load_document
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
 ROUNDED_RAD = 1e-5
-"""An angle so far outside was rounded: 3.141593 is pi to six decimals."""
+"""Largest rounding error of an angle: 3.141593 is pi to six decimals."""
 
 _TOUCH = {"1": True, "true": True, "0": False, "false": False}
 
@@ -41,12 +41,12 @@ def load_gesture(path: str | Path) -> Gesture:
     Returns
     -------
     Gesture
-        It ends with a release of every hand.
+        Gesture that ends with a release of every input.
 
     Raises
     ------
     InputError
-        Missing file, missing column, a word for a number, times that go back: names file and line.
+        A missing file or column, text for a number, or decreasing times; names file and line.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def load_gesture(path: str | Path) -> Gesture:
     """
     path = validation.path(path, "a take")
     try:
-        # a pipe or a device would be waited for
+        # a pipe or a device would block
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise InputError(f"{path}: is not a file; a take is a CSV file")
         with open(path, encoding="utf-8-sig", newline="") as file:
@@ -87,20 +87,20 @@ def _read(file: TextIO, path: Path) -> Gesture:
     at = [header.index(name) for name in COLUMNS]
     by = header.index("source") if "source" in header else None
     recorded = "sample" in header and "sample_rate" in header
-    # arrays: an hour's take in tuples would fill half a gigabyte
+    # arrays, since tuples of an hour's take would need half a gigabyte
     times, angles, touches, sources = array("d"), array("d"), array("b"), array("b")
     event = (0.0, 0.0, False)
     try:
         for row in rows:
             if not row or not any(cell.strip() for cell in row):
                 continue
-            place = f"{path}:{rows.line_num}"
+            location = f"{path}:{rows.line_num}"
             try:
-                event = _event(row, at, event[0], place)
-                source = 0 if by is None else _source(row, by, place)
+                event = _event(row, at, event[0], location)
+                source = 0 if by is None else _source(row, by, location)
             except InputError:
                 if recorded and _is_cut_short(path) and next(rows, None) is None:
-                    break  # a disk was full, or the machine went down, within its last line
+                    break  # the last line is incomplete, since writing was interrupted
                 raise
             times.append(event[0])
             angles.append(event[1])
@@ -108,15 +108,15 @@ def _read(file: TextIO, path: Path) -> Gesture:
             sources.append(source)
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
-    beside = load_beside(path) if recorded else Beside((), None)
-    if beside.played_s is not None and beside.played_s > (times[-1] if times else 0.0):
-        times.append(beside.played_s)
+    document = load_document(path) if recorded else TakeDocument((), None)
+    if document.played_s is not None and document.played_s > (times[-1] if times else 0.0):
+        times.append(document.played_s)
         angles.append(angles[-1] if angles else 0.0)
         touches.append(touches[-1] if touches else False)
         sources.append(sources[-1] if sources else 0)
     if not times:
-        raise InputError(f"{path}: no events; a take has one control event a line")
-    # a gesture ends with a release, of every hand
+        raise InputError(f"{path}: no events; a take has one control event per line")
+    # a gesture ends with a release of every input
     for source in sorted(set(sources)):
         last = len(sources) - 1 - sources[::-1].index(source)
         if touches[last]:
@@ -130,44 +130,46 @@ def _read(file: TextIO, path: Path) -> Gesture:
         np.array(touches, dtype=bool),
         times[-1],
         np.array(sources, dtype=np.int8),
-        beside.changes,
+        document.changes,
     )
 
 
 def _is_cut_short(path: Path) -> bool:
-    """Whether the file's last line has no end."""
+    """Return whether the file's last line has no line end."""
     with open(path, "rb") as file:
         file.seek(-1, os.SEEK_END)
         return file.read(1) != b"\n"
 
 
-def _source(row: list[str], at: int, place: str) -> int:
+def _source(row: list[str], at: int, location: str) -> int:
     name = row[at].strip() if at < len(row) else ""
     if name not in SOURCES:
-        raise InputError(f"{place}: source = {name[:60]!r}; it is one of {', '.join(SOURCES)}")
+        raise InputError(f"{location}: source = {name[:60]!r}; must be one of {', '.join(SOURCES)}")
     return SOURCES.index(name)
 
 
-def _event(row: list[str], at: list[int], before: float, place: str) -> tuple[float, float, bool]:
+def _event(
+    row: list[str], at: list[int], before: float, location: str
+) -> tuple[float, float, bool]:
     if len(row) <= max(at):
-        raise InputError(f"{place}: {len(row)} cells; the header needs {max(at) + 1}")
-    time_s = _number(row[at[0]], f"{place}: time_s")
-    theta2 = _number(row[at[1]], f"{place}: theta2_rad")
+        raise InputError(f"{location}: {len(row)} cells; the header needs {max(at) + 1}")
+    time_s = _number(row[at[0]], f"{location}: time_s")
+    theta2 = _number(row[at[1]], f"{location}: theta2_rad")
     touching = _TOUCH.get(row[at[2]].strip().lower())
     if touching is None:
-        raise InputError(f"{place}: touching = {row[at[2]].strip()[:60]!r}; it is 0 or 1")
+        raise InputError(f"{location}: touching = {row[at[2]].strip()[:60]!r}; must be 0 or 1")
     if time_s < 0.0:
-        raise InputError(f"{place}: time_s = {time_s:g} is negative; a take starts at 0")
+        raise InputError(f"{location}: time_s = {time_s:g} is negative; a take starts at 0")
     if time_s > LONGEST_S:
         raise InputError(
-            f"{place}: time_s = {time_s:g} is out of range; it is 0 to {LONGEST_S:g} s"
+            f"{location}: time_s = {time_s:g} is out of range; allowed: 0 to {LONGEST_S:g} s"
         )
     if time_s < before:
         raise InputError(
-            f"{place}: time_s goes back, {time_s:g} after {before:g}; sort the take by time"
+            f"{location}: time_s goes back, {time_s:g} after {before:g}; sort the take by time"
         )
     if not -ROUNDED_RAD <= theta2 <= math.pi + ROUNDED_RAD:
-        raise InputError(f"{place}: theta2_rad = {theta2:g} is out of range; it is 0 to pi")
+        raise InputError(f"{location}: theta2_rad = {theta2:g} is out of range; allowed: 0 to pi")
     return time_s, min(max(theta2, 0.0), math.pi), touching
 
 
@@ -182,23 +184,23 @@ def _number(text: str, what: str) -> float:
 
 
 def save_gesture(gesture: Gesture, path: str | Path) -> None:
-    """Write a gesture as a take; numbers keep every bit.
+    """Write a gesture as a take, without rounding.
 
-    A rest at the end is kept by a last line that repeats the state at the gesture's end.
+    A last line repeats the last state if the gesture ends later.
 
     Parameters
     ----------
     gesture : Gesture
-        What is written, without the changes of a recorded take.
+        Gesture; the changes of a recorded take are not written.
     path : str or path
-        The CSV file; whole or not at all.
+        The CSV file; it is written completely or not at all.
 
     Raises
     ------
     InputError
-        A place that can't be written.
+        The file cannot be written.
     OutputError
-        A full disk.
+        The disk is full.
 
     Examples
     --------

@@ -12,12 +12,12 @@ Examples
 
 from typing import TYPE_CHECKING
 
-from overview_dsp.design.presets.blending import morph, randomized
 from overview_dsp.design.presets.comparing import Difference, differences
 from overview_dsp.design.presets.library import bundled_presets as bundled
 from overview_dsp.design.presets.library import load_preset as load
-from overview_dsp.design.presets.library import own_names as own
+from overview_dsp.design.presets.library import user_presets
 from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
+from overview_dsp.design.presets.morphing import morph, randomize
 from overview_dsp.design.presets.parameter import Parameter
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
 from overview_dsp.design.presets.writing import save_preset as save
@@ -37,9 +37,9 @@ __all__ = [
     "differences",
     "load",
     "morph",
-    "own",
-    "randomized",
+    "randomize",
     "save",
+    "user_presets",
 ]
 
 if not TYPE_CHECKING:  # a type checker knows the names above, and no others

@@ -1,4 +1,4 @@
-"""What differs between two presets."""
+"""Differences between two presets."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class Difference:
     Attributes
     ----------
     id : str
-        `disk.inertia`, `kinds.goal.height`.
+        Parameter id, such as `kinds.goal.height`.
     first, second : float, bool or str
-        In each preset.
+        Value in each preset.
     unit : str
-        Of both.
+        Unit of both.
 
     Examples
     --------
@@ -36,17 +36,17 @@ class Difference:
 
 
 def differences(first: Preset, second: Preset) -> list[Difference]:
-    """List everything that differs between two presets.
+    """List all differences between two presets.
 
     Parameters
     ----------
     first, second : Preset
-        What is compared.
+        Presets to compare.
 
     Returns
     -------
     list of Difference
-        In the order of the parameter table, then kind by kind.
+        Differences in the order of the parameter table, then by kind.
 
     Examples
     --------
@@ -62,32 +62,34 @@ def differences(first: Preset, second: Preset) -> list[Difference]:
         if first.values[id] != second.values[id]
     ]
     if first.points != second.points:
-        found.append(_drawn("surface.points", first, second))
+        found.append(_points_difference("surface.points", first, second))
     for name in dict.fromkeys((*first.kinds, *second.kinds)):
         one, other = first.kinds.get(name), second.kinds.get(name)
         if one is None or other is None:
-            found.append(Difference(f"kinds.{name}", _has(one), _has(other), ""))
+            found.append(Difference(f"kinds.{name}", _kind_state(one), _kind_state(other), ""))
             continue
         for key, known in KIND_PARAMETERS.items():
             pair = getattr(one, key), getattr(other, key)
             if pair[0] != pair[1]:
                 found.append(Difference(f"kinds.{name}.{key}", *pair, known.unit))
-        if one.also != other.also:
-            names = [", ".join(kind.also) or "none" for kind in (one, other)]
-            found.append(Difference(f"kinds.{name}.also", names[0], names[1], ""))
+        if one.aliases != other.aliases:
+            names = [", ".join(kind.aliases) or "none" for kind in (one, other)]
+            found.append(Difference(f"kinds.{name}.aliases", names[0], names[1], ""))
         if one.points != other.points:
-            found.append(_drawn(f"kinds.{name}.points", one, other))
+            found.append(_points_difference(f"kinds.{name}.points", one, other))
         if one.modes != other.modes:
             found.append(Difference(f"kinds.{name}.modes", _modes(one), _modes(other), "Hz, ms"))
     return found
 
 
-def _drawn(id: str, first: Preset | EventKind, second: Preset | EventKind) -> Difference:
+def _points_difference(
+    id: str, first: Preset | EventKind, second: Preset | EventKind
+) -> Difference:
     return Difference(id, f"{len(first.points)} points", f"{len(second.points)} points", "")
 
 
-def _has(kind: EventKind | None) -> str:
-    return "named" if kind is not None else "felt as default"
+def _kind_state(kind: EventKind | None) -> str:
+    return "named" if kind is not None else "default"
 
 
 def _modes(kind: EventKind) -> str:

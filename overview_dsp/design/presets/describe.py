@@ -1,21 +1,21 @@
-"""A preset in words: every parameter with its value, range and meaning."""
+"""Description of a preset: every parameter with value, range and meaning."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-from overview_dsp.design.presets.dicts import preset_to_dict
 from overview_dsp.design.presets.model import EventKind, Preset
-from overview_dsp.design.presets.parameter import is_close_default, value_text
+from overview_dsp.design.presets.parameter import is_default, value_text
 from overview_dsp.design.presets.parameters import PARAMETERS, SECTIONS
+from overview_dsp.design.presets.serialization import preset_to_dict
 
 
 def character(preset: Preset) -> dict[str, float]:
-    """What the disk's numbers amount to on the bare surface.
+    """Return the dynamics of the disk on the bare surface.
 
-    Undamped frequency held and let go (Hz), damping ratios (1 = critical), and the time constant
-    of the recoil once it creeps (s).
+    The result has undamped frequencies while touched and released (Hz), damping ratios (1:
+    critical), and the time constant of a slow recoil (s).
     """
     number = preset.number
     inertia, k1, k2 = number("disk.inertia"), number("disk.k1"), number("disk.k2")
@@ -32,23 +32,25 @@ def character(preset: Preset) -> dict[str, float]:
 def _kind_line(name: str, kind: EventKind) -> str:
     width = f"{kind.width_percent:g} %" if kind.width_percent else f"{kind.width_ms:g} ms"
     modes = ", ".join(f"{mode.frequency_hz:g} Hz {mode.decay_ms:g} ms" for mode in kind.modes)
-    also = f"; also {', '.join(kind.also)}" if kind.also else ""
+    aliases = f"; also {', '.join(kind.aliases)}" if kind.aliases else ""
     if not modes and kind.material != "none":
         modes = f"{kind.material} {kind.pitch_hz:g} Hz"
     shape = f"{len(kind.points)} points" if kind.points else kind.shape
     if kind.model != "viscous":
         shape = f"{shape}, {kind.model}"
-    return f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{also}"
+    return (
+        f"  {name:<12} {kind.height:>6g} x  {width:>8}  {shape:<13}  {modes or 'no click'}{aliases}"
+    )
 
 
 def bristle_hold(preset: Preset) -> dict[str, float]:
-    """What the bare surface's bristles do to a disk that is pulled slowly, in % of the surface.
+    """Return the effect of the surface's bristles on a slowly pulled disk, in % of the surface.
 
-    How far behind the finger it may stick, and how far it slips: the pull rises to the static
-    torque and swings as far below the sliding one.
+    The result has its largest distance from the input disk, and the distance of a slip. The pull
+    rises to the static torque and swings equally far below the sliding torque.
     """
     number = preset.number
-    sliding = number("surface.grip") * number("surface.friction")
+    sliding = number("surface.torque_ratio") * number("surface.friction")
     static = sliding * number("surface.static_ratio")
     percent = 100.0 / (number("disk.k2") * math.pi)
     return {
@@ -63,33 +65,34 @@ def _hold_lines(preset: Preset) -> list[str]:
     hold = bristle_hold(preset)
     return [
         f"Its bristles hold the disk up to {hold['held_within_percent']:.2g} % of the surface from "
-        f"the finger; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
+        f"the input disk; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
     ]
 
 
-def _drawn_lines(preset: Preset) -> list[str]:
+def _map_lines(preset: Preset) -> list[str]:
     if not preset.points:
         return []
-    return [f"The curve is felt through a map of {len(preset.points)} points, drawn by hand."]
+    return [f"The intensity map has {len(preset.points)} points."]
 
 
 def describe(preset: Preset) -> str:
-    """The preset as a page of text; a star marks what differs from the default."""
+    """Return the preset as text; a star marks a value other than the default."""
     lines = [f"{preset.name}: {preset.title}", preset.description, ""]
     for section, members in SECTIONS.items():
         lines.append(f"[{section}]")
         for key, known in members.items():
             value = preset.values[known.id]
-            star = " " if is_close_default(known, value) else "*"
+            star = " " if is_default(known, value) else "*"
             shown = f"{value_text(value)} {known.unit}".strip()
             lines.append(f" {star}{key:<18} {shown:<20} ({known.allowed}) {known.doc}")
     facts = character(preset)
     lines += [
         "",
-        *_drawn_lines(preset),
+        *_map_lines(preset),
         *_hold_lines(preset),
-        f"On the bare surface: held {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
-        f" let go {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
+        "On the bare surface: "
+        f"touched {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
+        f" released {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
         f"recoil {facts['recoil_s']:.2f} s.",
         "",
         "[kinds]        height     width  shape          click",
@@ -99,7 +102,7 @@ def describe(preset: Preset) -> str:
 
 
 def describe_json(preset: Preset) -> dict[str, Any]:
-    """The preset, its ranges and its character as plain data."""
+    """Return the preset, its ranges and its dynamics as plain data."""
     return {
         "name": preset.name,
         "title": preset.title,

@@ -1,7 +1,7 @@
-"""Values of a preset file that are worked out: `"$hard * 0.5"`, from the file's `[variables]`.
+"""Expressions in preset files, such as `"$hard * 0.5"` with `[variables]`.
 
-Numbers, `$name`, + - * / and brackets. Nothing else, so a preset from a stranger can do no more
-than arithmetic.
+An expression may have numbers, `$name`, + - * / and brackets. An untrusted preset can therefore do
+no more than arithmetic.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
 
 
 def is_expression(value: object) -> bool:
-    """Whether a value of a preset file is to be worked out."""
+    """Return whether a value of a preset file is an expression."""
     return isinstance(value, str) and _NAME.search(value) is not None
 
 
 def evaluate(text: str, variables: Mapping[str, float]) -> float:
-    """The number an expression stands for; InputError if it is none."""
+    """Return the value of an expression; InputError if it has none."""
     if len(text) > MAX_LENGTH:
-        raise InputError(f"{shown(text)} is too long; an expression has up to {MAX_LENGTH} letters")
+        raise InputError(f"{shown(text)} is too long; must be at most {MAX_LENGTH} characters")
     for name in _NAME.findall(text):
         if name not in variables:
             hint = did_you_mean(name, variables) if variables else "; [variables] is empty"
@@ -43,7 +43,7 @@ def evaluate(text: str, variables: Mapping[str, float]) -> float:
         value = _value(tree.body, {f"_{name}": number for name, number in variables.items()})
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(
-            f"{shown(text)} can't be worked out; it is numbers, $names, + - * / and brackets"
+            f"{shown(text)} is not an expression; allowed: numbers, $names, + - * / and brackets"
         ) from None
     except (ZeroDivisionError, OverflowError):
         raise InputError(
@@ -70,28 +70,32 @@ def _none() -> float:
     raise ValueError
 
 
-def work_out(data: Any, variables: Mapping[str, float], path: tuple[str | int, ...] = ()) -> Any:
-    """A copy of a file's data with every expression worked out.
+def evaluate_expressions(
+    data: Any, variables: Mapping[str, float], path: tuple[str | int, ...] = ()
+) -> Any:
+    """Return a copy of a file's data with the values of all expressions.
 
     Raises
     ------
-    FaultyValueError
-        An expression that has no value, with its path.
+    ExpressionError
+        An expression has no value; the error has its path.
     """
     if isinstance(data, dict):
-        return {key: work_out(value, variables, (*path, key)) for key, value in data.items()}
+        return {
+            key: evaluate_expressions(value, variables, (*path, key)) for key, value in data.items()
+        }
     if isinstance(data, list):
-        return [work_out(value, variables, (*path, i)) for i, value in enumerate(data)]
+        return [evaluate_expressions(value, variables, (*path, i)) for i, value in enumerate(data)]
     if is_expression(data) and path[-1:] not in (("title",), ("description",)):
         try:
             return evaluate(data, variables)
         except InputError as error:
-            raise FaultyValueError(path, str(error)) from None
+            raise ExpressionError(path, str(error)) from None
     return data
 
 
-class FaultyValueError(InputError):
-    """A value of a preset file that is wrong, and where it is."""
+class ExpressionError(InputError):
+    """Error of an expression, with its path in the file."""
 
     def __init__(self, path: tuple[str | int, ...], message: str) -> None:
         super().__init__(message)

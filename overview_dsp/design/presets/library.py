@@ -1,7 +1,4 @@
-"""Where presets are: the bundled ones and a person's own by name, any other by its path.
-
-Which presets are like a tag, or for a use.
-"""
+"""Library of presets: bundled and user presets by name, other presets by path, and their tags."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ from overview_dsp.files.library import Library
 from overview_dsp.files.toml import MAX_BYTES, SUFFIX, read_text
 
 FOR_DATA = ("football", "series", "heart", "crowd")
-"""The bundled presets made for a sort of data; `plain` is for what none of them names."""
+"""Bundled presets for one type of data each; `plain` is for all other data."""
 
 LIBRARY = Library("presets", "a preset", "OVERVIEW_PRESETS")
 
@@ -41,20 +38,20 @@ def bundled_presets() -> tuple[str, ...]:
     return LIBRARY.bundled
 
 
-def own_names() -> tuple[str, ...]:
-    """List a person's own presets, which lie in a folder of the user's configuration.
+def user_presets() -> tuple[str, ...]:
+    """List the user presets, in the folder of the user's configuration.
 
     Returns
     -------
     tuple of str
-        Names, sorted; a bundled name stays the bundled preset's.
+        Names, sorted; a bundled name always refers to the bundled preset.
 
     Examples
     --------
     >>> import os
-    >>> os.environ["OVERVIEW_PRESETS"] = "."  # the folder, where it is another one
+    >>> os.environ["OVERVIEW_PRESETS"] = "."  # another folder
     >>> path = ov.presets.save(ov.load_preset("football"), "mine.toml")
-    >>> ov.presets.own()
+    >>> ov.presets.user_presets()
     ('mine',)
     >>> del os.environ["OVERVIEW_PRESETS"]
     """
@@ -62,12 +59,12 @@ def own_names() -> tuple[str, ...]:
 
 
 def preset_path(name: str | Path) -> Path:
-    """The file of a preset given by name or path.
+    """Return the file of a preset, by name or path.
 
     Raises
     ------
     InputError
-        There is no such preset or file.
+        No such preset or file exists.
     """
     return LIBRARY.path(name)
 
@@ -78,17 +75,17 @@ def load_preset(name: str | Path) -> Preset:
     Parameters
     ----------
     name : str or path
-        A bundled or own name (`football`), or the path of a TOML file.
+        Name of a bundled or user preset (`football`), or path of a TOML file.
 
     Returns
     -------
     Preset
-        Complete: what it extends is in it.
+        Preset with all values of the presets that it extends.
 
     Raises
     ------
     InputError
-        No such preset, or one that is not valid: names file, line, key and range.
+        No such preset, or one that is not valid; the error names file, line, key and range.
 
     Examples
     --------
@@ -102,49 +99,51 @@ def load_preset(name: str | Path) -> Preset:
     return parse_preset(read_text(path), path.stem, str(path), _base)
 
 
-def parse_own(text: str, path: Path) -> Preset:
-    """The preset of a text that is to be the file `path`; InputError if it isn't valid."""
+def parse_user_preset(text: str, path: Path) -> Preset:
+    """Return the preset of a text for the file `path`; InputError if it is not valid."""
     if len(text.encode()) > MAX_BYTES:
-        raise InputError(f"{path.name}: larger than {MAX_BYTES:,} bytes; it is a short TOML file")
+        raise InputError(
+            f"{path.name}: size is {len(text.encode()):,} bytes; must be at most {MAX_BYTES:,}"
+        )
     return parse_preset(text, path.stem, str(path), _base)
 
 
 LOUDNESS_UNIT = "LUFS"
-"""In which the curve of a recording is."""
+"""Unit of a recording's curve."""
 
 
-def fitting(kinds: Mapping[str, int], unit: str = "") -> str:
-    """The bundled preset made for data with these kinds of events: the one that names most of them.
+def best_preset(kinds: Mapping[str, int], unit: str = "") -> str:
+    """Return the bundled preset that names most of these kinds of events.
 
-    `plain` where none names at least half of them, ticks aside.
+    The result is `plain` if none names at least half of the events other than ticks.
 
     Parameters
     ----------
     kinds
-        How many events there are of each kind; none is a series, or a recording without a cheer.
+        Number of events of each kind; none: a series, or a recording without cheers.
     unit
-        The curve's.
+        Unit of the intensity curve.
     """
     if not kinds:
         return "crowd" if unit == LOUDNESS_UNIT else "series"
-    told = {kind: n for kind, n in kinds.items() if kind not in TICKS} or dict(kinds)
+    counts = {kind: n for kind, n in kinds.items() if kind not in TICKS} or dict(kinds)
     best, most = "plain", 0
     for name in FOR_DATA:
         preset = load_preset(name)
-        named = sum(n for kind, n in told.items() if preset.kind_for(kind))
+        named = sum(n for kind, n in counts.items() if preset.kind_for(kind))
         if named > most:
             best, most = name, named
-    return best if 2 * most >= sum(told.values()) else "plain"
+    return best if 2 * most >= sum(counts.values()) else "plain"
 
 
-def fitting_preset(timeline: Timeline) -> str:
-    """The bundled preset made for data like a timeline's (`fitting`)."""
+def best_preset_for(timeline: Timeline) -> str:
+    """Return the bundled preset for the kinds of a timeline (`best_preset`)."""
     curve = timeline.intensity
-    return fitting(timeline.kinds(), "" if curve is None else curve.unit)
+    return best_preset(timeline.kinds(), "" if curve is None else curve.unit)
 
 
 def _base(name: str, source: str) -> tuple[str, str]:
-    """What a file extends: a name, or a path from where the file is."""
+    """Return file and text of an extended preset: a name, or a path relative to the file."""
     beside = Path(source).parent / name
     is_file = beside.suffix == SUFFIX and os.path.isfile(beside)
     path = beside if is_file else preset_path(name)
@@ -153,28 +152,30 @@ def _base(name: str, source: str) -> tuple[str, str]:
 
 _COMPARED = {"=": operator.eq, "<": operator.lt, ">": operator.gt}
 _SCALE = re.compile(r"(?P<name>\w+)\s*(?P<sign>[=<>])\s*(?P<value>[1-5])")
-WAYS = f"a use (football), or {', '.join(TAG_SCALES)} with =, < or > and 1 to 5 (energy=4, tempo<3)"
+TAG_FORMS = (
+    f"a use (football), or {', '.join(TAG_SCALES)} with =, < or > and 1 to 5 (energy=4, tempo<3)"
+)
 
 
-def require_tag(tag: str) -> None:
-    """InputError for a scale that there isn't, or a value that no scale has."""
+def check_tag(tag: str) -> None:
+    """Raise InputError for an unknown scale or a value out of range."""
     if any(sign in tag for sign in _COMPARED):
         found = _SCALE.fullmatch(tag.strip())
         if not found or found["name"] not in TAG_SCALES:
-            raise InputError(f"--tag {tag!r} is none; it is {WAYS}")
+            raise InputError(f"--tag {tag!r} is not valid; allowed: {TAG_FORMS}")
 
 
-def tagged(preset: Preset, tag: str) -> bool:
-    """Whether a preset has a tag, as `require_tag` allows it."""
+def has_tag(preset: Preset, tag: str) -> bool:
+    """Return whether a preset has a tag that `check_tag` accepts."""
     found = _SCALE.fullmatch(tag.strip())
     if found is None:
-        return serves(preset, tag)
+        return is_for_use(preset, tag)
     value = getattr(preset.tags, found["name"])
     return value is not None and bool(_COMPARED[found["sign"]](value, int(found["value"])))
 
 
-def serves(preset: Preset, use: str) -> bool:
-    """Whether a preset is for a use: its name, or a word or all of one of its uses, says so."""
+def is_for_use(preset: Preset, use: str) -> bool:
+    """Return whether a use is the name of a preset, one of its uses, or a word of these."""
     wanted = use.strip().casefold()
     names = [preset.name, *preset.tags.usage]
     words = {word.casefold() for name in names for word in re.findall(r"\w+", name)}

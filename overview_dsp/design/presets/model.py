@@ -1,4 +1,4 @@
-"""A preset: how a surface feels and sounds, and what each kind of event does to it."""
+"""Presets: parameters of surface and sound, and the kinds of events on it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from overview_dsp import validation
-from overview_dsp.design.presets.page import preset_page
+from overview_dsp.design.presets.notebook import preset_page
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.design.presets.parameters import (
     KIND_PARAMETERS,
-    MAX_ALSO,
+    MAX_ALIASES,
     MAX_POINTS,
     MODE_PARAMETERS,
     PARAMETERS,
@@ -60,46 +60,46 @@ class ClickMode:
 
 @dataclass(frozen=True)
 class EventKind:
-    """What a kind of event does to the surface, and how it clicks.
+    """Friction profile and click of one kind of event.
 
-    Exactly one of the two widths is given. Where there are no `modes`, `material`, `pitch_hz` and
-    `ring` make the click.
+    Exactly one of the two widths must be set. Without `modes`, the click is made from `material`,
+    `pitch_hz` and `decay_scale`.
 
     Parameters
     ----------
     height : float
-        In bare surfaces (x `surface.friction`).
+        Height of the profile, as a multiple of `surface.friction`.
     width_percent : float or None
         Width at half height, % of the timeline.
     width_ms : float or None
-        Width at half height, ms of the data's time.
+        Width at half height, in ms of the data's time.
     shape : str
-        The friction's course over the event.
+        Shape of the friction profile.
     points : tuple of float
-        A course of 2 to 256 numbers, 0 to 1, over two widths, in place of the shape's.
+        Profile of 2 to 256 numbers, 0 to 1, over two widths, which replaces the shape.
     spacing_percent : float
-        Mean distance the kind's events need, %: denser ones are left out until a zoom spreads them.
+        Smallest mean distance of the kind's events, %; denser ones are omitted until a zoom.
     gain_db : float
         Level of the click, dB.
     modes : tuple of ClickMode
-        The click's resonators.
-    also : tuple of str
-        Other event kinds that feel like this one.
+        Resonators of the click.
+    aliases : tuple of str
+        Names of other event kinds that use this one.
     model : {"viscous", "bristle", "detent", "end_stop"}
-        What friction it is.
+        Friction model.
     stiffness, damping, static_ratio, stribeck_speed, break_away : float
-        What its bristles or its stop are like; `ov.presets.KIND_PARAMETERS` has units and ranges.
+        Parameters of bristles or end stop; units and ranges are in `ov.presets.KIND_PARAMETERS`.
     material : {"none", "glass", "wood", "metal", "plastic", "card"}
-        What the click sounds like, without `modes`.
+        Material of the click, without `modes`.
     pitch_hz : float
         Lowest mode of the material, Hz.
-    ring : float
-        How long the material rings, as a ratio.
+    decay_scale : float
+        Ratio of the decay times to those of the free material.
 
     Raises
     ------
     InputError
-        A value out of range, both widths or neither.
+        A value is out of range, or not exactly one width is set.
 
     Examples
     --------
@@ -115,7 +115,7 @@ class EventKind:
     spacing_percent: float = 0.0
     gain_db: float = 0.0
     modes: tuple[ClickMode, ...] = ()
-    also: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
     model: str = "viscous"
     stiffness: float = _default("stiffness")
     damping: float = _default("damping")
@@ -124,64 +124,66 @@ class EventKind:
     break_away: float = _default("break_away")
     material: str = "none"
     pitch_hz: float = _default("pitch_hz")
-    ring: float = _default("ring")
+    decay_scale: float = _default("decay_scale")
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):
-            raise InputError("give exactly one of width_percent and width_ms")
+            raise InputError("exactly one of width_percent and width_ms must be set")
         for key, known in KIND_PARAMETERS.items():
             value = getattr(self, key)
             if value is not None or not key.startswith("width_"):
                 object.__setattr__(self, key, known.check(value))
         if len(self.modes) > MAX_MODES:
-            raise InputError(f"{len(self.modes)} modes; a kind has up to {MAX_MODES}")
+            raise InputError(f"modes has {len(self.modes)} entries; must be at most {MAX_MODES}")
         for index, mode in enumerate(self.modes):
             for key, known in MODE_PARAMETERS.items():
                 replace(known, id=f"modes.{index}.{key}").check(getattr(mode, key))
         object.__setattr__(self, "modes", tuple(self.modes))
-        object.__setattr__(self, "also", tuple(self.also))
-        if not all(isinstance(name, str) and name for name in self.also):
-            raise InputError("also is a list of event kinds")
-        if len(self.also) > MAX_ALSO:
-            raise InputError(f"{len(self.also)} names in also; a kind stands for up to {MAX_ALSO}")
-        object.__setattr__(self, "points", _drawn(self.points))
+        object.__setattr__(self, "aliases", tuple(self.aliases))
+        if not all(isinstance(name, str) and name for name in self.aliases):
+            raise InputError("aliases must be a list of event kinds")
+        if len(self.aliases) > MAX_ALIASES:
+            raise InputError(
+                f"aliases has {len(self.aliases)} names; must be at most {MAX_ALIASES}"
+            )
+        object.__setattr__(self, "points", _checked_points(self.points))
         if self.points and not any(self.points):
-            raise InputError("points are 0 to 1, and not all of them 0")
+            raise InputError("points must be 0 to 1, and not all of them 0")
 
     def __repr__(self) -> str:
         return changed_fields(self, modes=f"<{len(self.modes)}>")
 
 
-def _drawn(points: Iterable[float]) -> tuple[float, ...]:
-    """What was drawn by hand, checked."""
+def _checked_points(points: Iterable[float]) -> tuple[float, ...]:
+    """Return the points of a profile or an intensity map; InputError if they are not valid."""
     found = tuple(float(point) for point in points)
     if found and not 2 <= len(found) <= MAX_POINTS:
-        raise InputError(f"{len(found)} points; what is drawn has 2 to {MAX_POINTS}")
-    # written so that NaN fails
+        raise InputError(f"points has {len(found)} numbers; must be 2 to {MAX_POINTS}")
+    # NaN fails too
     if not all(0.0 <= point <= 1.0 for point in found):
-        raise InputError("points are 0 to 1")
+        raise InputError("points must be 0 to 1")
     return found
 
 
 TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
-"""What a preset feels like, on scales of 1 to 5 (after VibViz, Seifi, Zhang and MacLean 2015)."""
+"""Scales of a preset's feel, 1 to 5 (after VibViz: Seifi, Zhang and MacLean 2015)."""
 
 
 @dataclass(frozen=True)
 class Tags:
-    """What a preset feels like, 1 (low) to 5 (high) or None, and what it is for.
+    """Ratings of a preset's feel, 1 (low) to 5 (high) or None, and its uses.
 
     Parameters
     ----------
     energy, roughness, tempo, pleasantness : float or None
         1 to 5.
     usage : tuple of str
-        Words.
+        Words for its uses.
 
     Raises
     ------
     InputError
-        A number out of range.
+        A number is out of range.
 
     Examples
     --------
@@ -199,38 +201,38 @@ class Tags:
         for name in TAG_SCALES:
             value = getattr(self, name)
             if value is not None and not 1.0 <= value <= 5.0:
-                raise InputError(f"tags.{name} = {value:g} is out of range; it is 1 to 5")
+                raise InputError(f"tags.{name} = {value:g} is out of range; allowed: 1 to 5")
         object.__setattr__(self, "usage", tuple(self.usage))
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A named set of parameter values and event kinds; it never changes.
+    """Immutable named set of parameter values and event kinds.
 
     Parameters
     ----------
     name, title, description : str
-        What it is called (its file's name), in a few words, and what it feels like.
+        Name (of its file), title and a sentence on its feel.
     values : mapping of str to float, bool or str
-        By parameter id; what is left out gets the table's default, so that all are there.
+        Values by parameter id; other parameters have their defaults.
     kinds : mapping of str to EventKind
-        Always has `default`, which serves kinds the preset doesn't name.
+        Event kinds by name, with `default` for all kinds that are not named.
     tags : Tags
-        What it feels like and is for.
+        Ratings and uses.
     authors : tuple of str
-        Names.
+        Names of the authors.
     points : tuple of float
-        The intensity map: of even steps of the timeline's curve, 2 to 256, the part of the ambience
-        that is felt there, 0 to 1; none is a straight line.
+        Intensity map: felt share, 0 to 1, at 2 to 256 even steps of the intensity curve; default:
+        a straight line.
 
     Raises
     ------
     InputError
-        No such parameter, a value out of range, too many kinds or no `default`.
+        An unknown parameter, a value out of range, too many kinds, or no `default`.
 
     See Also
     --------
-    load_preset : Reads one.
+    load_preset : Reads a preset.
 
     Examples
     --------
@@ -258,40 +260,41 @@ class Preset:
             values[id] = parameter(id).check(value)
         if len(self.kinds) > MAX_KINDS:
             raise InputError(
-                f"preset {self.name!r} has {len(self.kinds)} event kinds; up to {MAX_KINDS}"
+                f"preset {self.name!r} has {len(self.kinds)} event kinds; "
+                f"must be at most {MAX_KINDS}"
             )
         if DEFAULT_KIND not in self.kinds:
             raise InputError(
                 f"preset {self.name!r} has no kinds.{DEFAULT_KIND}; "
-                "add it, for events of a kind it doesn't name"
+                "add it for events of other kinds"
             )
         object.__setattr__(self, "values", MappingProxyType(values))
         object.__setattr__(self, "kinds", MappingProxyType(dict(self.kinds)))
         object.__setattr__(self, "authors", tuple(self.authors))
-        object.__setattr__(self, "points", _drawn(self.points))
-        served = {name: kind for kind, members in self.kinds.items() for name in members.also}
+        object.__setattr__(self, "points", _checked_points(self.points))
+        served = {name: kind for kind, members in self.kinds.items() for name in members.aliases}
         for kind, members in self.kinds.items():
-            for name in members.also:
+            for name in members.aliases:
                 if served[name] != kind:
                     raise InputError(
-                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.also and in "
-                        f"kinds.{served[name]}.also; leave it in one"
+                        f"preset {self.name!r}: {name!r} is in kinds.{kind}.aliases and in "
+                        f"kinds.{served[name]}.aliases; remove one"
                     )
-        # a kind of that name comes before those that stand for it
+        # a kind of that name has priority over aliases
         object.__setattr__(self, "_served", served | {name: name for name in self.kinds})
 
     def kind_for(self, event_kind: str) -> str | None:
-        """Look up the kind that serves a kind of event.
+        """Return the entry of `kinds` that applies to a kind of event.
 
         Parameters
         ----------
         event_kind : str
-            Of an event.
+            Kind of an event.
 
         Returns
         -------
         str or None
-            A name of `kinds`; None where `default` serves it, for want of another.
+            Name of an entry; None if only `default` applies.
 
         Examples
         --------
@@ -306,12 +309,12 @@ class Preset:
         Parameters
         ----------
         id : str
-            `tactor.frequency_hz`, say.
+            Parameter id, such as `tactor.frequency_hz`.
 
         Returns
         -------
         float
-            In the parameter's unit.
+            Value in the parameter's unit.
 
         Examples
         --------
@@ -323,22 +326,22 @@ class Preset:
         return value
 
     def with_values(self, **changes: Value) -> Preset:
-        """Make a preset with other values, by parameter id with `__` for the dot.
+        """Return a copy with other values, by parameter id with `__` for the dot.
 
         Parameters
         ----------
         **changes : float, bool or str
-            In the parameters' units.
+            Values in the parameters' units.
 
         Returns
         -------
         Preset
-            This one but for them.
+            Copy with these values.
 
         Raises
         ------
         InputError
-            No such parameter, or a value that is not allowed.
+            An unknown parameter, or a value that is not allowed.
 
         Examples
         --------
@@ -348,22 +351,22 @@ class Preset:
         return self.with_changes({id.replace("__", "."): value for id, value in changes.items()})
 
     def with_changes(self, changes: Mapping[str, Value]) -> Preset:
-        """Make a preset with other values, by parameter id.
+        """Return a copy with other values, by parameter id.
 
         Parameters
         ----------
         changes : mapping of str to float, bool or str
-            In the parameters' units.
+            Values in the parameters' units.
 
         Returns
         -------
         Preset
-            This one but for them.
+            Copy with these values.
 
         Raises
         ------
         InputError
-            No such parameter, or a value that is not allowed.
+            An unknown parameter, or a value that is not allowed.
 
         Examples
         --------
@@ -373,24 +376,24 @@ class Preset:
         return replace(self, values={**self.values, **changes})
 
     def with_value(self, id: str, value: object) -> Preset:
-        """Make a preset with another value of a parameter or of an event kind.
+        """Return a copy with another value of a parameter or of an event kind.
 
         Parameters
         ----------
         id : str
-            `tactor.gain_db`, `kinds.goal.height`.
+            Id, such as `tactor.gain_db` or `kinds.goal.height`.
         value : float, bool or str
             In the parameter's unit.
 
         Returns
         -------
         Preset
-            This one but for it.
+            Copy with this value.
 
         Raises
         ------
         InputError
-            No such parameter, or a value that is not allowed.
+            An unknown parameter, or a value that is not allowed.
 
         Examples
         --------
@@ -403,7 +406,7 @@ class Preset:
         parts = id.split(".")
         if len(parts) != 3 or parts[1] not in self.kinds:
             raise InputError(
-                f"no parameter is called {id!r}; an event kind's is kinds.KIND.KEY, "
+                f"no parameter is called {id!r}; use kinds.KIND.KEY, "
                 f"with KIND one of {', '.join(self.kinds)}"
             )
         _, name, key = parts
@@ -417,12 +420,12 @@ class Preset:
         return replace(self, kinds={**self.kinds, name: replace(self.kinds[name], **changes)})
 
     def plot(self) -> Figure:
-        """Draw what is heard and felt of each kind of event, from a render of a sweep over them.
+        """Plot click and vibration of each kind of event in a rendered sweep.
 
         Returns
         -------
         matplotlib.figure.Figure
-            Click and vibration over time; a notebook shows it.
+            Click and vibration over time.
 
         Examples
         --------
@@ -431,7 +434,7 @@ class Preset:
         return plot_with("measure.pictures", "plot_preset", self)
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what it is like, and its kinds."""
+        """Return HTML with the description and the kinds, for notebooks."""
         return preset_page(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""One thing a person sets: its id, unit, range, default and a sentence. What tables are made of."""
+"""Parameter: id, unit, range, default and description, and tables of parameters."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ Value = float | bool | str
 
 @dataclass(frozen=True)
 class Parameter:
-    """One thing a person sets: its unit, range, default and a sentence.
+    """Parameter of a preset: id, unit, range, default and description.
 
     Parameters
     ----------
     id : str
-        `section.key`.
+        Id, `section.key`.
     default : float, bool, str or None
-        None where it must be given.
+        Default; None if a value is required.
     low, high : float
-        The range of a number, in the unit.
+        Range of a number, in the unit.
     unit : str
-        As written after a value; empty without one.
+        Unit; empty without one.
     doc : str
-        A sentence for a person.
+        Description in one sentence.
     choices : tuple
-        What it may be; empty for numbers, False and True for a flag.
+        Allowed values; empty for numbers, False and True for a flag.
     scale : {"linear", "log"}
-        How a slider moves it.
+        Scale of a slider.
     surface : bool
-        Whether it is part of the friction table: changing it makes a new surface.
+        Whether a change makes a new friction table.
 
     Examples
     --------
@@ -58,12 +58,12 @@ class Parameter:
 
     @property
     def key(self) -> str:
-        """The last part of the id: the key in a preset file's section."""
+        """Last part of the id: the key in its section of a preset file."""
         return self.id.rpartition(".")[2]
 
     @property
     def allowed(self) -> str:
-        """What a value may be, in words with the unit."""
+        """Text of the allowed values, with the unit."""
         if self.choices:
             return " or ".join(
                 value_text(choice) if isinstance(choice, bool) else f'"{choice}"'
@@ -73,17 +73,17 @@ class Parameter:
         return f"{self.low:g} to {self.high:g}{unit}"
 
     def check(self, value: object) -> Value:
-        """Check a value; nothing is clamped.
+        """Return a valid value; nothing is clamped.
 
         Parameters
         ----------
         value : object
-            What was given.
+            Value to check.
 
         Returns
         -------
         float, bool or str
-            It, in the parameter's own type.
+            Value in the parameter's own type.
 
         Raises
         ------
@@ -94,24 +94,26 @@ class Parameter:
         --------
         >>> ov.presets.PARAMETERS["tactor.gain_db"].check(99.0)
         Traceback (most recent call last):
-        overview_dsp.errors.InputError: tactor.gain_db = 99 is out of range; it is -60 to 12 dB
+        overview_dsp.errors.InputError: tactor.gain_db = 99 is out of range; allowed: -60 to 12 dB
         """
         if self.choices:
             if not isinstance(value, bool | str) or (
                 isinstance(self.choices[0], bool) != isinstance(value, bool)
                 or value not in self.choices
             ):
-                raise InputError(f"{self.id} = {shown(value)} is not allowed; it is {self.allowed}")
+                raise InputError(
+                    f"{self.id} = {shown(value)} is not allowed; allowed: {self.allowed}"
+                )
             return value
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{self.id} = {shown(value)} is not a number; it is {self.allowed}")
+            raise InputError(f"{self.id} = {shown(value)} is not a number; allowed: {self.allowed}")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf if value > 0 else -math.inf
-        # written so that NaN fails
+        # NaN fails too
         if not self.low <= number <= self.high:
-            raise InputError(f"{self.id} = {number:g} is out of range; it is {self.allowed}")
+            raise InputError(f"{self.id} = {number:g} is out of range; allowed: {self.allowed}")
         return number
 
     def __repr__(self) -> str:
@@ -119,12 +121,12 @@ class Parameter:
 
 
 def read_parameters(file: Path) -> dict[str, Parameter]:
-    """The parameters of a program's own TOML table, by id: the section and the key of each."""
+    """Return the parameters of a TOML table by id (`section.key`)."""
     sections = tomllib.loads(file.read_text(encoding="utf-8"))
     return {
-        (id := f"{section}.{key}"): _parameter(id, **given)
+        (id := f"{section}.{key}"): _parameter(id, **settings)
         for section, members in sections.items()
-        for key, given in members.items()
+        for key, settings in members.items()
     }
 
 
@@ -143,14 +145,14 @@ def _parameter(
 
 
 def value_text(value: Value) -> str:
-    """A value as it is written: `true`, `0.5`, `gaussian`."""
+    """Return a value as text: `true`, `0.5`, `gaussian`."""
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:g}" if isinstance(value, float) else value
 
 
-def is_close_default(parameter: Parameter, value: Value) -> bool:
-    """Whether a value is the parameter's default, to rounding."""
+def is_default(parameter: Parameter, value: Value) -> bool:
+    """Return whether a value is the parameter's default, except for rounding."""
     if isinstance(parameter.default, float) and isinstance(value, float):
         return math.isclose(parameter.default, value, rel_tol=1e-12, abs_tol=0.0)
     return parameter.default == value

@@ -1,7 +1,6 @@
-"""The one parameter table: id, unit, range, default and a sentence for everything a person sets.
+"""Table of all preset parameters: id, unit, range, default and description.
 
-It stands in `parameters.toml`, beside this file. Files, command line, page, engine and tests all
-read it, so none of them can disagree.
+It is read from `parameters.toml`. Files, command line, page, engine and tests all use it.
 """
 
 from __future__ import annotations
@@ -15,16 +14,16 @@ from overview_dsp.design.presets.parameter import Parameter, read_parameters
 from overview_dsp.errors import InputError, did_you_mean
 
 MAX_POINTS = 256
-"""Points of a kind's own course."""
+"""Most points of a kind's own profile."""
 
-MAX_ALSO = 64
-"""Other kinds that are felt as one."""
+MAX_ALIASES = 64
+"""Most aliases of a kind."""
 
 _KNOWN = read_parameters(Path(__file__).with_name("parameters.toml"))
 
 
 def _members(section: str) -> Mapping[str, Parameter]:
-    """What each member of a list or table has, which is always part of the friction table."""
+    """Return the parameters of a section's entries by key; all are part of the friction table."""
     return MappingProxyType(
         {
             known.key: replace(known, id=known.key, surface=True)
@@ -35,10 +34,10 @@ def _members(section: str) -> Mapping[str, Parameter]:
 
 
 KIND_PARAMETERS = _members("kinds")
-"""An event kind's parameters, by key."""
+"""Parameters of an event kind by key."""
 
 MODE_PARAMETERS = _members("modes")
-"""A modal resonator's parameters, by key."""
+"""Parameters of a modal resonator by key."""
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
@@ -47,7 +46,7 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         if not id.startswith(("kinds.", "modes."))
     }
 )
-"""Every parameter of a preset that is not an event kind's, by id."""
+"""Parameters of a preset by id, without those of event kinds."""
 
 SECTIONS: Mapping[str, Mapping[str, Parameter]] = MappingProxyType(
     {
@@ -55,7 +54,7 @@ SECTIONS: Mapping[str, Mapping[str, Parameter]] = MappingProxyType(
         for section in dict.fromkeys(id.partition(".")[0] for id in PARAMETERS)
     }
 )
-"""The same by section and key."""
+"""The same parameters by section and key."""
 
 SHAPES = KIND_PARAMETERS["shape"].choices
 PATTERNS = PARAMETERS["surface.pattern"].choices
@@ -63,7 +62,7 @@ MATERIALS = PARAMETERS["surface.material"].choices
 
 
 def parameter(id: str) -> Parameter:
-    """The parameter with that id; InputError with the nearest name if there is none."""
+    """Return the parameter with that id; InputError with the nearest id if there is none."""
     found = PARAMETERS.get(id)
     if found is None:
         raise InputError(f"no parameter is called {id!r}{did_you_mean(id, PARAMETERS)}")

@@ -1,4 +1,4 @@
-"""The parameter reference and the editors' schema, both from the one parameter table."""
+"""Parameter reference and JSON schema, made from the parameter table."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from overview_dsp.design.presets.validation import MAP_DOC, SCHEMA, preset_model
 _HEAD = """# Preset parameters
 
 A preset is a TOML file. `schema = {schema}`, `title`, `description` and `[kinds.default]` must be
-there (or come from what it `extends`); everything else has a default.
+set (or come from the extended preset); everything else has a default.
 
-| key | what it is |
+| key | meaning |
 |---|---|
 | `schema` | version of this format: {schema}; older ones are read too |
-| `extends` | a preset whose values hold where this file has none: a name, or a path from here |
-| `title`, `description` | what it is called, and what it feels like in a line |
+| `extends` | a preset with the other values: a name, or a path from this file's folder |
+| `title`, `description` | title, and a sentence on the feel |
 | `authors` | a list of names |
 | `[tags]` | {tags}: 1 (low) to 5 (high); `usage`: a list of words |
-| `[variables]` | numbers to use in values: `height = "$hard * 0.5"` (+ - * / and brackets) |
+| `[variables]` | numbers for expressions: `height = "$hard * 0.5"` (+ - * / and brackets) |
 """
 
 
 def reference() -> str:
-    """The reference as Markdown."""
+    """Return the reference as Markdown."""
     parts = [_HEAD.format(schema=SCHEMA, tags=", ".join(f"`{name}`" for name in TAG_SCALES))]
     for section, members in SECTIONS.items():
         parts.append(f"## [{section}]\n\n{_table(members.values())}")
@@ -44,8 +44,8 @@ def reference() -> str:
         "`kinds.default` serves\nevents of any other kind.\n\n" + _table(KIND_PARAMETERS.values())
     )
     parts.append(
-        "`points` (a list of 2 to 256 numbers, 0 to 1) is a course over two widths in place of the "
-        "shape's. `also` (a list of names) are other kinds of event that feel like this one,\n"
+        "`points` (a list of 2 to 256 numbers, 0 to 1) is a profile over two widths that replaces "
+        "the shape. `aliases` (a list of names) are other event kinds that use this one,\n"
         "unless the preset names them.\n"
     )
     parts.append(
@@ -56,20 +56,20 @@ def reference() -> str:
 
 
 def _table(members: Any) -> str:
-    rows = ["| key | default | range | what it does |", "|---|---|---|---|"]
+    rows = ["| key | default | range | meaning |", "|---|---|---|---|"]
     for known in members:
-        text = "must be given" if known.default is None else value_text(known.default)
+        text = "required" if known.default is None else value_text(known.default)
         rows.append(f"| `{known.key}` | {text} | {known.allowed} | {known.doc} |")
     return "\n".join(rows) + "\n"
 
 
-_SAID = ("id", "default", "allowed", "low", "high", "choices", "surface", "unit", "scale", "doc")
+_FIELDS = ("id", "default", "allowed", "low", "high", "choices", "surface", "unit", "scale", "doc")
 
 
 def reference_json() -> list[dict[str, Any]]:
-    """The reference as data: a dict a parameter.
+    """Return the reference as data, one dict per parameter.
 
-    `choices` is empty for a number, which lies from `low` to `high`; `surface` as in `Parameter`.
+    A number has no `choices` and is from `low` to `high`. `surface` is as in `Parameter`.
     """
     groups = (
         PARAMETERS.values(),
@@ -77,16 +77,16 @@ def reference_json() -> list[dict[str, Any]]:
         (replace(known, id=f"kinds.NAME.modes.{known.id}") for known in MODE_PARAMETERS.values()),
     )
     return [
-        {key: getattr(known, key) for key in _SAID} | {"choices": list(known.choices)}
+        {key: getattr(known, key) for key in _FIELDS} | {"choices": list(known.choices)}
         for members in groups
         for known in members
     ]
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema of preset files, for completion and checks in TOML editors.
+    """Return the JSON Schema of preset files, for TOML editors.
 
-    A number may also be an expression of variables there, as a text with a `$`.
+    A number may also be an expression: a text with a `$`.
     """
     schema: dict[str, Any] = _with_expressions(preset_model().model_json_schema(by_alias=True))
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
@@ -94,9 +94,9 @@ def json_schema() -> dict[str, Any]:
     schema["properties"]["schema"] = {"enum": list(range(1, SCHEMA + 1))}
     schema["properties"]["extends"] = {
         "type": "string",
-        "description": "A preset whose values hold where this file has none.",
+        "description": "Preset with the values that this file does not set.",
     }
-    schema["required"] = ["schema"]  # the rest may come from what it extends
+    schema["required"] = ["schema"]  # other keys may come from the extended preset
     for definition in schema["$defs"].values():
         definition.pop("required", None)
     return schema

@@ -1,22 +1,19 @@
-"""A preset file's text to Preset: a pydantic model made from the parameter table checks it.
+"""Reader of preset files: migration, extension, expressions and a check by a pydantic model.
 
-Errors name file and line, also where the value stands in a file that the preset extends.
+The model is made from the parameter table. Errors name file and line, also in an extended file.
 
-A preset file and those it extends, as one.
+`extends = "football"` takes all values of that preset (a name, or a path from the file's folder).
+The file changes single keys, kinds and variables. A list of modes is replaced as a whole.
+Expressions of the base follow changed variables.
 
-`extends = "football"` takes everything from that preset (a bundled or own name, or a path from the
-file's folder) and changes what is written here: single keys, kinds, variables. A list of modes is
-taken whole. Variables of the base may be set anew, and what is worked out from them follows.
-
-Preset files of older schema versions, brought up to the present one.
-
-| version | what is new |
+| schema | change |
 |---|---|
-| 1 | the first |
-| 2 | `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
+| 1 | first version |
+| 2 | added `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
 | 3 | `[clutch]`: `max_speed_ratio` was `disk.catch_up`, `tap_duration_s` was `disk.unfold_s` |
+| 4 | new names (`_RENAMED`, `_RENAMED_OF_KIND`), such as `intensity_gain` for `ambience` |
 
-In version 2 a tap took `unfold_s / catch_up`.
+In schema 2 a tap took `unfold_s / catch_up`.
 """
 
 from __future__ import annotations
@@ -29,7 +26,7 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import Field
 
-from overview_dsp.design.presets.expressions import FaultyValueError, work_out
+from overview_dsp.design.presets.expressions import ExpressionError, evaluate_expressions
 from overview_dsp.design.presets.model import (
     DEFAULT_KIND,
     TAG_SCALES,
@@ -41,7 +38,7 @@ from overview_dsp.design.presets.model import (
 from overview_dsp.design.presets.parameter import Parameter
 from overview_dsp.design.presets.parameters import (
     KIND_PARAMETERS,
-    MAX_ALSO,
+    MAX_ALIASES,
     MAX_POINTS,
     MODE_PARAMETERS,
     SECTIONS,
@@ -51,29 +48,27 @@ from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, nam
 from overview_dsp.files.toml import line_of, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 
-SCHEMA = 3
+SCHEMA = 4
+
+_RENAMED = {
+    "surface.ambience": "surface.intensity_gain",
+    "surface.grip": "surface.torque_ratio",
+    "surface.ring": "surface.decay_scale",
+    "tactor.full_torque_mnm": "tactor.reference_torque_mnm",
+    "click.full_torque_mnm": "click.reference_torque_mnm",
+    "twist.turn_deg": "twist.engage_deg",
+    "twist.join_ms": "twist.blend_ms",
+    "follow.map": "follow.layout",
+}
+"""Parameter ids of schema 3 that have another name in schema 4."""
+
+_RENAMED_OF_KIND = {"also": "aliases", "ring": "decay_scale"}
+"""The same for the keys of an event kind."""
 
 
-def _one_to_two(data: dict[str, Any]) -> dict[str, Any]:
-    # nothing was renamed: what is new has defaults
-    return {**data, "schema": 2}
-
-
-def _two_to_three(data: dict[str, Any]) -> dict[str, Any]:
-    disk = data.get("disk")
-    if not isinstance(disk, dict):
-        return {**data, "schema": 3}
-    values = migrated_values({f"disk.{key}": value for key, value in disk.items()})
-    found = {**data, "schema": 3, "disk": {}}
-    for id, value in values.items():
-        section, _, key = id.partition(".")
-        found[section] = {**found.get(section, {}), key: value}
-    return found
-
-
-def migrated_values(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by parameter id, with the ids and meanings of the present schema."""
-    found = dict(values)
+def migrate_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by parameter id, with the ids and meanings of the present schema."""
+    found = {_RENAMED.get(id, id): value for id, value in values.items()}
     ratio = found.pop("disk.catch_up", None)
     tap_s = found.pop("disk.unfold_s", None)
     if ratio is not None:
@@ -84,27 +79,43 @@ def migrated_values(values: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-_STEPS: dict[int, Callable[[dict[str, Any]], dict[str, Any]]] = {1: _one_to_two, 2: _two_to_three}
+def migrate_kind(kind: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an event kind's data, with the keys of the present schema."""
+    return {_RENAMED_OF_KIND.get(key, key): value for key, value in kind.items()}
 
 
-def migrated(data: dict[str, Any]) -> dict[str, Any]:
-    """A file's data in the present schema; what has no known version is left for the check."""
+def migrate(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a file's data in the present schema; an unknown version is left for the check."""
     version = data.get("schema")
-    while type(version) is int and version in _STEPS:
-        data = _STEPS[version](data)
-        version = data["schema"]
-    return data
+    if type(version) is not int or not 1 <= version < SCHEMA:
+        return data
+    tables = {name: data[name] for name in SECTIONS if isinstance(data.get(name), dict)}
+    found = {**data, "schema": SCHEMA, **{name: {} for name in tables}}
+    values = {
+        f"{name}.{key}": value for name, keys in tables.items() for key, value in keys.items()
+    }
+    for id, value in migrate_values(values).items():
+        section, _, key = id.partition(".")
+        table = found.setdefault(section, {})
+        if isinstance(table, dict):
+            table[key] = value
+    if isinstance(kinds := data.get("kinds"), dict):
+        found["kinds"] = {
+            name: migrate_kind(kind) if isinstance(kind, dict) else kind
+            for name, kind in kinds.items()
+        }
+    return found
 
 
 MAX_LAYERS = 8
 
 Find = Callable[[str, str], tuple[str, str]]
-"""From (what `extends` says, the file that says it) to (the base's file, its text)."""
+"""Function from (value of `extends`, its file) to (file of the base, its text)."""
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One file: where it is, its text, and its data in the present schema."""
+    """One file: path, text, and data in the present schema."""
 
     source: str
     text: str
@@ -112,18 +123,18 @@ class Layer:
 
 
 def read_layers(source: str, text: str, find: Find) -> list[Layer]:
-    """The file and its bases, the file first.
+    """Return the file and its bases, the file first.
 
     Raises
     ------
     InputError
-        Not TOML; a base that isn't there, is no name, or extends what extends it.
+        A file is not TOML, or a base is missing, not a name, or part of a circle.
     """
     layers = [_layer(source, text)]
     while (base := layers[-1].data.get("extends")) is not None:
         here = layers[-1]
         if not isinstance(base, str):
-            raise InputError(f"{here.source}: extends = {shown(base)}; it is a preset's name")
+            raise InputError(f"{here.source}: extends = {shown(base)}; must be a preset's name")
         if len(layers) == MAX_LAYERS:
             raise InputError(f"{source}: more than {MAX_LAYERS} presets extend each other")
         try:
@@ -137,11 +148,11 @@ def read_layers(source: str, text: str, find: Find) -> list[Layer]:
 
 
 def _layer(source: str, text: str) -> Layer:
-    return Layer(source, text, migrated(parse_toml(text, source)))
+    return Layer(source, text, migrate(parse_toml(text, source)))
 
 
 def merged(layers: list[Layer]) -> dict[str, Any]:
-    """The data of all layers as one, the first layer's last word."""
+    """Return the merged data of all layers; the first layer has priority."""
     found: dict[str, Any] = {}
     for layer in reversed(layers):
         own = {key: value for key, value in layer.data.items() if key != "extends"}
@@ -157,19 +168,19 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
             found[key] = value
             continue
         found[key] = _over(below, value)
-        # an event's width is given in one of two ways: the file's own is meant
+        # an event has one of two widths; the one of the file has priority
         _one_width(found[key], value)
     return found
 
 
 def _one_width(found: dict[str, Any], own: dict[str, Any]) -> None:
-    for given, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
-        if given in own and other not in own:
+    for key, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
+        if key in own and other not in own:
             found.pop(other, None)
 
 
 def layer_of(layers: list[Layer], path: Path) -> Layer:
-    """The layer that says a value: the first one that has it, else the file itself."""
+    """Return the first layer with a value, or else the file itself."""
     for layer in layers:
         value: Any = layer.data
         for part in path:
@@ -183,11 +194,11 @@ def layer_of(layers: list[Layer], path: Path) -> Layer:
 
 
 MAP_DOC = (
-    "The intensity map: of even steps of the timeline's curve, the part of the ambience that is "
-    "felt there, 0 to 1; none is a straight line."
+    "Intensity map: felt share (0 to 1) at even steps of the intensity curve; default: a straight "
+    "line."
 )
-_POINTS_DOC = "The friction's course over two widths, 0 to 1, in place of the shape's."
-_ALSO_DOC = "Other kinds of event that feel like this one, unless they are named."
+_POINTS_DOC = "Friction profile over two widths, 0 to 1, which replaces the shape."
+_ALIASES_DOC = "Other event kinds that use this one, unless the preset names them."
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
@@ -203,7 +214,7 @@ def _field(known: Parameter) -> tuple[Any, Any]:
 
 
 def _model(name: str, parameters: Iterable[Parameter], **more: Any) -> Any:
-    """The model of a table of parameters, and of `more`."""
+    """Return the model of a table of parameters, and of `more`."""
     fields: dict[str, Any] = {known.key: _field(known) for known in parameters}
     return pydantic.create_model(name, __base__=Strict, **fields, **more)
 
@@ -214,7 +225,7 @@ def _many(kind: Any, most: int | None = None, doc: str | None = None) -> tuple[A
 
 @cache
 def preset_model() -> type[pydantic.BaseModel]:
-    """The pydantic model of a preset file, made from the parameter table."""
+    """Return the pydantic model of a preset file, made from the parameter table."""
     part = Annotated[float, Field(ge=0.0, le=1.0)]
     more = {"surface": {"points": _many(part, MAX_POINTS, MAP_DOC)}}
     sections: dict[str, Any] = {
@@ -228,15 +239,15 @@ def preset_model() -> type[pydantic.BaseModel]:
         KIND_PARAMETERS.values(),
         modes=_many(_model("Mode", MODE_PARAMETERS.values()), MAX_MODES),
         points=_many(float, MAX_POINTS, _POINTS_DOC),
-        also=_many(str, MAX_ALSO, _ALSO_DOC),
+        aliases=_many(str, MAX_ALIASES, _ALIASES_DOC),
     )
     found: type[pydantic.BaseModel] = _model(
         "Preset",
         (),
         # an alias: pydantic has a method of the file's name for it
         schema_version=(int, Field(..., alias="schema", ge=SCHEMA, le=SCHEMA)),
-        title=(str, Field(..., description="What the preset is called.")),
-        description=(str, Field(..., description="What it feels like, in a line.")),
+        title=(str, Field(..., description="Title of the preset.")),
+        description=(str, Field(..., description="Feel of the preset, in one sentence.")),
         authors=_many(str),
         variables=(dict[str, float], Field(default_factory=dict)),
         kinds=(dict[str, kind], Field(max_length=MAX_KINDS)),  # type: ignore[valid-type]
@@ -246,53 +257,53 @@ def preset_model() -> type[pydantic.BaseModel]:
 
 
 def _is_number(value: object) -> bool:
-    # an int of thousands of digits isn't one here: the check will say so
+    # a very large int is not a number here; the check reports it
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
 
 
 def _no_base(base: str, source: str) -> tuple[str, str]:
-    raise InputError(f"{base!r} can't be looked up here")
+    raise InputError(f"{base!r} cannot be looked up here")
 
 
 def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Preset:
-    """A preset from a file's text.
+    """Return the preset of a file's text.
 
     Parameters
     ----------
     text
         TOML.
     name
-        Of the preset.
+        Name of the preset.
     source
-        The file, for errors.
+        File in error messages.
     find
-        Looks up what `extends` names.
+        Function that finds an extended preset.
 
     Raises
     ------
     InputError
-        Not TOML, an unknown key, a wrong type or a value out of range: names file, line, key and
-        range, and how many further faults there are.
+        The text is not TOML, or has an unknown key, a wrong type or a value out of range. The error
+        names file, line, key and range, and the number of further errors.
     """
     layers = read_layers(source, text, find)
     data = merged(layers)
     variables = data.get("variables", {})
     if not isinstance(variables, dict):
-        place = _place(layers, ("variables",))
-        raise InputError(f"{place}: variables = {shown(variables)}; it is a table of numbers")
+        location = _location(layers, ("variables",))
+        raise InputError(f"{location}: variables = {shown(variables)}; must be a table of numbers")
     numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
     found: Any
     try:
-        found = checked(preset_model(), work_out(data, numbers))
-    except FaultyValueError as error:
+        found = checked(preset_model(), evaluate_expressions(data, numbers))
+    except ExpressionError as error:
         found = [Fault(error.path, f"{named(error.path)}: {error}")]
     if isinstance(found, list):
         path, words = found[0]
         if path == ("schema",) and "schema" in data:
-            given = shown(data["schema"])
-            words = f"schema = {given} is not known; this version reads schema = 1 to {SCHEMA}"
+            version = shown(data["schema"])
+            words = f"schema = {version} is not known; this version reads schema = 1 to {SCHEMA}"
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        raise InputError(f"{_place(layers, path)}: {words}{more}")
+        raise InputError(f"{_location(layers, path)}: {words}{more}")
     dumped = found.model_dump()
     kinds: dict[str, EventKind] = {}
     for kind_name, members in dumped["kinds"].items():
@@ -300,12 +311,11 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         try:
             kinds[kind_name] = EventKind(modes=modes, **members)
         except InputError as error:
-            place = _place(layers, ("kinds", kind_name))
-            raise InputError(f"{place}: kinds.{kind_name}: {error}") from None
+            location = _location(layers, ("kinds", kind_name))
+            raise InputError(f"{location}: kinds.{kind_name}: {error}") from None
     if DEFAULT_KIND not in kinds:
         raise InputError(
-            f"{source}: kinds.{DEFAULT_KIND} is missing; "
-            "add it, for events of a kind the preset doesn't name"
+            f"{source}: kinds.{DEFAULT_KIND} is missing; add it for events of other kinds"
         )
     points = dumped["surface"].pop("points")
     values = {f"{name}.{key}": value for name in SECTIONS for key, value in dumped[name].items()}
@@ -318,7 +328,7 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
         raise InputError(f"{source}: {error}") from None
 
 
-def _place(layers: list[Layer], path: Path) -> str:
+def _location(layers: list[Layer], path: Path) -> str:
     layer = layer_of(layers, path)
     line = line_of(layer.text, path)
     return f"{layer.source}:{line}" if line else layer.source

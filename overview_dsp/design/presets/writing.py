@@ -1,4 +1,4 @@
-"""Preset to TOML: the same preset gives the same bytes, and reading them gives the preset again."""
+"""Writer of preset files; equal presets give equal bytes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from overview_dsp.files.atomic import atomic_file
 
 
 def preset_toml(preset: Preset) -> str:
-    """The text of a preset file, with what differs from the parameter table's defaults."""
+    """Return the text of a preset file with the values other than defaults."""
     import tomli_w
 
     data: dict[str, Any] = {
@@ -49,8 +49,8 @@ def _kind(kind: EventKind) -> dict[str, Any]:
         value = getattr(kind, key)
         if value is not None and (key == "height" or value != known.default):
             found[key] = value
-    if kind.also:
-        found["also"] = list(kind.also)
+    if kind.aliases:
+        found["aliases"] = list(kind.aliases)
     if kind.points:
         found["points"] = list(kind.points)
     found["modes"] = [{key: getattr(mode, key) for key in MODE_PARAMETERS} for mode in kind.modes]
@@ -58,12 +58,12 @@ def _kind(kind: EventKind) -> dict[str, Any]:
 
 
 def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
-    """Write a preset file, whole or not at all: what differs from the parameter table's defaults.
+    """Write a preset file with the values other than defaults, completely or not at all.
 
     Parameters
     ----------
     preset : Preset
-        What is written.
+        Preset to write.
     path : str or path
         The TOML file.
 
@@ -75,9 +75,9 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        A place that can't be written.
+        The file cannot be written.
     OutputError
-        A full disk.
+        The disk is full.
 
     Examples
     --------
@@ -93,8 +93,8 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def started_from(extended: str, base: Preset, title: str) -> str:
-    """The text of a new preset that extends another one, with every value of that in a comment."""
+def preset_template(extended: str, base: Preset, title: str) -> str:
+    """Return the text of a new preset with all values of its base in comments."""
     lines = [
         f"# {title}",
         "#",
@@ -106,7 +106,8 @@ def started_from(extended: str, base: Preset, title: str) -> str:
         f"title = {_plain(title)}",
         f"description = {_plain(f'made from {base.name}')}",
         "",
-        f"# The values are {base.name}'s: take the # away from what is to differ, headings too.",
+        f"# These are the values of {base.name}. To change one, remove the # before it and its",
+        "# heading.",
     ]
     for section, members in SECTIONS.items():
         lines += ["", f"# [{section}]"]

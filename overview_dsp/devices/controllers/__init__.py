@@ -1,1 +1,1 @@
-"""Controllers: OSC messages and MIDI bytes in, control events and parameters out; opens no port."""
+"""Controllers: OSC messages and MIDI bytes to control events and parameters; opens no port."""

@@ -1,34 +1,34 @@
-"""Files that say what a controller's controls do: TOML, `schema = 1`, a table for each control.
+"""Control maps: TOML files (`schema = 1`) that assign a controller's controls, one table each.
 
 The controls of a MIDI controller::
 
     [[control]]
     control = "cc 7"            # bend, pressure, cc NUMBER, note NUMBER, keys LOW-HIGH
     to = "tactor.gain_db"       # theta2, touch, taps or a parameter's id
-    channel = 1                 # 1 to 16; any if left out
-    low = -24.0                 # what its two ends are: of theta2 and taps parts of the timeline
-    high = 0.0                  # (0 and 1), of a parameter values (its range)
-    relative = "twos"           # a knob without ends: how it says a step (twos, offset, signed)
-    reverse = false             # its steps to the right are the ones to the left of others
-    steps = 60                  # from one end to the other
+    channel = 1                 # 1 to 16; any channel without this key
+    low = -24.0                 # values at its two ends: for theta2 and taps positions on the
+    high = 0.0                  # timeline (0 and 1), for a parameter values (default: its range)
+    relative = "twos"           # code of the steps of an endless knob (twos, offset, signed)
+    reverse = false             # reverses the steps of an endless knob
+    steps = 60                  # steps from one end to the other
 
-The OSC messages of another program (those of well-known apps are in `APPS`)::
+The OSC messages of another program (`APPS` has the maps of well-known apps)::
 
     [[control]]
-    address = "*/fader1"        # of the messages; after a * the end of it
-    to = "theta2"               # theta2, touch, a parameter's id; or what a device in the hand says
-                                # of itself: acceleration, angular_velocity, quaternion, angles
+    address = "*/fader1"        # address of the messages; after a * the end of the address
+    to = "theta2"               # theta2, touch, a parameter's id, or a quantity that a device
+                                # measures: acceleration, angular_velocity, quaternion, angles
     value = 1                   # which of the message's values
-    sends = [0.0, 1.0]          # what comes at its two ends
-    low = 0.0                   # what these are: of theta2 parts of the timeline (0 and 1), of a
-    high = 1.0                  # parameter values (its range)
+    sends = [0.0, 1.0]          # values sent at its two ends
+    low = 0.0                   # meaning of these ends: for theta2 positions on the timeline
+    high = 1.0                  # (0 and 1), for a parameter values (default: its range)
 
     [[control]]
     address = "/accxyz"
     to = "acceleration"
-    scale = 1.0                 # what 1 is: of angular_velocity rad/s, of angles degrees
+    scale = 1.0                 # value of 1 count: rad/s for angular_velocity, degrees for angles
     axes = ["y", "-x", "z"]     # the device's x (wrist to fingers), y (left), z (out of the face)
-    order = "xyzw"              # of a quaternion
+    order = "xyzw"              # order of a quaternion
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ SCHEMA = 1
 
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"
 KEYS = (36, 96)
-"""Five octaves about the middle c: the keys of most keyboards."""
+"""Five octaves about middle C: the keys of most keyboards."""
 
 RELATIVE = ("twos", "offset", "signed")
-"""How a step is said: 1 and 127 (the complement of two), 65 and 63, 1 and 65 (bit 6 is minus)."""
+"""Codes of a step right and left: 1 and 127 (two's complement), 65 and 63, 1 and 65 (sign bit)."""
 
 STEPS = 60.0
-"""From one end to the other: two turns and a half of a knob with 24 detents."""
+"""Steps from one end to the other: two and a half turns of a knob with 24 detents."""
 
 _FORMS = "bend, pressure, cc 0 to cc 119, note 0 to note 127, or keys LOW-HIGH"
 _NUMBERED = re.compile(r"(cc|note) (\d{1,3})")
@@ -76,20 +76,34 @@ SENSED: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "angles": ANGLES,
     }
 )
-"""What a device in the hand says, and the columns of a reading that are that."""
+"""Quantities that a device measures, and their columns in a reading."""
 
 PHONE = ("y", "-x", "z")
-"""A phone's axes in the hand: its y is its long side, towards the fingers."""
+"""Axes of a phone in the hand: its y is its long side, towards the fingers."""
 
 ORDERS = ("xyzw", "wxyz")
 
 
 @dataclass(frozen=True)
 class Control:
-    """One control: its `kind` (bend, pressure, cc, note, keys), its number (of keys: the lowest),
-    its channel (1 to 16, 0 = any), what it does, and what its ends are (None = all of it).
+    """One MIDI control.
 
-    `relative`: how a knob without ends says its steps, one of `RELATIVE`; "" = it has ends.
+    Attributes
+    ----------
+    kind : str
+        bend, pressure, cc, note or keys.
+    number, highest : int
+        Its number; for keys the lowest and the highest.
+    channel : int
+        1 to 16, 0 = any.
+    to : str
+        Its target.
+    low, high : float or None
+        Values at its ends; None = the whole range.
+    relative : str
+        Code of an endless knob's steps, one of `RELATIVE`; "" = it has ends.
+    reverse, steps
+        Direction of an endless knob, and its steps from end to end.
     """
 
     kind: str
@@ -105,18 +119,18 @@ class Control:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What it hears: each may be in a map once."""
+        """Identity of its messages, which a map may hold once."""
         return self.name, self.channel
 
     @property
     def name(self) -> str:
-        """As a file names it."""
+        """Name in a file."""
         if self.kind == "keys":
             return f"keys {self.number}-{self.highest}"
         return f"{self.kind} {self.number}" if self.kind in ("cc", "note") else self.kind
 
-    def hears(self, kind: str, number: int, channel: int) -> bool:
-        """Whether a message (channel 1 to 16) is this control's."""
+    def matches(self, kind: str, number: int, channel: int) -> bool:
+        """Return whether a message (channel 1 to 16) belongs to this control."""
         if self.channel not in (0, channel):
             return False
         if self.kind == "keys":
@@ -126,9 +140,23 @@ class Control:
 
 @dataclass(frozen=True)
 class OscControl:
-    """One control: its messages' `address` (after a * its end), what it does, which value of a
-    message says it (from 1), what comes at its ends, what these are (None = all of it); of what is
-    sensed the scale, the axes and a quaternion's order."""
+    """One OSC control.
+
+    Attributes
+    ----------
+    address : str
+        Address of its messages; after a * the end of the address.
+    to : str
+        Its target.
+    value : int
+        Which value of a message, from 1.
+    sends : tuple of float
+        Values sent at its two ends.
+    low, high : float or None
+        Meaning of these ends; None = the whole range.
+    scale, axes, order
+        Value of 1 count, axes, and order of a quaternion, for measured quantities.
+    """
 
     address: str
     to: str = THETA2
@@ -142,29 +170,24 @@ class OscControl:
 
     @property
     def key(self) -> tuple[str, int]:
-        """What it hears: each may be in a map once."""
+        """Identity of its messages, which a map may hold once."""
         return self.address, self.value
 
-    def hears(self, address: str) -> bool:
-        """Whether a message of that address is this control's."""
+    def matches(self, address: str) -> bool:
+        """Return whether a message with this address belongs to this control."""
         if self.address.startswith("*"):
             return address.endswith(self.address[1:])
         return address == self.address
 
 
-DEFAULT = (
-    Control("bend"),
-    Control("cc", 1),
-    Control("keys", *KEYS, to=TAPS),
-)
-"""Pitch bend and modulation wheel turn, keys tap."""
-
+DEFAULT = (Control("bend"), Control("cc", 1), Control("keys", *KEYS, to=TAPS))
+"""Pitch bend and modulation wheel set theta2; keys tap."""
 
 _GRAVITY = "acceleration"
 
 APPS: Mapping[str, tuple[OscControl, ...]] = MappingProxyType(
     {
-        # what these send of their own accelerometer lacks gravity, so it isn't taken
+        # the accelerometer messages of these apps lack gravity, so they aren't used
         "gyrosc": (OscControl("/gyrosc/grav", _GRAVITY, axes=PHONE),),
         "zigsim": (OscControl("*/gravity", _GRAVITY, axes=PHONE),),
         "touchosc": (
@@ -174,52 +197,56 @@ APPS: Mapping[str, tuple[OscControl, ...]] = MappingProxyType(
         ),
     }
 )
-"""The lists of well-known apps, by their names."""
+"""Maps of well-known apps, by name."""
 
 
 # --- reading --------------------------------------------------------------------------------------
 
 
 class _Entry(Strict):
-    """What any control's table says: what it does, and what its two ends are."""
+    """Keys of every control's table: its target and its two ends."""
 
     to: str
     low: float | None = None
     high: float | None = None
 
-    def ends(self, of_the_timeline: bool, has_ends: bool) -> tuple[float | None, float | None]:
-        """`low` and `high`; InputError for what they can't be."""
+    def ends(self) -> tuple[float | None, float | None]:
+        """Return `low` and `high`; InputError if they don't fit the target."""
         for key, value in (("low", self.low), ("high", self.high)):
-            if value is not None and of_the_timeline and not 0.0 <= value <= 1.0:
-                raise InputError(f"{key} = {value:g}; of the timeline it is 0 to 1")
-            if value is not None and not has_ends:
-                raise InputError(f"{key} is for what has a range, and a touch has none")
+            if value is None:
+                continue
+            if self.to in (THETA2, TAPS) and not 0.0 <= value <= 1.0:
+                raise InputError(f"{key} = {value:g}; a position on the timeline must be 0 to 1")
+            if self.to == TOUCH:
+                raise InputError(f"{key} does not apply to a touch, which has no range; remove it")
         return self.low, self.high
 
 
 class _MidiEntry(_Entry):
-    """The table of a MIDI control."""
+    """Table of a MIDI control."""
 
     control: str
-    channel: Annotated[int, Field(ge=0, le=16), Allowed("1 to 16, or left out for any")] = 0
+    channel: Annotated[
+        int, Field(ge=0, le=16), Allowed("1 to 16; any channel without this key")
+    ] = 0
     relative: Annotated[Literal["", "twos", "offset", "signed"], Allowed(", ".join(RELATIVE))] = ""
     reverse: Annotated[bool, Allowed("true or false")] = False
     steps: Annotated[float, Field(ge=1.0, le=1e6), Allowed("1 to 1000000")] = STEPS
 
 
 class _OscEntry(_Entry):
-    """The table of an OSC control."""
+    """Table of an OSC control."""
 
     address: str
     value: Annotated[int, Field(ge=1, le=64), Allowed("1 to 64")] = 1
-    sends: Annotated[list[float], Allowed("two numbers, which are different")] = Field([0.0, 1.0])
+    sends: Annotated[list[float], Allowed("two different numbers")] = Field([0.0, 1.0])
     scale: float = 1.0
     axes: list[str] = Field(["x", "y", "z"])
     order: Annotated[Literal["xyzw", "wxyz"], Allowed(" or ".join(ORDERS))] = "xyzw"
 
 
 def control_named(name: str) -> Control:
-    """A control by its name in a file; InputError if there is none."""
+    """Return a control by its name in a file; InputError if there is none of that name."""
     if name in ("bend", "pressure"):
         return Control(name)
     numbered, keys = _NUMBERED.fullmatch(name), _RANGE.fullmatch(name)
@@ -229,45 +256,45 @@ def control_named(name: str) -> Control:
             return Control(kind, number)
     if keys and int(keys[1]) < int(keys[2]) <= 127:
         return Control("keys", int(keys[1]), int(keys[2]))
-    raise InputError(f"control = {shown(name)} is none; it is {_FORMS}")
+    raise InputError(f"control = {shown(name)} is unknown; must be {_FORMS}")
 
 
 def load_map(path: str | os.PathLike[str]) -> tuple[Control, ...]:
-    """The controls of a MIDI controller's file; InputError, also if it can't be read."""
+    """Return the controls in a MIDI map file; InputError if it can't be read or is invalid."""
     return parse_map(_map_text(path, "overview midi learn"), os.fspath(path))
 
 
 def load_osc_map(name: str | os.PathLike[str]) -> tuple[OscControl, ...]:
-    """The controls of an app of `APPS`, or of a file; InputError."""
+    """Return the controls of an app of `APPS` or of a map file; InputError as `load_map`."""
     if os.fspath(name) in APPS:
         return APPS[os.fspath(name)]
-    also = f"; the apps known by name are {', '.join(APPS)}"
-    return parse_osc_map(_map_text(name, "overview osc learn", also), os.fspath(name))
+    apps = f"; apps with built-in maps: {', '.join(APPS)}"
+    return parse_osc_map(_map_text(name, "overview osc learn", apps), os.fspath(name))
 
 
 def parse_map(text: str, source: str) -> tuple[Control, ...]:
-    """The controls of a MIDI controller's file's text.
+    """Return the controls in the text of a MIDI map file.
 
     Raises
     ------
     InputError
-        It isn't one: names file, entry, key and what is allowed.
+        The text is invalid: names file, entry, key and the allowed values.
     """
     return _read(text, source, _MidiEntry, _midi_control)
 
 
 def parse_osc_map(text: str, source: str) -> tuple[OscControl, ...]:
-    """The controls of another program's file's text; InputError as `parse_map`."""
+    """Return the controls in the text of an OSC map file; InputError as `parse_map`."""
     return _read(text, source, _OscEntry, _osc_control)
 
 
-def _map_text(path: str | os.PathLike[str], learn: str, also: str = "") -> str:
+def _map_text(path: str | os.PathLike[str], learn: str, note: str = "") -> str:
     if not os.path.isfile(path):
-        raise InputError(f"{os.fspath(path)}: no such file; `{learn}` writes one{also}")
+        raise InputError(f"{os.fspath(path)}: no such file; `{learn}` writes one{note}")
     try:
         return read_text(Path(path))
     except InputError as error:
-        raise InputError(f"{error}{also}") from None
+        raise InputError(f"{error}{note}") from None
 
 
 AnyControl = TypeVar("AnyControl", Control, OscControl)
@@ -277,16 +304,16 @@ AnyEntry = TypeVar("AnyEntry", bound=_Entry)
 def _read(
     text: str, source: str, model: type[AnyEntry], make: Callable[[AnyEntry], AnyControl]
 ) -> tuple[AnyControl, ...]:
-    """The controls of a file's text, each made of its table by `make`."""
+    """Return the controls in a file's text, each made from its table by `make`."""
     data = parse_toml(text, source)
     controls: dict[tuple[str, int], AnyControl] = {}
     with located(f"{source}: "):
         require_known(data, ("schema", "control"))
         if data.get("schema") != SCHEMA or isinstance(data["schema"], bool):
-            raise InputError(f"schema = {shown(data.get('schema'))}; this reads {SCHEMA}")
+            raise InputError(f"schema = {shown(data.get('schema'))}; must be {SCHEMA}")
         entries = data.get("control", [])
         if not isinstance(entries, list) or not entries:
-            raise InputError("no control is in it; each is a table: [[control]]")
+            raise InputError("the file defines no control; add a [[control]] table")
         for number, entry in enumerate(entries, 1):
             with located(f"control {number}: "):
                 found = checked(model, entry)
@@ -294,42 +321,41 @@ def _read(
                     raise InputError(found[0].message)
                 control = make(found)
                 if control.key in controls:
-                    raise InputError(f"{control.key[0]!r} is there twice")
+                    raise InputError(
+                        f"{control.key[0]!r} is assigned twice; remove one of the tables"
+                    )
                 controls[control.key] = control
     return tuple(controls.values())
 
 
 def _midi_control(entry: _MidiEntry) -> Control:
     named, to = control_named(entry.control), entry.to
-    ends = entry.ends(to in (THETA2, TAPS), to != TOUCH)
+    low, high = entry.ends()
     if (to == TAPS) != (named.kind == "keys"):
-        raise InputError(f"{named.name!r} can't be {to!r}: keys are {TAPS!r}, and nothing else is")
+        raise InputError(f"{named.name!r} can't be {to!r}: only keys can be {TAPS!r}")
     if to == THETA2 and named.kind == "note":
-        raise InputError(f"{named.name!r} is down or up, and no {THETA2}; make it {TOUCH!r}")
+        raise InputError(f"{named.name!r} has two states and can't be {THETA2!r}; use {TOUCH!r}")
     if not entry.relative and entry.model_fields_set & {"reverse", "steps"}:
-        raise InputError(f"relative is missing; it is {', '.join(RELATIVE)}")
+        raise InputError(f"relative is missing; must be {', '.join(RELATIVE)}")
     if entry.relative and (named.kind != "cc" or to == TOUCH):
-        raise InputError(f"relative is for a cc that turns something; {named.name!r} is {to!r}")
-    return replace(
-        named,
-        **entry.model_dump(include={"channel", "to", "relative", "reverse", "steps"}),
-        low=ends[0],
-        high=ends[1],
-    )
+        raise InputError(f"relative does not apply to {named.name!r} as {to!r}; must be a cc that "
+                         "sets theta2 or a parameter")  # fmt: skip
+    values = entry.model_dump(include={"channel", "to", "relative", "reverse", "steps"})
+    return replace(named, **values, low=low, high=high)
 
 
 def _osc_control(entry: _OscEntry) -> OscControl:
     address, sends, to = entry.address, entry.sends, entry.to
     if not address.startswith(("/", "*")) or len(address) < 2 or not address.isprintable():
-        raise InputError(f"address = {shown(address)}; it begins with / or *")
+        raise InputError(f"address = {shown(address)}; must begin with / or *")
     for key in ("value", "sends", "low", "high") if to in SENSED else ("scale", "axes", "order"):
         if key in entry.model_fields_set:
-            raise InputError(f"{key} is nothing of a control that is {to!r}")
+            raise InputError(f"{key} does not apply to a control that is {to!r}; remove it")
     if not 1e-9 <= abs(entry.scale) <= 1e9:
-        raise InputError(f"scale = {entry.scale:g}; it is any number but 0")
+        raise InputError(f"scale = {entry.scale:g}; must be any number but 0")
     if len(sends) != 2 or not 0.0 < abs(sends[1] - sends[0]) < 1e300:
-        raise InputError(f"sends = {shown(sends)}; it is two numbers, which are different")
-    low, high = entry.ends(to == THETA2, to != TOUCH)
+        raise InputError(f"sends = {shown(sends)}; must be two different numbers")
+    low, high = entry.ends()
     control = OscControl(
         *(address, to, entry.value, (sends[0], sends[1]), low, high),
         *(entry.scale, tuple(entry.axes), entry.order),
@@ -339,9 +365,9 @@ def _osc_control(entry: _OscEntry) -> OscControl:
 
 
 def sensor_of(control: OscControl) -> Sensor:
-    """The profile of a device whose control it is; InputError if its axes are none."""
+    """Return the sensor profile for a measured control; InputError for invalid axes."""
     if len(control.axes) != 3:
-        raise InputError(f"axes = {shown(list(control.axes))}; it is three: x, y and z, or -x ...")
+        raise InputError(f"axes = {shown(list(control.axes))}; must be three: x, y and z, or -x …")
     values = {f"axes.{name}": axis for name, axis in zip("xyz", control.axes, strict=True)}
     return Sensor(values={**values, "angular_velocity.unit": "rad/s"})
 
@@ -350,28 +376,30 @@ def sensor_of(control: OscControl) -> Sensor:
 
 
 def write_map(controls: Iterable[Control | OscControl]) -> str:
-    """The text of a file that says these controls."""
+    """Return the text of a map file with these controls."""
     lines = [f"schema = {SCHEMA}"]
     for one in controls:
         table = {"control": one.name} if isinstance(one, Control) else {"address": one.address}
         lines += ["", "[[control]]"]
-        lines += [f"{key} = {_toml(value)}" for key, value in (table | _said(one)).items()]
+        lines += [
+            f"{key} = {_toml(value)}" for key, value in (table | _written_fields(one)).items()
+        ]
     return "\n".join(lines) + "\n"
 
 
-def _said(control: Control | OscControl) -> dict[str, Any]:
-    """What a control's table says beside its name: what it does, and what isn't by default."""
-    said = {
+def _written_fields(control: Control | OscControl) -> dict[str, Any]:
+    """Return the fields of a control's table: its target, and the fields without a default."""
+    is_written = {
         **dict.fromkeys(("kind", "number", "highest", "address", "to"), False),
         "steps": getattr(control, "relative", "") != "",
         "order": control.to == "quaternion",
     }
-    found: dict[str, Any] = {"to": control.to}
-    for one in fields(control):
-        value = getattr(control, one.name)
-        if said.get(one.name, value != one.default):
-            found[one.name] = value
-    return found
+    values = {one.name: (getattr(control, one.name), one.default) for one in fields(control)}
+    return {"to": control.to} | {
+        name: value
+        for name, (value, default) in values.items()
+        if is_written.get(name, value != default)
+    }
 
 
 def _toml(value: object) -> str:
@@ -380,6 +408,6 @@ def _toml(value: object) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(map(_toml, value))}]"
     if isinstance(value, str):
-        # a basic string of TOML escapes as JSON does
+        # a basic string of TOML has the escapes of JSON
         return json.dumps(value, ensure_ascii=False)
     return repr(value)

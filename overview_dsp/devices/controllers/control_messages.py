@@ -1,4 +1,4 @@
-"""What a controller says, in the words all of them share."""
+"""Messages that MIDI and OSC controllers have in common."""
 
 from __future__ import annotations
 
@@ -9,50 +9,53 @@ from overview_dsp.units import HALF_TURN
 
 
 @dataclass(frozen=True)
-class Turned:
-    """`control`, which feels no touch, is at theta2 (rad)."""
+class AngleChanged:
+    """`control`, which doesn't detect touch, is at theta2 (rad)."""
 
     control: str
     theta2: float
 
 
 @dataclass(frozen=True)
-class Touched:
-    """`finger` holds on at theta2 (rad): a step if it didn't, else it moves there."""
+class TouchStarted:
+    """Touch `touch_id` is at theta2 (rad): a new touch steps there, a continued one moves there."""
 
-    finger: str
+    touch_id: str
     theta2: float
 
 
 @dataclass(frozen=True)
-class LetGo:
-    """`finger` lets go; None: every one does."""
+class TouchEnded:
+    """Touch `touch_id` ends; None: all touches end."""
 
-    finger: str | None = None
+    touch_id: str | None = None
 
 
 @dataclass(frozen=True)
-class Asked:
-    """The parameter `id` is to be `value`."""
+class SetParameter:
+    """Request to set the parameter `id` to `value`."""
 
     id: str
     value: Value
 
 
 @dataclass(frozen=True)
-class Dialled:
-    """What sets the parameter `id` is at `part` (0 to 1) of its way from `low` to `high` (None: the
-    parameter's own ends); it acts once it has passed where the parameter is."""
+class ScaleParameter:
+    """A control is at `position` (0 to 1) of the range of the parameter `id`.
+
+    `low` and `high` are the ends of the range (None: those of the parameter). The control acts once
+    it has passed the parameter's value.
+    """
 
     id: str
-    part: float
+    position: float
     low: float | None = None
     high: float | None = None
 
 
 @dataclass(frozen=True)
-class Nudged:
-    """What sets the parameter `id` goes on by `step` (1 is all) of its way from `low` to `high`."""
+class StepParameter:
+    """A control moves the parameter `id` by `step` (1 = the range from `low` to `high`)."""
 
     id: str
     step: float
@@ -62,71 +65,79 @@ class Nudged:
 
 @dataclass(frozen=True)
 class Command:
-    """The session is asked for something that is no movement: a name and its words."""
+    """A request to the session that is neither movement nor parameter: a name and its arguments."""
 
-    words: tuple[str, ...]
+    arguments: tuple[str, ...]
 
 
-Move = Turned | Touched | LetGo | Asked | Dialled | Nudged | Command
+Message = (
+    AngleChanged
+    | TouchStarted
+    | TouchEnded
+    | SetParameter
+    | ScaleParameter
+    | StepParameter
+    | Command
+)
 
 
 @dataclass
 class Counters:
-    """What came and what was wrong with it; nothing of this stops a session.
+    """Counts of received messages and their faults; no fault ends a session.
 
     Attributes
     ----------
     messages
-        Understood.
-    refused
-        None at all, or with values that can't be.
+        Valid messages.
+    rejected
+        Invalid messages, or messages with invalid values.
     unknown
-        Understood, and assigned to nothing.
+        Valid messages without an assignment.
     clamped
-        Angles beyond an end of the timeline, taken as that end.
+        Angles beyond an end of the timeline, set to that end.
     overrun
-        Given up because more came than could be read.
+        Messages dropped because they arrived faster than they were read.
     """
 
     messages: int = 0
-    refused: int = 0
+    rejected: int = 0
     unknown: int = 0
     clamped: int = 0
     overrun: int = 0
 
 
-def theta2_at(part: float, low: float | None, high: float | None) -> float:
-    """The angle (rad) at a part of a control's way between two parts of the timeline."""
+def theta2_at(position: float, low: float | None, high: float | None) -> float:
+    """Return the angle (rad) of a control's position between two positions on the timeline."""
     first, last = 0.0 if low is None else low, 1.0 if high is None else high
-    return HALF_TURN * (first + (last - first) * part)
+    return HALF_TURN * (first + (last - first) * position)
 
 
 class PositionControl:
-    """A position on the timeline that something moves, and a touch that something else may say.
+    """A control for a position on the timeline, with an optional touch message.
 
-    Until a touch has been said it is `Turned`; from then on the touch decides alone.
+    Before the first touch message it sends `AngleChanged`; afterwards the touch alone decides.
     """
 
     def __init__(self, name: str) -> None:
         self._name = name
         self._theta2 = 0.0
-        self._touch: bool | None = None
+        self._touching: bool | None = None
 
-    def turn(self, theta2: float) -> list[Move]:
-        """It is at theta2 (rad)."""
+    def set_angle(self, theta2: float) -> list[Message]:
+        """Return the messages of a change to theta2 (rad)."""
         self._theta2 = theta2
-        if self._touch is None:
-            return [Turned(self._name, theta2)]
-        return [Touched(self._name, theta2)] if self._touch else []
+        if self._touching is None:
+            return [AngleChanged(self._name, theta2)]
+        return [TouchStarted(self._name, theta2)] if self._touching else []
 
-    def touch(self, touching: bool) -> list[Move]:
-        """The hand holds on, or lets go."""
-        before, self._touch = self._touch, touching
+    def set_touching(self, touching: bool) -> list[Message]:
+        """Return the messages of a touch or a release."""
+        before, self._touching = self._touching, touching
         if touching:
-            return [] if before else [Touched(self._name, self._theta2)]
-        return [] if before is False else [LetGo(self._name)]
+            return [] if before else [TouchStarted(self._name, self._theta2)]
+        return [] if before is False else [TouchEnded(self._name)]
 
-    def both(self, theta2: float, touching: bool) -> list[Move]:
-        """It is at theta2 (rad), and the hand holds on there, or lets go."""
+    def set_both(self, theta2: float, touching: bool) -> list[Message]:
+        """Return the messages of theta2 (rad) with a touch or a release there."""
         self._theta2 = theta2
-        return self.touch(touching) or self.turn(theta2)
+        return self.set_touching(touching) or self.set_angle(theta2)

@@ -1,10 +1,10 @@
-"""What MIDI messages mean, by a list of controls.
+"""MIDI messages to controller messages, by a list of controls.
 
-A spring holds a pitch bend wheel in its middle, as a wrist lies face up: bent either way is turned
-away, its end is the end of the timeline, and let go it is back at rest. A control change is a fader
-from 0 to 1; where its fine half (number + 32) is seen it has 14 bits, else 7. One that the list
-says to be relative goes on by steps, and stays at its ends. Keys tap: each holds
-on at its position on the timeline until it is let go.
+A spring holds a pitch bend wheel in its middle, as a wrist rests face up. Bent either way it is
+away from rest, its end is the end of the timeline, and released it is back at rest. A control
+change is a fader from 0 to 1. It has 14 bits where its fine half (number + 32) occurs, else 7. A
+relative control changes its value by steps and stays at its ends. Keys tap: each touches its
+position on the timeline while it is down.
 """
 
 from __future__ import annotations
@@ -12,27 +12,27 @@ from __future__ import annotations
 from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 from overview_dsp.devices.controllers.control_messages import (
     Counters,
-    Dialled,
-    LetGo,
-    Move,
-    Nudged,
+    Message,
     PositionControl,
-    Touched,
+    ScaleParameter,
+    StepParameter,
+    TouchEnded,
+    TouchStarted,
     theta2_at,
 )
 
 FINE = 32
-"""A control change below this has its lower 7 bits so many numbers above."""
+"""Offset from the number of a control change (below this) to the number of its fine half."""
 
 FINE_WITHIN_S = 0.005
-"""The fine half comes at once after the coarse one, or not at all."""
+"""Longest time from a coarse half to its fine half."""
 
 SOUND_OFF, NOTES_OFF = 120, 123
 BEND_MIDDLE = 8192
 
 
 class MidiReader:
-    """Messages in, moves out.
+    """Converts MIDI messages.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class MidiReader:
     def __init__(
         self, controls: tuple[Control, ...] = DEFAULT, counters: Counters | None = None
     ) -> None:
-        """Nothing has come yet."""
+        """Convert the messages of `controls`; `counters` may be those of an earlier reader."""
         self.counters = Counters() if counters is None else counters
         self._controls = controls
         self._positions = {
@@ -53,16 +53,16 @@ class MidiReader:
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
         self._pending: dict[tuple[int, int], float] = {}
-        self._parts: dict[Control, float] = {}
+        self._relative_positions: dict[Control, float] = {}
 
-    def read(self, data: bytes, time_s: float) -> list[Move]:
-        """The moves of one whole message."""
+    def read(self, data: bytes, time_s: float) -> list[Message]:
+        """Return the controller messages of one whole MIDI message."""
         kind = data[0] & 0xF0 if data else 0
-        if kind == 0xF0:  # clocks, dumps: nothing to a hand
+        if kind == 0xF0:  # clocks and dumps
             return []
         length = 2 if kind in (0xC0, 0xD0) else 3
         if kind < 0x80 or len(data) != length or any(byte > 0x7F for byte in data[1:]):
-            self.counters.refused += 1
+            self.counters.rejected += 1
             return []
         channel = (data[0] & 0x0F) + 1
         self.counters.messages += 1
@@ -72,64 +72,57 @@ class MidiReader:
             return self._change(data[1], data[2], channel, time_s)
         if kind == 0xE0:
             bent = (data[1] | data[2] << 7) - BEND_MIDDLE
-            part = min(1.0, abs(bent) / (BEND_MIDDLE - 1))
-            return self._moved("bend", 0, channel, part)
+            return self._moved("bend", 0, channel, min(1.0, abs(bent) / (BEND_MIDDLE - 1)))
         if kind == 0xD0:
             return self._moved("pressure", 0, channel, data[1] / 127.0)
-        return self._nothing()
+        return self._unknown()
 
-    def tick(self, time_s: float) -> list[Move]:
-        """Take what waits for its fine half for whole: that is 0, and was left out."""
-        due = [one for one, since in self._pending.items() if time_s - since > FINE_WITHIN_S]
-        moves = []
-        for channel, number in due:
+    def tick(self, time_s: float) -> list[Message]:
+        """Return the messages of coarse halves whose fine half, which is then 0, is overdue."""
+        overdue = [one for one, since in self._pending.items() if time_s - since > FINE_WITHIN_S]
+        messages = []
+        for channel, number in overdue:
             del self._pending[channel, number]
-            moves += self._moved(
+            messages += self._moved(
                 "cc", number, channel, (self._coarse[channel, number] << 7) / 16383.0
             )
-        return moves
-
-    @property
-    def waiting(self) -> bool:
-        """Whether `tick` is to be called soon."""
-        return bool(self._pending)
+        return messages
 
     def take_messages(self) -> list[str]:
-        """What a person should know, new since the last call: nothing."""
+        """Return no messages to the user: MIDI has none."""
         return []
 
     # --- inside -----------------------------------------------------------------------------------
 
-    def _heard(self, kind: str, number: int, channel: int) -> list[Control]:
-        return [one for one in self._controls if one.hears(kind, number, channel)]
+    def _matching(self, kind: str, number: int, channel: int) -> list[Control]:
+        return [one for one in self._controls if one.matches(kind, number, channel)]
 
-    def _nothing(self) -> list[Move]:
+    def _unknown(self) -> list[Message]:
         self.counters.unknown += 1
         return []
 
-    def _note(self, number: int, down: bool, channel: int) -> list[Move]:
-        heard = self._heard("note", number, channel)
-        if not heard:
-            return self._nothing()
-        moves: list[Move] = []
-        for one in heard:
-            if one.to == TAPS:
-                name = f"key {channel}/{number}"
-                part = (number - one.number) / (one.highest - one.number)
-                moves.append(
-                    Touched(name, theta2_at(part, one.low, one.high)) if down else LetGo(name)
-                )
-            else:
-                moves += self._do(one, float(down))
-        return moves
+    def _note(self, number: int, down: bool, channel: int) -> list[Message]:
+        controls = self._matching("note", number, channel)
+        if not controls:
+            return self._unknown()
+        messages: list[Message] = []
+        for one in controls:
+            if one.to != TAPS:
+                messages += self._apply(one, float(down))
+                continue
+            name = f"key {channel}/{number}"
+            position = (number - one.number) / (one.highest - one.number)
+            theta2 = theta2_at(position, one.low, one.high)
+            messages.append(TouchStarted(name, theta2) if down else TouchEnded(name))
+        return messages
 
-    def _change(self, number: int, value: int, channel: int, time_s: float) -> list[Move]:
+    def _change(self, number: int, value: int, channel: int, time_s: float) -> list[Message]:
         if number >= SOUND_OFF:
-            return [LetGo()] if number in (SOUND_OFF, NOTES_OFF) else self._nothing()
-        heard = self._heard("cc", number, channel)
-        if any(one.relative for one in heard):
-            return [move for one in heard for move in self._stepped(one, value)]
-        if heard:
+            return [TouchEnded()] if number in (SOUND_OFF, NOTES_OFF) else self._unknown()
+        controls = self._matching("cc", number, channel)
+        if any(one.relative for one in controls):
+            return [message for one in controls for message in self._stepped(one, value)]
+        if controls:
             key = (channel, number)
             self._coarse[key] = value
             if key in self._fine:
@@ -140,38 +133,41 @@ class MidiReader:
         if FINE <= number < 2 * FINE and key in self._coarse:
             self._fine.add(key)
             self._pending.pop(key, None)
-            part = (self._coarse[key] << 7 | value) / 16383.0
-            return self._moved("cc", number - FINE, channel, part)
-        return self._nothing()
+            position = (self._coarse[key] << 7 | value) / 16383.0
+            return self._moved("cc", number - FINE, channel, position)
+        return self._unknown()
 
-    def _moved(self, kind: str, number: int, channel: int, part: float) -> list[Move]:
-        heard = self._heard(kind, number, channel)
-        if not heard:
-            return self._nothing()
-        return [move for one in heard for move in self._do(one, part)]
+    def _moved(self, kind: str, number: int, channel: int, position: float) -> list[Message]:
+        controls = self._matching(kind, number, channel)
+        if not controls:
+            return self._unknown()
+        return [message for one in controls for message in self._apply(one, position)]
 
-    def _stepped(self, control: Control, value: int) -> list[Move]:
-        """One whose value is how far it was turned since the message before."""
+    def _stepped(self, control: Control, value: int) -> list[Message]:
+        """Return the messages of a control whose value is a step since the previous message."""
         if not control.relative:
-            return self._do(control, value / 127.0)
-        part = step_of(value, control.relative) / control.steps
-        part = -part if control.reverse else part
+            return self._apply(control, value / 127.0)
+        step = step_of(value, control.relative) / control.steps
+        step = -step if control.reverse else step
         if control.to != THETA2:
-            return [Nudged(control.to, part, control.low, control.high)]
-        self._parts[control] = min(max(self._parts.get(control, 0.0) + part, 0.0), 1.0)
-        return self._do(control, self._parts[control])
+            return [StepParameter(control.to, step, control.low, control.high)]
+        position = min(max(self._relative_positions.get(control, 0.0) + step, 0.0), 1.0)
+        self._relative_positions[control] = position
+        return self._apply(control, position)
 
-    def _do(self, control: Control, part: float) -> list[Move]:
+    def _apply(self, control: Control, position: float) -> list[Message]:
         if control.to == THETA2:
-            return self._positions[control].turn(theta2_at(part, control.low, control.high))
+            theta2 = theta2_at(position, control.low, control.high)
+            return self._positions[control].set_angle(theta2)
         if control.to == TOUCH:
-            touching = part >= 0.5
-            return [move for one in self._positions.values() for move in one.touch(touching)]
-        return [Dialled(control.to, part, control.low, control.high)]
+            touching = position >= 0.5
+            positions = self._positions.values()
+            return [message for one in positions for message in one.set_touching(touching)]
+        return [ScaleParameter(control.to, position, control.low, control.high)]
 
 
 def step_of(value: int, relative: str) -> int:
-    """The steps that a relative control change says, -64 to 63; to the right is positive."""
+    """Return the steps of a relative control change, -64 to 63; to the right is positive."""
     if relative == "offset":
         return value - 64
     if relative == "signed":

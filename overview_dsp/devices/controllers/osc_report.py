@@ -1,10 +1,10 @@
-"""What OSC says of the disk.
+"""OSC messages about the disk.
 
-/overview/cursor 0.41                    where it is on the timeline, 0 to 1
-/overview/torque 0.0123                  N m, as of the last block
+/overview/cursor 0.41                    position on the timeline, 0 to 1
+/overview/torque 0.0123                  N m, of the last block
 /overview/touching 1
-/overview/event goal "1-0 Parris" 5340.0 0.8     one was passed: its kind, label, time (s) in the
-                                         timeline shown, and how hard it was struck (0 to 1)
+/overview/event goal "1-0 Parris" 5340.0 0.8     a passed event: its kind, label, time (s) in the
+                                         visible window, and the level of its strike (0 to 1)
 """
 
 from __future__ import annotations
@@ -14,37 +14,39 @@ from collections.abc import Iterable
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.devices.controllers.osc_messages import encode_message
 
-STILL_EVERY_S = 0.5
-"""How often it is said while nothing changes."""
+REPEAT_S = 0.5
+"""Time between messages without a change."""
 
 
 class OscReport:
-    """What is new, as datagrams."""
+    """Sends changes of the disk as OSC datagrams."""
 
     def __init__(self) -> None:
-        """Nothing has been said yet."""
-        self._said: tuple[float, float, bool] | None = None
-        self._said_at = 0.0
+        self._sent: tuple[float, float, bool] | None = None
+        self._sent_at = 0.0
 
-    def due(
+    def messages(
         self,
         now_s: float,
         cursor: float,
         torque: float,
         touching: bool,
-        struck: Iterable[tuple[Event, float]],
+        passed_events: Iterable[tuple[Event, float]],
     ) -> list[bytes]:
-        """What is to be sent at `now_s` (of any clock); `struck`: events passed, and how hard."""
-        sent = [
+        """Return the datagrams to send at `now_s` (of any clock).
+
+        `passed_events` are the events passed since the last call, each with its level.
+        """
+        datagrams = [
             encode_message("/overview/event", [event.kind, event.label, event.time_s, level])
-            for event, level in struck
+            for event, level in passed_events
         ]
         state = (cursor, torque, touching)
-        if state != self._said or now_s - self._said_at >= STILL_EVERY_S:
-            self._said, self._said_at = state, now_s
-            sent += [
+        if state != self._sent or now_s - self._sent_at >= REPEAT_S:
+            self._sent, self._sent_at = state, now_s
+            datagrams += [
                 encode_message("/overview/cursor", [cursor]),
                 encode_message("/overview/torque", [torque]),
                 encode_message("/overview/touching", [int(touching)]),
             ]
-        return sent
+        return datagrams

@@ -1,4 +1,4 @@
-"""Parameters as controllers set them: by id, by a part of the range, picked up where they are."""
+"""Parameters set by controllers, by id or by a position in the range, with soft takeover."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, PARAMETERS
 from overview_dsp.devices.controllers.control_map import TAPS, THETA2, TOUCH, Control
-from overview_dsp.devices.controllers.control_messages import Dialled, Nudged
+from overview_dsp.devices.controllers.control_messages import ScaleParameter, StepParameter
 from overview_dsp.errors import InputError, did_you_mean
 
 NEAR = 1.0 / 64.0
-"""Of its way: a control this close to where the parameter is has picked it up."""
+"""Distance, as a share of the range, at which a control has reached the parameter's value."""
 
 
 def find_parameter(preset: Preset, id: str) -> tuple[Parameter, Value | None]:
-    """The parameter of that id, and its value in a preset.
+    """Return the parameter of an id, and its value in a preset.
 
     Raises
     ------
     InputError
-        There is none in this preset.
+        This preset has no such parameter.
     """
     if id in PARAMETERS:
         return PARAMETERS[id], preset.values[id]
@@ -31,15 +31,12 @@ def find_parameter(preset: Preset, id: str) -> tuple[Parameter, Value | None]:
     kind, _, key = rest.partition(".")
     if section == "kinds" and kind in preset.kinds and key in KIND_PARAMETERS:
         return KIND_PARAMETERS[key], getattr(preset.kinds[kind], key, None)
-    known = (
-        *PARAMETERS,
-        *(f"kinds.{one}.{key}" for one in preset.kinds for key in KIND_PARAMETERS),
-    )
-    raise InputError(f"no parameter is called {id!r}{did_you_mean(id, known)}")
+    of_kinds = (f"kinds.{one}.{key}" for one in preset.kinds for key in KIND_PARAMETERS)
+    raise InputError(f"no parameter is called {id!r}{did_you_mean(id, (*PARAMETERS, *of_kinds))}")
 
 
 def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
-    """Raise InputError unless each control's parameter is one, and its ends are in its range."""
+    """Raise InputError unless the controls' parameters exist and their ends are in range."""
     for one in controls:
         if one.to not in (THETA2, TOUCH, TAPS):
             try:
@@ -51,35 +48,38 @@ def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
                 raise InputError(f"MIDI {one.name!r}: {error}") from None
 
 
-def as_asked(known: Parameter, value: Value) -> Value:
-    """A value as another program writes it: 0 and 1 also for false and true."""
+def coerce_value(known: Parameter, value: Value) -> Value:
+    """Return a value from another program, which may be 0 or 1 instead of false or true."""
     if known.choices and isinstance(known.choices[0], bool) and value in (0, 1):
         return bool(value)
     return value
 
 
-def value_at(known: Parameter, dialled: Dialled) -> Value:
-    """The value at a part of the way: evenly, by ratio where the range is one of ratios."""
-    part = dialled.part
+def _ends(known: Parameter, scale: ScaleParameter) -> tuple[float, float]:
+    return (
+        known.low if scale.low is None else scale.low,
+        known.high if scale.high is None else scale.high,
+    )
+
+
+def scaled_value(known: Parameter, scale: ScaleParameter) -> Value:
+    """Return the value at a position in the range, which is logarithmic for such a parameter."""
     if known.choices:
-        return known.choices[min(int(part * len(known.choices)), len(known.choices) - 1)]
-    low = known.low if dialled.low is None else dialled.low
-    high = known.high if dialled.high is None else dialled.high
+        index = int(scale.position * len(known.choices))
+        return known.choices[min(index, len(known.choices) - 1)]
+    low, high = _ends(known, scale)
     if known.scale == "log" and low > 0.0 and high > 0.0:
-        return _between(low * math.exp(part * math.log(high / low)), low, high)
-    return _between(low + (high - low) * part, low, high)
+        value = low * math.exp(scale.position * math.log(high / low))
+    else:
+        value = low + (high - low) * scale.position
+    return min(max(value, min(low, high)), max(low, high))
 
 
-def _between(value: float, one: float, other: float) -> float:
-    return min(max(value, min(one, other)), max(one, other))
-
-
-def part_of_way(known: Parameter, dialled: Dialled, value: Value | None) -> float | None:
-    """Where on the control's way a value is, 0 to 1 within its ends; None for what has no way."""
+def position_of_value(known: Parameter, scale: ScaleParameter, value: Value | None) -> float | None:
+    """Return the position of a value in the control's range; None for a value without one."""
     if known.choices or value is None or isinstance(value, str):
         return None
-    low = known.low if dialled.low is None else dialled.low
-    high = known.high if dialled.high is None else dialled.high
+    low, high = _ends(known, scale)
     if low == high:
         return None
     if known.scale == "log" and min(low, high, value) > 0.0:
@@ -87,45 +87,45 @@ def part_of_way(known: Parameter, dialled: Dialled, value: Value | None) -> floa
     return (float(value) - low) / (high - low)
 
 
-def nudged(known: Parameter, by: Nudged, value: Value | None) -> Value:
-    """The value a step further on the control's way, no further than its end."""
-    dialled = Dialled(by.id, 0.0, by.low, by.high)
+def stepped_value(known: Parameter, by: StepParameter, value: Value | None) -> Value:
+    """Return the value one step further in the control's range, up to its end."""
     if known.choices:
         at = known.choices.index(value) + (1 if by.step > 0.0 else -1)
         return known.choices[min(max(at, 0), len(known.choices) - 1)]
-    part = part_of_way(known, dialled, value)
-    return value_at(known, replace(dialled, part=min(max((part or 0.0) + by.step, 0.0), 1.0)))
+    scale = ScaleParameter(by.id, 0.0, by.low, by.high)
+    position = (position_of_value(known, scale, value) or 0.0) + by.step
+    return scaled_value(known, replace(scale, position=min(max(position, 0.0), 1.0)))
 
 
-class PickUp:
-    """Takes a parameter over without a jump: a control acts from where it has met the parameter.
+class SoftTakeover:
+    """Soft takeover: a control acts only after it has reached the parameter's value.
 
-    What sets the parameter elsewhere meanwhile (a file, another controller) lets it go again.
+    A change of the parameter by another source (a file, another controller) requires that again.
     """
 
     def __init__(self) -> None:
         self._before: float | None = None
         self._set: Value | None = None
 
-    def value(self, preset: Preset, dialled: Dialled) -> Value | None:
-        """The value to set; None while the control hasn't met the parameter.
+    def value(self, preset: Preset, scale: ScaleParameter) -> Value | None:
+        """Return the value to set; None while the control hasn't reached the parameter.
 
         Raises
         ------
         InputError
-            No such parameter, or a value that it can't have.
+            The preset has no such parameter, or the value is out of range.
         """
-        known, present = find_parameter(preset, dialled.id)
-        there = part_of_way(known, dialled, present)
-        before, self._before = self._before, dialled.part
-        value = known.check(value_at(known, dialled))
-        met = (
-            there is None
+        known, present = find_parameter(preset, scale.id)
+        target = position_of_value(known, scale, present)
+        before, self._before = self._before, scale.position
+        value = known.check(scaled_value(known, scale))
+        reached = (
+            target is None
             or present == self._set
-            or abs(dialled.part - there) <= NEAR
-            or (before is not None and (before - there) * (dialled.part - there) <= 0.0)
+            or abs(scale.position - target) <= NEAR
+            or (before is not None and (before - target) * (scale.position - target) <= 0.0)
         )
-        if not met:
+        if not reached:
             return None
         self._set = value
         return value

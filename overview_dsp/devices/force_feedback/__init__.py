@@ -1,1 +1,1 @@
-"""Force out: a motor under the knob brakes the hand as the surface's friction does."""
+"""Force feedback: a motor brakes the knob as the surface's friction brakes the disk."""

@@ -1,39 +1,37 @@
-"""Silence: within 50 ms of the last word from a motor there is no torque any more."""
+"""Watchdog: the torque ends within 50 ms after the last report of a motor."""
 
 from __future__ import annotations
 
 SILENT_S = 0.04
-"""Silence so long ends the torque; of the 50 ms the rest is for the step and the wire."""
+"""Time without a report after which the torque ends; step and wire need the rest of the 50 ms."""
 
 STEADY_S = 0.1
-"""Heard for so long without a silence, a motor gets torque (again)."""
+"""Time of reports without a gap after which the motor gets torque (again)."""
 
 
 class Watchdog:
-    """Words heard in, whether there may be torque out."""
+    """Decides from the times of reports whether a motor may have torque."""
 
     def __init__(self) -> None:
-        """Nothing was heard yet."""
         self.silences = 0
-        self._heard_at = self._since = -1e300
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all reports, because the device is disconnected."""
+        self._latest_at = self._since = -1e300
         self._alive = False
 
-    def forget(self) -> None:
-        """The device is gone: whatever speaks next begins anew."""
-        self._heard_at = self._since = -1e300
-        self._alive = False
-
-    def heard(self, now_s: float) -> None:
-        """The device said something that was understood."""
-        if now_s - self._heard_at > SILENT_S:
+    def message_received(self, now_s: float) -> None:
+        """Note a valid report of the device."""
+        if now_s - self._latest_at > SILENT_S:
             self._since = now_s
-        self._heard_at = now_s
+        self._latest_at = now_s
         if now_s - self._since >= STEADY_S:
             self._alive = True
 
     def alive(self, now_s: float) -> bool:
-        """Whether there may be torque."""
-        if self._alive and now_s - self._heard_at > SILENT_S:
+        """Return whether there may be torque."""
+        if self._alive and now_s - self._latest_at > SILENT_S:
             self._alive = False
             self.silences += 1
         return self._alive

@@ -1,1 +1,1 @@
-"""Sensors: bytes in, the hand's control events out; opens no device."""
+"""Sensors: received bytes to control events; opens no device."""

@@ -1,13 +1,12 @@
-"""JSON as phone apps send it: phyphox's answer to `/get`, Sensor Logger's batches.
+"""JSON of phone apps (phyphox's answer to `/get`, Sensor Logger's batches), and lines of JSON.
 
-phyphox's buffers have the names of the experiment: `accX` with gravity, `linX` without, `gyrX`. A
-batch of Sensor Logger's has its samples out of order; `accelerometer` lacks gravity there,
-`totalacceleration` has it.
+phyphox's buffers have the names of the experiment: `accX` with gravity, `linX` without, `gyrX`.
+Samples in a batch of Sensor Logger are out of order. Its `accelerometer` lacks gravity;
+`totalacceleration` includes it.
 
-Lines of JSON objects: `{"t_us": 1000, "ax": 0.0, "ay": 0.0, "az": 9.81}`.
-
-Keys are the names of `COLUMNS`; `acc` and `gyr` with three numbers are short for the six axes.
-Other keys are left alone, so that a device may say more.
+A line of JSON is one object: `{"t_us": 1000, "ax": 0.0, "ay": 0.0, "az": 9.81}`. Its keys are names
+of `COLUMNS`; `acc` and `gyr` with three numbers stand for the six axes. Other keys are ignored, so
+that a device may send more.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from typing import Any
 
 from overview_dsp.devices.sensors.labelled_lines import WITHOUT_GRAVITY
@@ -24,39 +24,46 @@ from overview_dsp.devices.sensors.reading import (
     COLUMNS,
     QUATERNION,
     Reading,
+    has,
 )
 
 LONGEST = 16_384
-"""Bytes of a batch; a longer one is noise: let the app send more often."""
+"""Maximum size of a batch, bytes; a longer one is noise, and the app should send more often."""
 
+_AXES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}
 _PHYPHOX = re.compile(r"(acc|gyr)[a-z]*?_?([xyz])$", re.IGNORECASE)
 _PHYPHOX_TIME = re.compile(r"(acc|gyr)[a-z]*?_?(t|time)$", re.IGNORECASE)
-_WITHOUT = re.compile(r"(lin|user)[a-z]*?_?[xyz]$", re.IGNORECASE)
-_NAMES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}
-_WHOLE = ("totalacceleration", "gravity")
-_TURNING = ("gyroscope", "gyroscopeuncalibrated")
+_PHYPHOX_LINEAR = re.compile(r"(lin|user)[a-z]*?_?[xyz]$", re.IGNORECASE)
+_LOGGER_LINEAR = {"accelerometer", "accelerometeruncalibrated"}
+_LOGGER_GYROSCOPE = {"gyroscope", "gyroscopeuncalibrated"}
+_LOGGER_TILT = {
+    "totalacceleration": (ACCELERATION, "xyz"),
+    "gravity": (ACCELERATION, "xyz"),
+    "orientation": (QUATERNION, QUATERNION),
+}
+"""Sensors that show tilt, the best first: their columns, and the keys of their values."""
 
 
-def readings_of(text: str) -> list[Reading] | str | None:
-    """The readings of one object; why it has none that can be used; None if it is no such object.
+def parse_app_batch(text: str) -> list[Reading] | str | None:
+    """Return an app's readings; a reason if none is usable, None if it isn't an app's object.
 
-    Readings are by time, each acceleration with the angular velocity before it.
+    Readings are in order of time, each acceleration with the angular velocity before it.
     """
-    said = _object(text)
-    if isinstance(said.get("buffer"), dict):
-        return _phyphox(said["buffer"])
-    if isinstance(said.get("payload"), list):
-        return _sensor_logger(said["payload"])
+    parsed = _parse_object(text)
+    if isinstance(parsed.get("buffer"), dict):
+        return _phyphox(parsed["buffer"])
+    if isinstance(parsed.get("payload"), list):
+        return _sensor_logger(parsed["payload"])
     return None
 
 
-def _object(text: str) -> dict[str, Any]:
-    """The object that a text is; empty if it is none."""
+def _parse_object(text: str) -> dict[str, Any]:
+    """Return the JSON object in a text; empty if the text isn't one."""
     try:
-        said = json.loads(text)
+        parsed = json.loads(text)
     except (ValueError, RecursionError):
         return {}
-    return said if isinstance(said, dict) else {}
+    return parsed if isinstance(parsed, dict) else {}
 
 
 def _phyphox(buffers: dict[str, Any]) -> list[Reading] | str:
@@ -66,15 +73,15 @@ def _phyphox(buffers: dict[str, Any]) -> list[Reading] | str:
         if not isinstance(values, list) or not values or not _is_number(values[-1]):
             continue
         if found := _PHYPHOX.fullmatch(name):
-            column = _NAMES[found[1].lower()]["xyz".index(found[2].lower())]
+            column = _AXES[found[1].lower()]["xyz".index(found[2].lower())]
             reading[column] = float(values[-1])
         elif _PHYPHOX_TIME.fullmatch(name):
             reading.setdefault("t_s", float(values[-1]))
-    if not all(name in reading for name in ACCELERATION):
-        if any(_WITHOUT.fullmatch(name) for name in buffers):
+    if not has(reading, ACCELERATION):
+        if any(_PHYPHOX_LINEAR.fullmatch(name) for name in buffers):
             return WITHOUT_GRAVITY.replace("sketch print", "experiment give")
         return []
-    if not all(name in reading for name in ANGULAR_VELOCITY):
+    if not has(reading, ANGULAR_VELOCITY):
         reading = {name: value for name, value in reading.items() if name[0] != "g"}
     return [reading]
 
@@ -90,30 +97,28 @@ def _sensor_logger(payload: list[Any]) -> list[Reading] | str:
         if _is_number(time_ns):
             entries.append((int(time_ns), name, one["values"]))  # type: ignore[arg-type]
     names = {name for _, name, _ in entries}
-    whole = next((name for name in _WHOLE if name in names), None)
-    if whole is None and "orientation" in names:
-        whole = "orientation"
-    if whole is None:
-        if names & {"accelerometer", "accelerometeruncalibrated"}:
+    tilt = next((name for name in _LOGGER_TILT if name in names), None)
+    if tilt is None:
+        if names & _LOGGER_LINEAR:
             return WITHOUT_GRAVITY.split(":")[0] + ": turn on Total Acceleration in the app"
         return []
     readings: list[Reading] = []
-    turning: dict[str, float] = {}
-    gyroscope = bool(names & set(_TURNING)) and whole != "orientation"
-    # at one time the gyroscope goes first
-    for time_ns, name, values in sorted(entries, key=lambda one: (one[0], one[1] == whole)):
-        if name in _TURNING:
-            turning = _values(values, ANGULAR_VELOCITY, "xyz") or turning
-        elif name == whole:
-            keys = QUATERNION if whole == "orientation" else "xyz"
-            columns = QUATERNION if whole == "orientation" else ACCELERATION
-            said = _values(values, columns, keys)
-            if said and (turning or not gyroscope):
-                readings.append({"t_s": time_ns * 1e-9, **said, **turning})
+    angular_velocity: dict[str, float] = {}
+    has_gyroscope = bool(names & _LOGGER_GYROSCOPE) and tilt != "orientation"
+    # at equal times the gyroscope comes first
+    for time_ns, name, values in sorted(entries, key=lambda one: (one[0], one[1] == tilt)):
+        if name in _LOGGER_GYROSCOPE:
+            angular_velocity = _values(values, ANGULAR_VELOCITY, "xyz") or angular_velocity
+        elif name == tilt:
+            found = _values(values, *_LOGGER_TILT[tilt])
+            if found and (angular_velocity or not has_gyroscope):
+                readings.append({"t_s": time_ns * 1e-9, **found, **angular_velocity})
     return readings
 
 
-def _values(values: dict[str, Any], columns: tuple[str, ...], keys: Any) -> dict[str, float]:
+def _values(
+    values: dict[str, Any], columns: Sequence[str], keys: Sequence[str]
+) -> dict[str, float]:
     if not all(_is_number(values.get(key)) for key in keys):
         return {}
     return {name: float(values[key]) for name, key in zip(columns, keys, strict=True)}
@@ -123,21 +128,18 @@ def _is_number(value: object) -> bool:
     return not isinstance(value, bool) and _is_finite(value)
 
 
-_THREES = {"acc": ACCELERATION, "gyr": ANGULAR_VELOCITY}
-
-
-def reading_of(line: str) -> Reading | None:
-    """The reading of a line; None if it is none."""
-    said = _object(line)
-    given: dict[str, Any] = {name: value for name, value in said.items() if name in COLUMNS}
-    for short, names in _THREES.items():
-        if short in said:
-            if not isinstance(said[short], list) or len(said[short]) != len(names):
+def parse_json_line(line: str) -> Reading | None:
+    """Return the reading of a line; None if the line is invalid."""
+    parsed = _parse_object(line)
+    values: dict[str, Any] = {name: value for name, value in parsed.items() if name in COLUMNS}
+    for short, names in _AXES.items():
+        if short in parsed:
+            if not isinstance(parsed[short], list) or len(parsed[short]) != len(names):
                 return None
-            given.update(zip(names, said[short], strict=True))
-    if not given or not all(_is_finite(value) for value in given.values()):
+            values.update(zip(names, parsed[short], strict=True))
+    if not values or not all(_is_finite(value) for value in values.values()):
         return None
-    return {name: float(value) for name, value in given.items()}
+    return {name: float(value) for name, value in values.items()}
 
 
 def _is_finite(value: object) -> bool:

@@ -1,4 +1,4 @@
-"""When each sample was taken, in seconds that only go forward."""
+"""Monotonic times of samples, in seconds."""
 
 from __future__ import annotations
 
@@ -9,40 +9,40 @@ from overview_dsp.devices.sensors.reading import STAMPS, Counters, Reading
 
 UNITS_S = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
 WRAP = 1 << 32
-"""A clock in micro- or milliseconds begins again at this count."""
+"""A clock in micro- or milliseconds wraps to 0 at this count."""
 
 LONGEST_GAP_S = 10.0
-"""A longer step of a sensor's clock, or one back, is a device that began again."""
+"""A longer step of a sensor's clock, or a step back, means that the device has restarted."""
 
 LEARNING_S = 0.5
 LEARNING_SAMPLES = 8
 LOOP_HZ = 0.5
-"""Bandwidth of the loop that takes the jitter off times of arrival."""
+"""Bandwidth of the loop that removes the jitter of arrival times."""
 
 LATE_S = 0.25
-"""Samples that come so much later than expected were interrupted: no jitter."""
+"""A delay beyond this is an interruption, not jitter."""
 
 
 class StampClock:
     """The sensor's own clock, unwrapped.
 
-    A stamp a little earlier than the last one is a sample out of order, and dropped; one much
-    earlier, or much later, is a device that began again: its time goes on where it was.
+    A stamp slightly before the previous one belongs to a sample out of order, which is dropped. A
+    stamp far before or far after it means that the device has restarted; the time then continues.
     """
 
     def __init__(self, counters: Counters) -> None:
-        """Counts wraps, restarts and disorder in `counters`."""
+        """Count wraps, restarts and samples out of order in `counters`."""
         self._counters = counters
         self._last: float | None = None
         self._time = 0.0
 
     def times(self, readings: Sequence[Reading], arrival_s: float) -> list[float | None]:
-        """The time of each reading, s from the first; None for one to drop."""
+        """Return the time of each reading, s from the first; None for one to drop."""
         return [self._next(reading) for reading in readings]
 
     def _next(self, reading: Reading) -> float | None:
         name = next((name for name in STAMPS if name in reading), None)
-        if name is None:  # a JSON line may leave it out
+        if name is None:  # a JSON line may lack its stamp
             return None
         raw, unit = reading[name], UNITS_S[name]
         if self._last is None:
@@ -70,21 +70,21 @@ class StampClock:
 
 
 class ArrivalClock:
-    """Times for samples without a stamp: a delay-locked loop on when they arrive.
+    """Times of samples without a stamp: a delay-locked loop on their arrival times.
 
-    Samples that arrive together were taken evenly. After half a second their rate is known, and a
-    second-order loop of 0.5 Hz follows it (F. Adriaensen, "Using a DLL to filter time", 2005).
+    Samples that arrive together are taken as evenly spaced. After half a second their rate is
+    known, and a second-order loop of 0.5 Hz follows it (F. Adriaensen, "Using a DLL to filter
+    time", 2005).
     """
 
     def __init__(self) -> None:
-        """Nothing has come yet."""
         self._first: float | None = None
         self._count = 0
         self._time = 0.0
         self._period: float | None = None
 
     def times(self, readings: Sequence[Reading], arrival_s: float) -> list[float | None]:
-        """The time of each reading, s of the clock that `arrival_s` is of."""
+        """Return the time of each reading, s of the clock of `arrival_s`."""
         count = len(readings)
         if not count:
             return []
@@ -98,19 +98,18 @@ class ArrivalClock:
             if since >= LEARNING_S and self._count >= LEARNING_SAMPLES:
                 self._period = since / self._count
         else:
-            self._time = self._follow(count, arrival_s)
-            # samples that were held up were taken just before the last one
+            self._time = self._follow(count, self._period, arrival_s)
+            # delayed samples were taken shortly before the last one
             before = max(before, self._time - count * self._period)
         step = (self._time - before) / count
         return [min(before + step * n, self._time) for n in range(1, count + 1)]
 
-    def _follow(self, count: int, arrival_s: float) -> float:
-        assert self._period is not None
-        elapsed = count * self._period
+    def _follow(self, count: int, period: float, arrival_s: float) -> float:
+        elapsed = count * period
         expected = self._time + elapsed
         error = arrival_s - expected
         if abs(error) > LATE_S:
             return max(arrival_s, self._time)
-        turn = min(2.0 * math.pi * LOOP_HZ * elapsed, 0.5)
-        self._period += turn * turn * error / count
-        return max(expected + math.sqrt(2.0) * turn * error, self._time + 0.1 * elapsed)
+        gain = min(2.0 * math.pi * LOOP_HZ * elapsed, 0.5)
+        self._period = period + gain * gain * error / count
+        return max(expected + math.sqrt(2.0) * gain * error, self._time + 0.1 * elapsed)

@@ -1,6 +1,7 @@
-"""What a stream of bytes is, detected from its content where that is safe.
+"""Detection of a stream's format from its content, and the decoders of all formats.
 
-Why a stream can't be read, in one line: what came, its two best readings, what settles it.
+A stream that can't be read is reported in one line: the data received, the two likeliest readings,
+and the setting that decides.
 """
 
 from __future__ import annotations
@@ -11,102 +12,108 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from overview_dsp.devices.sensors import app_json
-from overview_dsp.devices.sensors.app_json import reading_of
+from overview_dsp.devices.sensors.app_json import LONGEST, parse_app_batch, parse_json_line
 from overview_dsp.devices.sensors.frames import FrameDecoder
 from overview_dsp.devices.sensors.labelled_lines import (
     LabelledReader,
-    Round,
-    learned,
-    round_of,
-    shape_of,
-    slots_of,
+    LineCycle,
+    cycle_from_shapes,
+    find_cycle,
+    line_shape,
+    name_slots,
 )
 from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
 from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.packets import (
     TeapotDecoder,
     WitDecoder,
-    teapots_on_end,
+    has_teapots,
     wit_columns,
 )
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,
-    ANGULAR_VELOCITY,
+    INERTIAL,
     QUATERNION,
     SKIPPED,
     Counters,
     Decoder,
 )
-from overview_dsp.devices.sensors.text_lines import cells_of, columns_of, numbers_of
-from overview_dsp.devices.sensors.text_lines import reading_of as text_reading_of
+from overview_dsp.devices.sensors.text_lines import (
+    parse_header,
+    parse_numbers,
+    parse_row,
+    split_cells,
+)
 from overview_dsp.devices.sensors.units import shows_gravity
 
-SHOWN = 100
-"""Characters of a line."""
+MAX_SHOWN = 100
+"""Maximum number of characters of a line in a message."""
 
-_SIX = ACCELERATION + ANGULAR_VELOCITY
+_REAL_LAST = ("qx", "qy", "qz", "qw")
 _LIKELY: dict[int, tuple[tuple[str, ...], tuple[str, ...]]] = {
     1: (("roll_deg",), ("pot",)),
     2: (("t_ms", "roll_deg"), ("roll_deg", SKIPPED)),
     3: (ACCELERATION, ANGLES),
-    4: (QUATERNION, ("qx", "qy", "qz", "qw")),
+    4: (QUATERNION, _REAL_LAST),
     5: (("t_ms", *QUATERNION), ("t_ms", *ACCELERATION, SKIPPED)),
-    6: (_SIX, (*ANGLES, SKIPPED, SKIPPED, SKIPPED)),
-    7: (("t_ms", *_SIX), (*QUATERNION, SKIPPED, SKIPPED, SKIPPED)),
+    6: (INERTIAL, (*ANGLES, SKIPPED, SKIPPED, SKIPPED)),
+    7: (("t_ms", *INERTIAL), (*QUATERNION, SKIPPED, SKIPPED, SKIPPED)),
 }
+"""The two likeliest columns of lines, by their count of numbers."""
 
 
-def noise(count: int) -> str:
-    """Of bytes that are no lines."""
+def noise_message(count: int) -> str:
+    """Return the message for bytes in no known format."""
     return (
-        f"{count} bytes, and no frame or line that is understood; is the speed (baud=) the "
-        "device's? bare bytes without a check can't be told from noise: let it print lines; "
-        "its format can be said with sensor=FILE.toml"
+        f"{count} bytes without a valid frame or line; check the device's speed (baud=). Binary "
+        "data without a check can't be distinguished from noise: let the device print lines, or "
+        "set the format in a file for sensor=FILE.toml"
     )
 
 
-UNCHECKED = (
-    "WitMotion's packets for radio (55 61) carry no check, so that a wrong byte would move the "
-    "hand: use its serial protocol (55 51, 55 52)"
+UNCHECKED_MESSAGE = (
+    "WitMotion's radio packets (55 61) carry no check, so a wrong byte would move the disk: use "
+    "its serial protocol (55 51, 55 52)"
 )
 
 
-def one_number(line: str) -> str:
-    """Of lines of a number that could be several things."""
+def one_number_message(line: str) -> str:
+    """Return the message for lines of one number with several possible meanings."""
     return (
-        f"lines of one number ({shown(line)}): degrees, an encoder's count or a potentiometer? "
-        "say it with sensor=roll, sensor=encoder or sensor=potentiometer"
+        f"lines of one number ({quote_line(line)}): degrees, an encoder's count or a "
+        "potentiometer? choose sensor=roll, sensor=encoder or sensor=potentiometer"
     )
 
 
-def ambiguous(line: str) -> str:
-    """Of a line: as it came, and the two likeliest columns, of which a person is to choose."""
-    cells = cells_of(line, widely=True)
-    numeric = [numbers_of(cell) is not None for cell in cells]
+def ambiguous_message(line: str) -> str:
+    """Return the message for an ambiguous line: the line and its two likeliest columns."""
+    cells = split_cells(line, wide=True)
+    numeric = [parse_numbers(cell) is not None for cell in cells]
     count = sum(numeric)
     if not count:
-        return f"lines like {shown(line)} have no number: is the speed (baud=) the device's?"
-    rest = max(0, count - len(_SIX))
-    first, second = _LIKELY.get(
-        count,
-        ((*_SIX, *(SKIPPED,) * rest), ("t_ms", *_SIX, *(SKIPPED,) * (rest - 1))),
+        return f"lines like {quote_line(line)} have no number; check the device's speed (baud=)"
+    rest = max(0, count - len(INERTIAL))
+    one, other = (
+        _toml_columns(columns, numeric)
+        for columns in _LIKELY.get(
+            count,
+            ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1))),
+        )
     )
-    one, other = (_written(columns, numeric) for columns in (first, second))
     return (
-        f"lines like {shown(line)}: which number is which? [stream] columns = {one} or columns = "
-        f"{other}, say? write it in a file for sensor=FILE.toml"
+        f"lines like {quote_line(line)}: which number is which? [stream] columns = {one} or "
+        f"columns = {other}, for example? write it in a file for sensor=FILE.toml"
     )
 
 
-def shown(line: str) -> str:
-    """A line as it came, cut where it is long."""
-    return repr(line if len(line) <= SHOWN else line[:SHOWN] + "…")
+def quote_line(line: str) -> str:
+    """Return a received line in quotes, cut if it is long."""
+    return repr(line if len(line) <= MAX_SHOWN else line[:MAX_SHOWN] + "…")
 
 
-def _written(columns: tuple[str, ...], numeric: list[bool]) -> str:
+def _toml_columns(columns: tuple[str, ...], numeric: list[bool]) -> str:
     names = iter(columns)
     cells = (next(names) if number else SKIPPED for number in numeric)
     return "[" + ", ".join(f'"{cell}"' for cell in cells) + "]"
@@ -118,53 +125,54 @@ Format = Literal[
 
 FRAMES = 2
 LINES = 5
-"""So many in a row say what a stream is: frames are checked, lines are not."""
+"""Consecutive frames or lines that identify a format; frames have a check, lines have none."""
 
 BATCHES = 2
-"""Of an app, each of several samples."""
+"""Batches of an app, each with several samples, that identify it."""
 
 MANY_LINES = 25
-"""So many say that three numbers never were gravity, or that four are a quaternion."""
+"""Lines after which three numbers can't be gravity, or four numbers are a quaternion."""
 
 ENOUGH = 4096
-"""Bytes in which nothing was understood that say that nothing will be."""
+"""Bytes without valid data after which detection fails."""
 
-UNIT_LENGTH = 0.02
-LYING = 0.3
-"""Of a sensor that lies face up, the two parts of its quaternion that tilt are smaller."""
+LENGTH_TOLERANCE = 0.02
+FACE_UP = 0.3
+"""Largest size of the two tilt parts of a quaternion while the sensor is face up."""
 
 
 @dataclass(frozen=True)
 class DetectedFormat:
-    """What a stream is: its format; its columns; of labelled lines, their round."""
+    """Format of a stream, its columns, and the cycle of labelled lines."""
 
     format: Format
     columns: tuple[str, ...] = ()
-    round: Round | None = None
+    cycle: LineCycle | None = None
     values: Mapping[str, str | float] = field(default_factory=dict)
-    """What it says of a profile's keys."""
+    """Values that the stream determines, by keys of a profile."""
 
     def decoder(self, counters: Counters) -> Decoder:
-        """What reads such a stream."""
+        """Return a decoder of such a stream."""
         return _FORMATS[self.format][1](counters, self)
 
     def __str__(self) -> str:
         return _FORMATS[self.format][0] + ",".join(self.columns)
 
 
-def _text_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
-    return LineDecoder(counters, lambda line: text_reading_of(line, stream.columns))
-
-
 def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
-    assert stream.round is not None
-    return LineDecoder(counters, LabelledReader(stream.round).reading_of)
+    assert stream.cycle is not None
+    return LineDecoder(counters, LabelledReader(stream.cycle).parse)
 
 
 _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
     "frames": ("binary frames", lambda counters, _: FrameDecoder(counters)),
-    "json": ("JSON lines", lambda counters, _: LineDecoder(counters, reading_of)),
-    "text": ("lines of ", _text_decoder),
+    "json": ("JSON lines", lambda counters, _: LineDecoder(counters, parse_json_line)),
+    "text": (
+        "lines of ",
+        lambda counters, stream: LineDecoder(
+            counters, lambda line: parse_row(line, stream.columns)
+        ),
+    ),
     "labels": ("labelled lines of ", _label_decoder),
     "witmotion": (
         "WitMotion packets of ",
@@ -173,85 +181,97 @@ _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decode
     "teapot": ("teapot packets", lambda counters, _: TeapotDecoder(counters)),
     "app": (
         "an app's JSON",
-        lambda counters, _: LineDecoder(counters, app_json.readings_of, app_json.LONGEST),
+        lambda counters, _: LineDecoder(counters, parse_app_batch, LONGEST),
     ),
     "dualsense": ("a DualSense's reports", lambda counters, _: DualSenseDecoder(counters)),
     "joycon": ("a Joy-Con's reports", lambda counters, _: JoyConDecoder(counters)),
 }
-"""By format: it in words, and what reads it."""
+"""Name for display and decoder of each format."""
 
 
 def detect(
-    data: bytes, over: bool = False, accelerates: bool = False
+    data: bytes, timed_out: bool = False, acceleration_known: bool = False
 ) -> DetectedFormat | str | None:
-    """What a stream is from the bytes so far, why it can't be detected, or None: not yet.
+    """Return the format of a stream's first bytes, or why it can't be detected.
 
-    `over`: a person has waited long enough to be told what came; `accelerates`: three numbers are
-    acceleration, whatever gravity says.
+    Parameters
+    ----------
+    timed_out : bool
+        Whether to report a stream that would need more data.
+    acceleration_known : bool
+        Whether three numbers are an acceleration, without regard to gravity.
+
+    Returns
+    -------
+    DetectedFormat, str or None
+        None: more data are needed.
     """
-    found = _packets(data)
+    found = _detect_packets(data)
     if found is not None:
         return found
-    lines = LineSplitter(Counters(), app_json.LONGEST).feed(data)
-    app = _app(lines[-BATCHES:])
-    if app is not None:
-        return app
+    lines = LineSplitter(Counters(), LONGEST).feed(data)
+    found = _detect_app(lines[-BATCHES:])
+    if found is not None:
+        return found
     latest = lines[-LINES:]
-    if len(lines) >= LINES and all(reading_of(line) is not None for line in latest):
+    if len(lines) >= LINES and all(parse_json_line(line) is not None for line in latest):
         return DetectedFormat("json")
-    text = _text(lines, over, accelerates)
-    if text is not None:
-        return text
-    rounds = _labels(lines, over)
-    if rounds is not None:
-        return rounds
-    return _unknown(data, lines, over)
+    found = _detect_text(lines, timed_out, acceleration_known)
+    if found is None:
+        found = _detect_labels(lines, timed_out)
+    return _unknown(data, lines, timed_out) if found is None else found
 
 
 def detect_columns(
-    data: bytes, columns: tuple[str, ...], over: bool
+    data: bytes, columns: tuple[str, ...], timed_out: bool
 ) -> DetectedFormat | str | None:
-    """As `detect`, of a stream that is frames or lines of `columns`."""
-    if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
+    """Return the format as `detect`, of a stream of frames or lines of `columns`."""
+    if _has_frames(data):
         return DetectedFormat("frames")
     lines = LineSplitter(Counters()).feed(data)
-    if any(text_reading_of(line, columns) for line in lines):
+    if any(parse_row(line, columns) for line in lines):
         return DetectedFormat("text", columns)
-    return _unknown(data, lines, over)
+    return _unknown(data, lines, timed_out)
 
 
-def _packets(data: bytes) -> DetectedFormat | str | None:
-    if len(FrameDecoder(Counters()).feed(data)) >= FRAMES:
+def _has_frames(data: bytes) -> bool:
+    return len(FrameDecoder(Counters()).feed(data)) >= FRAMES
+
+
+def _detect_packets(data: bytes) -> DetectedFormat | str | None:
+    if _has_frames(data):
         return DetectedFormat("frames")
-    if teapots_on_end(data):
+    if has_teapots(data):
         return DetectedFormat("teapot")
     columns = wit_columns(data)
     if columns:
         return DetectedFormat("witmotion", columns)
     at = data.find(b"\x55\x61")
     if at >= 0 and all(data[at + 20 * n :][:2] == b"\x55\x61" for n in range(FRAMES + 1)):
-        return UNCHECKED
+        return UNCHECKED_MESSAGE
     return None
 
 
-def _app(lines: Sequence[str]) -> DetectedFormat | str | None:
-    read = [app_json.readings_of(line) for line in lines]
+def _detect_app(lines: Sequence[str]) -> DetectedFormat | str | None:
+    read = [parse_app_batch(line) for line in lines]
     if len(read) < BATCHES or None in read:
         return None
-    why = next((one for one in reversed(read) if isinstance(one, str)), None)
+    reason = next((one for one in reversed(read) if isinstance(one, str)), None)
     if any(isinstance(one, list) and one for one in read):
         return DetectedFormat("app")
-    return None if why is None else f"{shown(lines[-1])}: {why}"
+    return None if reason is None else f"{quote_line(lines[-1])}: {reason}"
 
 
-def _text(lines: Sequence[str], over: bool, accelerates: bool) -> DetectedFormat | str | None:
+def _detect_text(
+    lines: Sequence[str], timed_out: bool, acceleration_known: bool
+) -> DetectedFormat | str | None:
     latest = lines[-LINES:]
     if len(latest) < LINES:
         return None
-    headers = [found for found in map(columns_of, lines) if found is not None]
-    if headers and all(text_reading_of(line, headers[-1]) for line in latest):
+    headers = [found for found in map(parse_header, lines) if found is not None]
+    if headers and all(parse_row(line, headers[-1]) for line in latest):
         return DetectedFormat("text", headers[-1])
-    rows = [numbers_of(line) for line in lines]
+    rows = [parse_numbers(line) for line in lines]
     while rows and None in rows:
         del rows[: rows.index(None) + 1]
     same = [row for row in rows if row is not None and len(row) == len(rows[-1] or ())]
@@ -259,101 +279,100 @@ def _text(lines: Sequence[str], over: bool, accelerates: bool) -> DetectedFormat
         return None
     if any(len(row or ()) != len(same[-1]) for row in rows[-LINES:]):
         return None
-    return _numbers(lines[-1], same, len(same) >= MANY_LINES or over, accelerates)
+    many = len(same) >= MANY_LINES or timed_out
+    return _detect_numbers(lines[-1], same, many, acceleration_known)
 
 
-def _numbers(
-    line: str, rows: Sequence[tuple[float, ...]], many: bool, accelerates: bool
+def _detect_numbers(
+    line: str, rows: Sequence[tuple[float, ...]], many: bool, acceleration_known: bool
 ) -> DetectedFormat | str | None:
     count = len(rows[-1])
-    six = ACCELERATION + ANGULAR_VELOCITY
     if count == 1:
-        values = [row[0] for row in rows[-LINES:]]
-        degrees = "." in line and all(abs(value) <= 180.0 for value in values)
-        return DetectedFormat("text", ("roll_deg",)) if degrees else one_number(line)
-    if count == len(six) or (count == len(ACCELERATION) and accelerates):
-        return DetectedFormat("text", six[:count])
-    # of all of them: a gyroscope's three may pass by gravity's size while it is turned
+        degrees = "." in line and all(abs(row[0]) <= 180.0 for row in rows[-LINES:])
+        return DetectedFormat("text", ("roll_deg",)) if degrees else one_number_message(line)
+    if count == len(INERTIAL) or (count == len(ACCELERATION) and acceleration_known):
+        return DetectedFormat("text", INERTIAL[:count])
+    # all rows count: a moving gyroscope may pass through the size of gravity
     gravity = shows_gravity(_size(rows))
     if count == len(ACCELERATION):
         if gravity or any(abs(number) > 360.0 for row in rows[:LINES] for number in row):
             return DetectedFormat("text", ACCELERATION)
         if not many:
             return None
-        # what rests near zero may be a gyroscope's
-        return DetectedFormat("text", ANGLES) if _far(rows) else ambiguous(line)
+        # numbers near zero at rest may be those of a gyroscope
+        return DetectedFormat("text", ANGLES) if _is_large(rows) else ambiguous_message(line)
     if count == 9 and gravity:
-        return DetectedFormat("text", (*six, *(SKIPPED,) * 3))
+        return DetectedFormat("text", (*INERTIAL, *(SKIPPED,) * 3))
     if count == len(QUATERNION) and all(
-        abs(math.hypot(*row) - 1.0) <= UNIT_LENGTH for row in rows[-MANY_LINES:]
+        abs(math.hypot(*row) - 1.0) <= LENGTH_TOLERANCE for row in rows[-MANY_LINES:]
     ):
-        return _quaternion(line, rows) if many else None
-    return ambiguous(line)
+        return _detect_quaternion(line, rows) if many else None
+    return ambiguous_message(line)
 
 
-def _quaternion(line: str, rows: Sequence[tuple[float, ...]]) -> DetectedFormat | str:
-    """Whether the real part is first or last: by the tilt, which is small at the start."""
+def _detect_quaternion(line: str, rows: Sequence[tuple[float, ...]]) -> DetectedFormat | str:
+    """Find out from the tilt, which is small at the start, if the real part is first or last."""
     a, b, c, _ = (statistics.median(column) for column in zip(*rows[:LINES], strict=True))
-    first = math.hypot(b, c) < LYING
-    last = math.hypot(a, b) < LYING
+    first = math.hypot(b, c) < FACE_UP
+    last = math.hypot(a, b) < FACE_UP
     if first == last:
-        return ambiguous(line)
-    return DetectedFormat("text", QUATERNION if first else ("qx", "qy", "qz", "qw"))
+        return ambiguous_message(line)
+    return DetectedFormat("text", QUATERNION if first else _REAL_LAST)
 
 
-def _labels(lines: Sequence[str], over: bool) -> DetectedFormat | str | None:
-    if len(lines) < LINES or reading_of(lines[-1]) is not None:
+def _detect_labels(lines: Sequence[str], timed_out: bool) -> DetectedFormat | str | None:
+    if len(lines) < LINES or parse_json_line(lines[-1]) is not None:
         return None
-    shapes, rounds = learned(lines)
+    shapes, repetitions = find_cycle(lines)
     if not shapes:
         return None
-    first = learned(lines[:MANY_LINES])
+    first = find_cycle(lines[:MANY_LINES])
     if first[0] == shapes:
-        rounds = first[1]  # as it rested: what is turned may look like something else
+        repetitions = first[1]  # at rest: later numbers may resemble another quantity
     bare = None
-    places = [slots_of(shape)[0] for shape in shapes]
+    slots = [name_slots(shape)[0] for shape in shapes]
     triples = [
         tuple(numbers[line.index(("bare", n))] for n in range(3))
-        for one in rounds
-        for line, numbers in zip(places, one, strict=True)
+        for one in repetitions
+        for line, numbers in zip(slots, one, strict=True)
         if all(("bare", n) in line for n in range(3))
     ]
     if triples:
         if shows_gravity(_size(triples)):
             bare = "acceleration"
-        elif over or len(lines) >= MANY_LINES:
-            if not _far(triples):
-                return ambiguous(lines[-1])
-            bare = "angles"
-        else:
+        elif not timed_out and len(lines) < MANY_LINES:
             return None
-    counts = [one[0] for one in rounds if shapes[0] and shapes[0][0] == "a/g:"]
+        elif not _is_large(triples):
+            return ambiguous_message(lines[-1])
+        else:
+            bare = "angles"
+    counts = [one[0] for one in repetitions if shapes[0] and shapes[0][0] == "a/g:"]
     known = bool(counts) and abs(_size(counts) / 16384.0 - 1.0) <= 0.05
-    found = round_of(shapes, bare, known)
-    if isinstance(found, Round):
+    found = cycle_from_shapes(shapes, bare, known)
+    if isinstance(found, LineCycle):
         return DetectedFormat("labels", tuple(found.columns), found, found.values)
-    return f"lines like {shown(lines[-1])}: {found}" if found else None
+    return f"lines like {quote_line(lines[-1])}: {found}" if found else None
 
 
-def _unknown(data: bytes, lines: Sequence[str], over: bool) -> str | None:
-    if not over and len(data) < ENOUGH:
+def _unknown(data: bytes, lines: Sequence[str], timed_out: bool) -> str | None:
+    if not timed_out and len(data) < ENOUGH:
         return None
     if not lines:
-        return noise(len(data)) if data else None
-    if len(lines) < LINES and all(_promises(line) for line in lines[-2:]):
-        return None  # it is only slow
+        return noise_message(len(data)) if data else None
+    if len(lines) < LINES and all(map(_may_be_valid, lines[-2:])):
+        return None  # the device is only slow
     if len("".join(lines)) < 0.5 * len(data):
-        return noise(len(data))
-    return ambiguous(lines[-1])
+        return noise_message(len(data))
+    return ambiguous_message(lines[-1])
 
 
-def _promises(line: str) -> bool:
-    if numbers_of(line) is not None or app_json.readings_of(line) is not None:
+def _may_be_valid(line: str) -> bool:
+    if parse_numbers(line) is not None or parse_app_batch(line) is not None:
         return True
-    return isinstance(round_of([shape_of(line)[0]], "angles"), Round)
+    return isinstance(cycle_from_shapes([line_shape(line)[0]], "angles"), LineCycle)
 
 
-def _far(rows: Sequence[Sequence[float]]) -> bool:
+def _is_large(rows: Sequence[Sequence[float]]) -> bool:
     return _size(rows[:MANY_LINES]) > HIGHEST_BIAS_DEG_S
 
 

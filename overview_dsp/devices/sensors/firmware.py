@@ -1,4 +1,4 @@
-"""The kit's firmware: a folder for each board, with wiring and commands in its sketch's head."""
+"""The kit's firmware: one folder per board, with wiring and commands at the top of its sketch."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ _HEAD = re.compile(r"/\* ?(.*?)\*/|((?:#[^\n]*\n)+)", re.S)
 
 
 def firmware_folder() -> Path:
-    """Where it is: in the installed package, or in the checkout."""
+    """Return the folder of the firmware, in the installed package or in the checkout."""
     installed = _PACKAGE / "bundled" / "firmware"
     return installed if installed.is_dir() else _PACKAGE.parent / "firmware"
 
 
 def firmware_names() -> tuple[str, ...]:
-    """What there is firmware for, sorted."""
+    """Return the names of all firmware, sorted."""
     return tuple(sorted(path.name for path in firmware_folder().iterdir() if path.is_dir()))
 
 
 def firmware_head(name: str) -> str:
-    """What it is, its wiring and commands: the head of its program.
+    """Return purpose, wiring and commands of a firmware: the first comment of its program.
 
     Raises
     ------
@@ -38,16 +38,16 @@ def firmware_head(name: str) -> str:
 
 
 def copy_firmware(name: str, folder: Path) -> Path:
-    """Copy it to a folder of its name in `folder`, as the Arduino IDE wants it; where it is then.
+    """Copy a firmware to a folder of its name in `folder`, as the Arduino IDE requires.
 
     Raises
     ------
     InputError
-        There is no firmware of that name, or there is something already.
+        There is no firmware of that name, or the new folder already exists.
     """
     source, to = _program(name).parent, folder / name
     if to.exists():
-        raise InputError(f"{to}: already there; move it away or give another folder (-o)")
+        raise InputError(f"{to} already exists; move it away or choose another folder (-o)")
     try:
         shutil.copytree(source, to)
     except OSError as error:

@@ -1,8 +1,8 @@
-"""Lines with words in them, as examples print them: `ypr`, `a/g:`, `Acceleration X: .. m/s^2`.
+"""Lines with labels, as example sketches print them: `ypr`, `a/g:`, `Acceleration X: .. m/s^2`.
 
-A line's shape is what is left when its numbers are taken out. A device prints a round of shapes
-again and again; a round is learned from three equal ones and makes one reading. The words before a
-number say what it is, a word behind it its unit.
+The shape of a line is the line without its numbers. A device prints a cycle of shapes repeatedly.
+Three equal repetitions identify the cycle, and each repetition makes one reading. The words before
+a number name its quantity, a word behind it its unit.
 """
 
 from __future__ import annotations
@@ -17,13 +17,14 @@ from overview_dsp.devices.sensors.reading import (
     ANGLES,
     ANGULAR_VELOCITY,
     COLUMNS,
+    INERTIAL,
     QUATERNION,
     Reading,
 )
 
-ROUNDS = 3
-MOST_LINES = 12
-"""Of a round."""
+REPETITIONS = 3
+MAX_LINES = 12
+"""Maximum number of lines in a cycle."""
 
 _TOKEN = re.compile(
     r"(?<![A-Za-z0-9_.])(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?![A-Za-z0-9_])"
@@ -31,11 +32,11 @@ _TOKEN = re.compile(
 )
 _NUMBER = "#"
 
-_SAME: Mapping[str, str] = {
+_QUANTITIES: Mapping[str, str] = {
     name: quantity
     for quantity, names in {
         "acceleration": "a ac acc accl accel acceleration accelerometer",
-        "turning": "g gy gyr gyro gyroscope",
+        "angular velocity": "g gy gyr gyro gyroscope",
         "rotation": "rot rotation rate rrate angular",
         "gravity": "grav gravity",
         "linear": "linear lin areal aworld aaworld aareal user useraccel linacc lacc",
@@ -47,11 +48,13 @@ _SAME: Mapping[str, str] = {
     }.items()
     for name in names.split()
 }
-_ONE_ANGLE = ("yaw", "pitch", "roll", "heading")
-_SILENT = ("calibration", "calib", "cal", "sys")
-"""What follows in such a line are marks, not measurements."""
+"""Words in lines, to the quantities that they name."""
 
-_PARTS = {"r": "w", "real": "w", "i": "x", "j": "y", "k": "z"}
+_ONE_ANGLE = ("yaw", "pitch", "roll", "heading")
+_NOT_MEASURED = ("calibration", "calib", "cal", "sys")
+"""Words after which a line holds grades of calibration, not measurements."""
+
+_QUATERNION_PARTS = {"r": "w", "real": "w", "i": "x", "j": "y", "k": "z"}
 """Other names of a quaternion's parts."""
 
 _UNITS = {
@@ -60,16 +63,22 @@ _UNITS = {
     "radians/s": "rad/s",
 }  # fmt: skip
 _COMPOUND = re.compile(r"(?P<of>[a-z]+?)_?(?P<axis>[wxyz])$")
-_AXES = {"acceleration": "xyz", "turning": "xyz", "rotation": "xyz", "gravity": "xyz",
+_AXES = {"acceleration": "xyz", "angular velocity": "xyz", "rotation": "xyz", "gravity": "xyz",
          "linear": "xyz", "angles": "xyz", "quaternion": "wxyz", "bare": "xyz"}  # fmt: skip
-_NINE = (*ACCELERATION, *ANGULAR_VELOCITY)
+_COUNTS = {"counts": 6, "raw": 6, "uniform": 6, "quaternion": 4}
+"""Number of values of a quantity where it isn't three."""
 
 Slot = tuple[str, int]
-"""A quantity, and which of its numbers."""
+"""A quantity, and the index of one of its numbers."""
+
+WITHOUT_GRAVITY = (
+    "acceleration without gravity, which can't show the direction of up: let the sketch print the "
+    "quaternion, the angles (ypr) or the whole acceleration"
+)
 
 
-def shape_of(line: str) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """A line's shape, `#` where a number stands, and its numbers."""
+def line_shape(line: str) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    """Return a line's shape, with `#` for each number, and its numbers."""
     shape, numbers = [], []
     for token in _TOKEN.finditer(line):
         if token["number"] is not None:
@@ -80,55 +89,53 @@ def shape_of(line: str) -> tuple[tuple[str, ...], tuple[float, ...]]:
     return tuple(shape), tuple(numbers)
 
 
-def slots_of(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
-    """What each number of a shape is, and the units said of quantities."""
+def name_slots(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
+    """Return the slot of each number of a shape, and the units of the quantities."""
     slots: list[Slot] = []
     units: dict[str, str] = {}
-    quantity, axis, nth, silent = "", "", 0, False
+    quantity, axis, nth, ignored = "", "", 0, False
     for at, token in enumerate(shape):
         if token == _NUMBER:
             of = quantity or ("bare" if axis else "other")
-            place = _AXES[of].find(axis) if axis and of in _AXES else nth
-            slots.append(("other", 0) if silent else (of, place))
+            index = _AXES[of].find(axis) if axis and of in _AXES else nth
+            slots.append(("other", 0) if ignored else (of, index))
             nth, axis = nth + 1, ""
             continue
         word = token.rstrip(":")
-        follows = shape[at + 1 : at + 2] == (_NUMBER,)
-        behind = at > 0 and shape[at - 1] == _NUMBER
-        word = _PARTS.get(word, word) if quantity == "quaternion" else word
+        before_number = shape[at + 1 : at + 2] == (_NUMBER,)
+        after_number = at > 0 and shape[at - 1] == _NUMBER
+        word = _QUATERNION_PARTS.get(word, word) if quantity == "quaternion" else word
         compound = _COMPOUND.fullmatch(word)
-        if behind and word in _UNITS and token == word and not (word == "g" and follows):
+        is_unit = after_number and word in _UNITS and token == word
+        if is_unit and not (word == "g" and before_number):
             units[quantity or "bare"] = _UNITS[word]
-        elif word in _SILENT:
-            silent = True
+        elif word in _NOT_MEASURED:
+            ignored = True
         elif word in ("w", "x", "y", "z"):
             quantity, axis = ("" if quantity == "other" else quantity), word
-        elif compound and compound["of"] in _SAME:
-            quantity, axis = _SAME[compound["of"]], compound["axis"]
-        elif word in _SAME:
-            quantity, nth, axis = _SAME[word], 0, ""
+        elif compound and compound["of"] in _QUANTITIES:
+            quantity, axis = _QUANTITIES[compound["of"]], compound["axis"]
         elif word in _ONE_ANGLE:
             nth = nth if quantity == "angles" else 0
             quantity, axis = "angles", ""
-        elif word in COLUMNS and word not in _NINE:
-            quantity, nth, axis = word, 0, ""
         else:
-            quantity, nth, axis = "other", 0, ""
+            column = word if word in COLUMNS and word not in INERTIAL else "other"
+            quantity, nth, axis = _QUANTITIES.get(word, column), 0, ""
     return slots, units
 
 
 @dataclass(frozen=True)
-class Round:
-    """What a device prints again and again, and which of its numbers make a reading.
+class LineCycle:
+    """The lines that a device repeats, and the numbers in them that make a reading.
 
     Attributes
     ----------
     shapes : tuple of tuple of str
-        Its lines, the first that is needed first.
+        Shapes of the lines, the first that is needed first.
     columns : mapping
-        Of each name of `COLUMNS` in a reading: its line, and which number of that line.
+        Line, and index of the number in that line, by names of `COLUMNS`.
     values : mapping
-        What the words say of a profile's keys.
+        Values that the labels determine, by keys of a profile.
     """
 
     shapes: tuple[tuple[str, ...], ...]
@@ -136,46 +143,65 @@ class Round:
     values: Mapping[str, str | float] = field(default_factory=dict)
 
 
-def learned(lines: Sequence[str]) -> tuple[list[tuple[str, ...]], list[list[tuple[float, ...]]]]:
-    """The round that the last of `lines` repeat, and the numbers of three; empty if none."""
-    read = [one for one in map(shape_of, lines) if one[1]]
-    for period in range(1, MOST_LINES + 1):
-        latest = read[-ROUNDS * period :]
-        if len(latest) < ROUNDS * period:
+def find_cycle(lines: Sequence[str]) -> tuple[list[tuple[str, ...]], list[list[tuple[float, ...]]]]:
+    """Return the shapes of the cycle at the end of `lines`, and the numbers of its repetitions.
+
+    Both are empty if the lines have no cycle.
+    """
+    read = [one for one in map(line_shape, lines) if one[1]]
+    for period in range(1, MAX_LINES + 1):
+        latest = read[-REPETITIONS * period :]
+        if len(latest) < REPETITIONS * period:
             break
         shapes = [shape for shape, _ in latest]
-        if shapes[:-period] == shapes[period:] and any(len(set(one) - {"#"}) for one in shapes):
-            rounds = [[numbers for _, numbers in latest[at : at + period]]
-                      for at in range(0, len(latest), period)]  # fmt: skip
-            return shapes[:period], rounds
+        has_words = any(len(set(one) - {_NUMBER}) for one in shapes)
+        if shapes[:-period] == shapes[period:] and has_words:
+            repetitions = [[numbers for _, numbers in latest[at : at + period]]
+                           for at in range(0, len(latest), period)]  # fmt: skip
+            return shapes[:period], repetitions
     return [], []
 
 
-def round_of(
+def cycle_from_shapes(
     shapes: Sequence[tuple[str, ...]], bare: str | None = None, counts_known: bool = False
-) -> Round | str:
-    """What a round's lines make; why nothing can be made of them.
+) -> LineCycle | str:
+    """Return the cycle of these shapes; a reason (or an empty text) if it gives no reading.
 
-    `bare`: what three numbers labelled x, y, z and nothing else are (acceleration or angles);
-    `counts_known`: the counts of `a/g:` are those of a sensor's widest ranges.
+    Parameters
+    ----------
+    bare : str, optional
+        Quantity of three numbers labelled x, y, z only: acceleration or angles.
+    counts_known : bool
+        Whether the counts of `a/g:` are those of a sensor's most sensitive ranges.
     """
     found: dict[Slot, tuple[int, int]] = {}
     units: dict[str, str] = {}
     for line, shape in enumerate(shapes):
-        slots, said = slots_of(shape)
-        units.update(said)
-        for nth, (quantity, place) in enumerate(slots):
+        slots, line_units = name_slots(shape)
+        units.update(line_units)
+        for nth, (quantity, index) in enumerate(slots):
             of = (bare or "bare") if quantity == "bare" else quantity
-            found.setdefault((of, place), (line, nth))
-    kinds = _kinds(found)
-    acceleration = next((k for k in ("acceleration", "gravity") if k in kinds), None)
-    turning = next((k for k in ("turning", "rotation") if k in kinds), None)
-    plain = {name: found[name, 0] for name in COLUMNS if (name, 0) in found}
+            found.setdefault((of, index), (line, nth))
+    complete = {
+        quantity
+        for quantity, _ in found
+        if all((quantity, n) in found for n in range(_COUNTS.get(quantity, 3)))
+    }
+
+    def columns(quantity: str, names: Sequence[str]) -> dict[str, tuple[int, int]]:
+        return {name: found[quantity, n] for n, name in enumerate(names)}
+
+    def first_complete(*quantities: str) -> str | None:
+        return next((one for one in quantities if one in complete), None)
+
+    acceleration = first_complete("acceleration", "gravity")
+    gyroscope = first_complete("angular velocity", "rotation")
+    six = first_complete("counts", "raw", "uniform")
+    named = {name: found[name, 0] for name in COLUMNS if (name, 0) in found}
     values: dict[str, str | float] = {}
-    chosen: dict[str, tuple[int, int]]
-    six = next((k for k in ("counts", "raw", "uniform") if k in kinds), None)
+    chosen: dict[str, tuple[int, int]] = {}
     if six:
-        chosen = {name: found[six, n] for n, name in enumerate(_NINE)}
+        chosen = columns(six, INERTIAL)
         if six == "counts" and counts_known:
             values = {
                 "acceleration.unit": "g",
@@ -185,73 +211,57 @@ def round_of(
             }
         elif six == "raw":
             values = {"angular_velocity.unit": "deg/s"}
-    elif acceleration and (turning or not kinds & {"quaternion"}):
-        chosen = {name: found[acceleration, n] for n, name in enumerate(ACCELERATION)}
-        if turning:
-            chosen |= {name: found[turning, n] for n, name in enumerate(ANGULAR_VELOCITY)}
-            if turning in units:
-                values["angular_velocity.unit"] = units[turning]
+    elif acceleration and (gyroscope or "quaternion" not in complete):
+        chosen = columns(acceleration, ACCELERATION)
+        if gyroscope:
+            chosen |= columns(gyroscope, ANGULAR_VELOCITY)
+            if gyroscope in units:
+                values["angular_velocity.unit"] = units[gyroscope]
         if acceleration in units:
             values["acceleration.unit"] = units[acceleration]
-    elif "quaternion" in kinds:
-        chosen = {name: found["quaternion", n] for n, name in enumerate(QUATERNION)}
-    elif "angles" in kinds:
-        chosen = {name: found["angles", n] for n, name in enumerate(ANGLES)}
+    elif "quaternion" in complete:
+        chosen = columns("quaternion", QUATERNION)
+    elif "angles" in complete:
+        chosen = columns("angles", ANGLES)
     elif ("angles", 0) in found and ("angles", 1) not in found:
         chosen = {"roll_deg": found["angles", 0]}
-    elif any(name in plain for name in ("roll_deg", "count", "pot", "shaft_rad")):
-        chosen = {}
-    else:
-        return WITHOUT_GRAVITY if "linear" in kinds else ""
-    return _begun(tuple(shapes), {**chosen, **plain}, values)
+    elif not any(name in named for name in ("roll_deg", "count", "pot", "shaft_rad")):
+        return WITHOUT_GRAVITY if "linear" in complete else ""
+    return _rotated(tuple(shapes), {**chosen, **named}, values)
 
 
-WITHOUT_GRAVITY = (
-    "acceleration without gravity, which can't say which way is up: let the sketch print the "
-    "quaternion, the angles (ypr) or the whole acceleration"
-)
-
-
-def _kinds(found: Mapping[Slot, object]) -> set[str]:
-    """The quantities of which every number is there."""
-    needs = {"counts": 6, "raw": 6, "uniform": 6, "quaternion": 4}
-    quantities = {quantity for quantity, _ in found}
-    return {one for one in quantities if all((one, n) in found for n in range(needs.get(one, 3)))}
-
-
-def _begun(
+def _rotated(
     shapes: tuple[tuple[str, ...], ...],
     columns: Mapping[str, tuple[int, int]],
     values: Mapping[str, str | float],
-) -> Round:
-    """The round, begun where its lines that are needed come soonest together."""
+) -> LineCycle:
+    """Return the cycle that starts where its needed lines come soonest together."""
     count = len(shapes)
     needed = {line for line, _ in columns.values()}
     start = min(needed, key=lambda first: max((line - first) % count for line in needed))
-    turned = {name: ((line - start) % count, nth) for name, (line, nth) in columns.items()}
-    return Round(shapes[start:] + shapes[:start], turned, values)
+    moved = {name: ((line - start) % count, nth) for name, (line, nth) in columns.items()}
+    return LineCycle(shapes[start:] + shapes[:start], moved, values)
 
 
 class LabelledReader:
-    """Lines in, a reading at the line that completes a round."""
+    """Readings from the lines of a cycle, each at the line that completes it."""
 
-    def __init__(self, round: Round) -> None:
-        """As learned."""
-        self._round = round
+    def __init__(self, cycle: LineCycle) -> None:
+        self._cycle = cycle
         self._at = 0
-        self._last = max(line for line, _ in round.columns.values())
+        self._last = max(line for line, _ in cycle.columns.values())
         self._numbers: list[tuple[float, ...]] = []
 
-    def reading_of(self, line: str) -> Reading | None:
-        """A reading; empty while a round goes on, None if the line isn't of it."""
-        shape, numbers = shape_of(line)
+    def parse(self, line: str) -> Reading | None:
+        """Return a reading; empty within a cycle, None if the line isn't part of the cycle."""
+        shape, numbers = line_shape(line)
         if not numbers:
             return {}
         if not all(map(math.isfinite, numbers)):
             return None
-        shapes = self._round.shapes
+        shapes = self._cycle.shapes
         if shape != shapes[self._at]:
-            # a line was lost or damaged: begin again where a round begins
+            # a line was lost or damaged: wait for the first line of the cycle
             self._at, self._numbers = 0, []
             if shape != shapes[0]:
                 return {} if shape in shapes else None
@@ -260,7 +270,7 @@ class LabelledReader:
         reading: Reading = {}
         if at == self._last:
             reading = {
-                name: self._numbers[line][nth] for name, (line, nth) in self._round.columns.items()
+                name: self._numbers[line][nth] for name, (line, nth) in self._cycle.columns.items()
             }
         if self._at == 0:
             self._numbers = []

@@ -1,4 +1,4 @@
-"""Binary packets of common sensors: WitMotion's over serial, and i2cdevlib's "teapot".
+"""Binary packets of common sensors: WitMotion over a serial port, and i2cdevlib's "teapot".
 
 | WitMotion, 11 bytes | teapot, 14 bytes |
 |---|---|
@@ -6,8 +6,8 @@
 | four int16, little-endian | w x y z, four int16, big-endian, 1 is 16384 |
 | the low byte of the sum of the ten | 0, a count, CR, LF |
 
-WitMotion's is accepted by its sum alone. A teapot has no sum: its fixed bytes and the quaternion's
-length, which is 1, are its check.
+The sum alone validates a WitMotion packet. A teapot packet has no sum: its fixed bytes and the
+length of its quaternion, which is 1, validate it.
 """
 
 from __future__ import annotations
@@ -21,33 +21,35 @@ from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,
     ANGULAR_VELOCITY,
+    INERTIAL,
     QUATERNION,
     Counters,
     Decoder,
     Reading,
+    has,
 )
 
 WIT = 11
-WIT_NOTIFIED = 20
+WIT_NOTIFICATION = 20
 TEAPOT = 14
-UNIT_LENGTH = 0.02
-"""A quaternion's length may be off by so much."""
+LENGTH_TOLERANCE = 0.02
+"""Largest deviation of a quaternion's length from 1."""
 
-_FULL = 32768.0
+_FULL_SCALE = 32768.0
 WIT_KINDS = {
-    0x51: (ACCELERATION, 16.0 / _FULL),
-    0x52: (ANGULAR_VELOCITY, 2000.0 / _FULL),
-    0x53: (ANGLES, 180.0 / _FULL),
-    0x59: (QUATERNION, 1.0 / _FULL),
+    0x51: (ACCELERATION, 16.0 / _FULL_SCALE),
+    0x52: (ANGULAR_VELOCITY, 2000.0 / _FULL_SCALE),
+    0x53: (ANGLES, 180.0 / _FULL_SCALE),
+    0x59: (QUATERNION, 1.0 / _FULL_SCALE),
 }
-"""What a kind's numbers are, and what 1 of them is: g, deg/s, degrees."""
+"""Columns of a kind, and the value of 1 count: g, deg/s, degrees."""
 
 _WIT = struct.Struct("<2x4hx")
 _TEAPOT = struct.Struct(">2x4hxBxx")
 
 
 def wit_packet(packet: bytes) -> Reading | None:
-    """What a packet of WitMotion's says: empty if nothing of use, None if its sum is wrong."""
+    """Return the data of a WitMotion packet; empty without usable data, None if it is invalid."""
     if len(packet) != WIT or packet[0] != 0x55 or packet[1] >> 4 != 5:
         return None
     if sum(packet[:-1]) & 0xFF != packet[-1]:
@@ -55,26 +57,26 @@ def wit_packet(packet: bytes) -> Reading | None:
     columns, unit = WIT_KINDS.get(packet[1], ((), 0.0))
     return dict(
         zip(columns, (number * unit for number in _WIT.unpack(packet)), strict=False)
-    )  # an acceleration's fourth is the temperature
+    )  # the fourth number of an acceleration is the temperature
 
 
 def teapot_packet(packet: bytes) -> Reading | None:
-    """The quaternion and count of a teapot; None if anything about it is wrong."""
+    """Return the quaternion and count of a teapot packet; None if it is invalid."""
     if len(packet) != TEAPOT or packet[:2] != b"$\2" or packet[10] or packet[12:] != b"\r\n":
         return None
     *numbers, count = _TEAPOT.unpack(packet)
     quaternion = [number / 16384.0 for number in numbers]
-    if abs(math.hypot(*quaternion) - 1.0) > UNIT_LENGTH:
+    if abs(math.hypot(*quaternion) - 1.0) > LENGTH_TOLERANCE:
         return None
     return {"sequence": float(count), **dict(zip(QUATERNION, quaternion, strict=True))}
 
 
-def as_wit_packets(notification: bytes) -> bytes:
-    """A notification of WitMotion's by Bluetooth (55 61 and nine int16) as its wire's packets.
+def packets_from_notification(notification: bytes) -> bytes:
+    """Return WitMotion's Bluetooth notification (55 61 and nine int16) as its serial packets.
 
-    It has no sum, as the radio checks what it carries; nothing if it isn't one.
+    A notification has no sum, as the radio link checks its data. An invalid one gives no bytes.
     """
-    if len(notification) != WIT_NOTIFIED or notification[:2] != b"\x55\x61":
+    if len(notification) != WIT_NOTIFICATION or notification[:2] != b"\x55\x61":
         return b""
     packets = []
     for kind, at in ((0x51, 2), (0x52, 8), (0x53, 14)):
@@ -90,15 +92,15 @@ class _PacketDecoder(Decoder):
         super().__init__(counters)
         self._first, self._length = first, length
         self._pending = bytearray()
-        self._found = False
+        self._synchronised = False
 
     @abstractmethod
     def _read(self, packet: bytes) -> Reading | None:
-        """What a packet says, None if it is none."""
+        """Return the data of a packet, None for an invalid one."""
 
     @abstractmethod
-    def _joined(self, reading: Reading) -> Reading | None:
-        """The reading that a packet completes, if it does."""
+    def _join(self, data: Reading) -> Reading | None:
+        """Return the reading that a packet's data complete, if any."""
 
     def _decode(self, data: bytes) -> Iterator[Reading]:
         pending = self._pending
@@ -108,54 +110,54 @@ class _PacketDecoder(Decoder):
         while len(pending) - at >= self._length:
             read = self._read(bytes(pending[at : at + self._length]))
             if read is None:
-                # look for the next start behind a byte that is none
-                further = pending.find(self._first, at + 1)
-                further = len(pending) if further < 0 else further
-                noise += pending[at:further]
-                at = further
+                # look for the next first byte
+                next_at = pending.find(self._first, at + 1)
+                next_at = len(pending) if next_at < 0 else next_at
+                noise += pending[at:next_at]
+                at = next_at
                 continue
-            self._give_up(noise)
+            self._count_noise(noise)
             at += self._length
-            joined = self._joined(read)
+            joined = self._join(read)
             if joined:
                 yield joined
-        self._give_up(noise)
+        self._count_noise(noise)
         del pending[:at]
 
-    def _give_up(self, noise: bytearray) -> None:
-        if noise and self._found:
-            self._counters.refuse(noise)
+    def _count_noise(self, noise: bytearray) -> None:
+        if noise and self._synchronised:
+            self._counters.reject(noise)
         elif noise:
             self._counters.fragments += 1
         noise.clear()
-        self._found = True
+        self._synchronised = True
 
 
 class WitDecoder(_PacketDecoder):
-    """One reading of each round of packets, at the one that completes it."""
+    """One reading per cycle of packets, at the packet that completes it."""
 
     def __init__(self, counters: Counters, columns: tuple[str, ...]) -> None:
-        """`columns`: what a reading is made of, as `wit_columns`."""
+        """Make readings with `columns`, as `wit_columns` returns them."""
         super().__init__(counters, b"\x55", WIT)
         self._columns = columns
-        self._round: dict[str, float] = {}
+        self._cycle: dict[str, float] = {}
 
     def _read(self, packet: bytes) -> Reading | None:
         return wit_packet(packet)
 
-    def _joined(self, reading: Reading) -> Reading | None:
-        if self._columns[0] in reading:
-            self._round.clear()  # a round begins; what a lost packet left undone is given up
-        self._round.update(reading)
-        if self._columns[-1] not in reading or any(n not in self._round for n in self._columns):
+    def _join(self, data: Reading) -> Reading | None:
+        if self._columns[0] in data:
+            self._cycle.clear()  # a new cycle; an incomplete one is dropped
+        self._cycle.update(data)
+        if self._columns[-1] not in data or not has(self._cycle, self._columns):
             return None
-        joined = {name: self._round[name] for name in self._columns}
-        self._round.clear()
+        joined = {name: self._cycle[name] for name in self._columns}
+        self._cycle.clear()
         return joined
 
 
 class TeapotDecoder(_PacketDecoder):
-    """Quaternions, numbered."""
+    """Quaternions with sequence numbers."""
 
     def __init__(self, counters: Counters) -> None:
         super().__init__(counters, b"$", TEAPOT)
@@ -164,37 +166,35 @@ class TeapotDecoder(_PacketDecoder):
     def _read(self, packet: bytes) -> Reading | None:
         return teapot_packet(packet)
 
-    def _joined(self, reading: Reading) -> Reading | None:
+    def _join(self, data: Reading) -> Reading | None:
         # the count has eight bits, a sequence number sixteen
-        self._number += (int(reading["sequence"]) - self._number) % 256
-        return {**reading, "sequence": float(self._number % 65536)}
+        self._number += (int(data["sequence"]) - self._number) % 256
+        return {**data, "sequence": float(self._number % 65536)}
 
 
 def wit_columns(data: bytes) -> tuple[str, ...]:
-    """The columns of a reading from packets on end in `data`; empty if it has fewer than two."""
-    said: set[str] = set()
+    """Return the columns of consecutive packets in `data`; empty with fewer than two packets."""
+    found: set[str] = set()
     packets = 0
     at = data.find(b"\x55")
     while 0 <= at <= len(data) - WIT:
         read = wit_packet(data[at : at + WIT])
-        # on end: a second one follows, or one went before
-        if read is None:
+        if read is None:  # one packet without a successor doesn't count
             packets = 0 if packets < 2 else packets
             at = data.find(b"\x55", at + 1)
             continue
         packets += 1
-        said.update(read)
+        found.update(read)
         at += WIT
     if packets < 2:
         return ()
-    if ACCELERATION[0] in said:
-        both = ANGULAR_VELOCITY[0] in said
-        return ACCELERATION + ANGULAR_VELOCITY if both else ACCELERATION
-    return next((names for names in (QUATERNION, ANGLES) if names[0] in said), ())
+    if ACCELERATION[0] in found:
+        return INERTIAL if ANGULAR_VELOCITY[0] in found else ACCELERATION
+    return next((names for names in (QUATERNION, ANGLES) if names[0] in found), ())
 
 
-def teapots_on_end(data: bytes) -> bool:
-    """Whether two teapots on end, their counts going on by one, are in `data`."""
+def has_teapots(data: bytes) -> bool:
+    """Return whether `data` has two consecutive teapot packets with consecutive counts."""
     at = data.find(b"$\2")
     while 0 <= at <= len(data) - 2 * TEAPOT:
         first = teapot_packet(data[at : at + TEAPOT])

@@ -1,8 +1,6 @@
-"""What a sensor is: its format, units and axes, and how it lies on what is turned.
+"""Sensor profiles: format, units, axes and mounting of a sensor, read from TOML files.
 
-Everything a file may say stands in `parameters.toml`, as with presets.
-
-A sensor's file to its profile, and where such files are; errors name file, line, key, range.
+`parameters.toml` declares all keys, as for presets. Errors name file, line, key and range.
 """
 
 from __future__ import annotations
@@ -11,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
@@ -26,16 +25,16 @@ from overview_dsp.files.toml import (
     values_in,
 )
 
-DETECT = "told"
-"""The value of a key whose setting is detected from the data, as profiles write it."""
+DETECT = "auto"
+"""Value of a key whose setting is detected from the data."""
 
 MOTOR_COLUMNS = ("motor_target", "shaft_rad")
-"""What a motor reports."""
+"""Columns that a motor reports."""
 
 SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     read_parameters(Path(__file__).with_name("parameters.toml"))
 )
-"""Everything a profile may say, by id."""
+"""All keys of a profile, by id."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +45,14 @@ class Sensor:
     ----------
     name, title, description : str
     values : mapping
-        By id, those of `SENSOR_PARAMETERS`; what is left out gets its default.
+        Values by the ids of `SENSOR_PARAMETERS`; a missing one gets its default.
     columns : tuple of str
-        Of its lines of text, names of `reading.COLUMNS`; empty = detected from the content.
+        Columns of its text lines, names of `reading.COLUMNS`; empty = detected from the data.
     source : str
         Its file.
     """
 
-    name: str = "told"
+    name: str = DETECT
     title: str = ""
     description: str = ""
     values: Mapping[str, Value] = field(default_factory=dict)
@@ -61,7 +60,7 @@ class Sensor:
     source: str = ""
 
     def __post_init__(self) -> None:
-        """InputError, which begins with the key, for a value that can't be, or not with another."""
+        """Validate the values; the message of an InputError begins with the key."""
         values = {known.id: known.default for known in SENSOR_PARAMETERS.values()}
         for id, value in self.values.items():
             if id not in SENSOR_PARAMETERS:
@@ -70,57 +69,62 @@ class Sensor:
         object.__setattr__(self, "values", values)
         for id in ("acceleration.scale", "angular_velocity.scale"):
             if self.number(id) == 0.0:
-                raise InputError(f"{id} = 0 is not allowed; it is any other number")
+                raise InputError(f"{id} = 0 is not allowed; must be any other number")
         if self.number("potentiometer.low") == self.number("potentiometer.high"):
-            raise InputError("potentiometer.low equals potentiometer.high; they are its two ends")
+            raise InputError("potentiometer.low equals potentiometer.high; must be its two ends")
         if self._handedness() != 1:
             raise InputError(
                 f"axes.x = {self.values['axes.x']!r}, y = {self.values['axes.y']!r}, "
-                f"z = {self.values['axes.z']!r} is no rotation; x, y and z are three different "
-                "axes, right-handed (turn the sign of one)"
+                f"z = {self.values['axes.z']!r} is not a rotation; x, y and z must be three "
+                "different axes, right-handed (change the sign of one)"
             )
+        self._check_columns()
+        self._check_motor()
+
+    def _check_columns(self) -> None:
         for name in self.columns:
             if name not in COLUMNS and name != SKIPPED:
                 raise InputError(f"stream.columns: {name!r}{did_you_mean(name, COLUMNS)}; known: "
-                                 f"{', '.join(COLUMNS)}; {SKIPPED} is skipped")  # fmt: skip
+                                 f"{', '.join(COLUMNS)}; {SKIPPED} skips a column")  # fmt: skip
         read = [name for name in self.columns if name != SKIPPED]
         if self.columns and not read:
-            raise InputError("stream.columns reads none: all are skipped (_)")
+            raise InputError("stream.columns skips all columns (_); name at least one")
         if len(set(read)) != len(read):
             raise InputError("stream.columns names a column twice")
-        self._check_motor()
         if self.columns and self.values["stream.format"] not in (DETECT, "text"):
-            raise InputError('stream.columns is for stream.format = "text"')
+            raise InputError('stream.columns is only for stream.format = "text"')
         if self.values["stream.format"] == "text" and not self.columns:
-            raise InputError('stream.columns is missing; text has a list of names: ["ax", "ay", …]')
+            raise InputError(
+                'stream.columns is missing; must be a list of names for text: ["ax", "ay", …]'
+            )
 
     def _check_motor(self) -> None:
         if self.values["motor.protocol"] == "none":
             return
         if self.number("motor.nm_per_unit") == 0.0:
             raise InputError(
-                "motor.nm_per_unit is missing; it is the torque (N·m) of 1 A, or of 1 V in voltage "
-                "mode: 8.27 / KV for 1 A, and that over the phase resistance for 1 V"
+                "motor.nm_per_unit is missing; must be the torque (N·m) of 1 A, or of 1 V in "
+                "voltage mode: 8.27 / KV for 1 A, and that over the phase resistance for 1 V"
             )
         if self.columns != MOTOR_COLUMNS:
             names = ", ".join(f'"{name}"' for name in MOTOR_COLUMNS)
-            raise InputError(f"stream.columns of a motor are what it is set to report: [{names}]")
+            raise InputError(f"stream.columns must be [{names}] for a motor")
 
-    def told(self, values: Mapping[str, Value]) -> Sensor:
-        """This sensor with `values` where it leaves the default."""
-        left = {id: value for id, value in values.items()
-                if self.values[id] == SENSOR_PARAMETERS[id].default}  # fmt: skip
-        return replace(self, values={**self.values, **left}) if left else self
+    def with_defaults(self, values: Mapping[str, Value]) -> Sensor:
+        """Return this sensor with `values` in place of its default values."""
+        changed = {id: value for id, value in values.items()
+                   if self.values[id] == SENSOR_PARAMETERS[id].default}  # fmt: skip
+        return replace(self, values={**self.values, **changed}) if changed else self
 
     def number(self, id: str) -> float:
-        """A numeric value by its id."""
+        """Return a numeric value by its id."""
         value = self.values[id]
         assert not isinstance(value, str)
         return float(value)
 
     @property
     def axes(self) -> tuple[tuple[int, float], ...]:
-        """Of the device's x, y and z: which axis of the sensor (0 to 2), and its sign."""
+        """Index (0 to 2) and sign of the sensor's axis for each of the device's x, y and z."""
         named = (str(self.values[f"axes.{name}"]) for name in "xyz")
         return tuple(("xyz".index(name[-1]), -1.0 if name[0] == "-" else 1.0) for name in named)
 
@@ -135,35 +139,53 @@ class Sensor:
         return sign
 
 
-SCHEMA = 1
+SCHEMA = 2
 LIBRARY = Library("sensors", "a sensor")
 _COLUMNS = "stream.columns"
+_SCHEMA_1_MOTOR_KEYS = {
+    "letter": "command_letter",
+    "knock": "impact_gain",
+    "home": "recoil_gain",
+}
+_SCHEMA_1_DETECT = "told"
 
 
 def load_sensor(name: str | Path) -> Sensor:
-    """A sensor: a bundled name (`potentiometer`) or the path of a TOML file.
+    """Return a sensor: a bundled name (`potentiometer`) or the path of a TOML file.
 
     Raises
     ------
     InputError
-        No such profile, or one that is not valid: names file, line, key and range.
+        The profile doesn't exist or is not valid: names file, line, key and range.
     """
     path = LIBRARY.path(name)
     return parse_sensor(read_text(path), path.stem, str(path))
 
 
 def parse_sensor(text: str, name: str, source: str) -> Sensor:
-    """A sensor from a file's text; InputError as `load_sensor`."""
-    data = parse_toml(text, source)
+    """Return a sensor from a file's text; InputError as `load_sensor`."""
+    data = _migrated(parse_toml(text, source))
     with faults_at_their_line(text, source):
         check_head(data, sections_of(SENSOR_PARAMETERS), SCHEMA, needs_texts=False)
         values = values_in(data, (*SENSOR_PARAMETERS, _COLUMNS))
-        columns = _columns(values.pop(_COLUMNS)) if _COLUMNS in values else ()
+        columns = values.pop(_COLUMNS) if _COLUMNS in values else None
+        is_list = isinstance(columns, list) and columns
+        if columns is not None and not (is_list and all(isinstance(one, str) for one in columns)):
+            raise InputError(f'{_COLUMNS} = {shown(columns)} must be a list of names: ["ax", …]')
         title, description = (data.get(key, "") for key in TEXTS)
-        return Sensor(name, title, description, values, columns, source)
+        return Sensor(name, title, description, values, tuple(columns or ()), source)
 
 
-def _columns(value: object) -> tuple[str, ...]:
-    if not isinstance(value, list) or not value or not all(isinstance(one, str) for one in value):
-        raise InputError(f'stream.columns = {shown(value)} is not allowed; it is a list: ["ax", …]')
-    return tuple(value)
+def _migrated(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data of a file of schema 1 in terms of the present schema; others unchanged."""
+    if data.get("schema") != 1 or isinstance(data["schema"], bool):
+        return data
+    migrated = {**data, "schema": SCHEMA}
+    for section, table in data.items():
+        if isinstance(table, dict):
+            new_keys = _SCHEMA_1_MOTOR_KEYS if section == "motor" else {}
+            migrated[section] = {
+                new_keys.get(key, key): DETECT if value == _SCHEMA_1_DETECT else value
+                for key, value in table.items()
+            }
+    return migrated

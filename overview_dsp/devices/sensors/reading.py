@@ -1,9 +1,9 @@
-"""What a sensor says at one instant, and what was counted on the way there."""
+"""One sample of a sensor, the counters of a stream, and the base class of the decoders."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 COLUMNS: Mapping[str, str] = {
@@ -17,11 +17,11 @@ COLUMNS: Mapping[str, str] = {
     "gx": "angular velocity about the sensor's x, right-handed",
     "gy": "angular velocity about y",
     "gz": "angular velocity about z",
-    "qw": "orientation of the sensor towards the earth, a quaternion: its real part",
+    "qw": "orientation of the sensor relative to the earth, a quaternion: its real part",
     "qx": "its part along x",
     "qy": "its part along y",
     "qz": "its part along z",
-    "angle_1": "the first of three angles, degrees; which is the twist is found by turning once",
+    "angle_1": "the first of three angles, degrees; one turn shows which of them is the twist",
     "angle_2": "the second",
     "angle_3": "the third",
     "roll_deg": "roll, degrees: 0 face up, 180 or -180 face down",
@@ -29,16 +29,17 @@ COLUMNS: Mapping[str, str] = {
     "pot": "wiper of a potentiometer",
     "motor_target": "target that a motor applies, A or V",
     "shaft_rad": "angle of a motor's shaft, rad",
-    "touch": "1 while the hand holds on, else 0",
+    "touch": "1 while the device is touched, else 0",
 }
-"""Names of what a sensor may say, each in the sensor's own unit."""
+"""Names of the quantities that a sensor can send, each in the sensor's own unit."""
 
 ACCELERATION = ("ax", "ay", "az")
 ANGULAR_VELOCITY = ("gx", "gy", "gz")
+INERTIAL = ACCELERATION + ANGULAR_VELOCITY
 QUATERNION = ("qw", "qx", "qy", "qz")
 ANGLES = ("angle_1", "angle_2", "angle_3")
 SKIPPED = "_"
-"""The name of a column that isn't read; the only one that may come twice."""
+"""Name of a column that isn't read; the only name that may occur several times."""
 
 STAMPS = ("t_us", "t_ms", "t_s")
 
@@ -46,32 +47,37 @@ Reading = Mapping[str, float]
 """One sample: values by the names of `COLUMNS`; all finite."""
 
 
+def has(reading: Collection[str], columns: Iterable[str]) -> bool:
+    """Return whether `reading` has all of `columns`."""
+    return all(name in reading for name in columns)
+
+
 @dataclass
 class Counters:
-    """What came and what was wrong with it; nothing of this stops a session.
+    """Counts of received data and of its faults; no fault ends a session.
 
     Attributes
     ----------
     received_bytes, readings
-        Received, and understood of them.
+        Received bytes, and readings decoded from them.
     fragments
-        Pieces at the start of a stream, cut in two by the moment of listening.
+        Pieces at the start of a stream that were already under way when it was opened.
     damaged
-        Frames or lines that are none: a failing check, a wrong length, a word for a number.
+        Invalid frames or lines: a wrong check, a wrong length, a word instead of a number.
     noise_bytes
         Bytes in those.
     lost
-        Samples missing by the sequence numbers.
+        Samples missing according to the sequence numbers.
     repeated
         Samples that came twice; the second is dropped.
     disordered
-        Samples with a stamp before the last one's; dropped.
+        Samples with a stamp before the previous one; dropped.
     clock_wraps, clock_restarts
-        The sensor's clock passed its highest count, or began again.
+        Times the sensor's clock passed its highest count, or started again.
     implausible
-        Samples beyond what the sensor can say; dropped.
+        Samples beyond the range of the sensor; dropped.
     overrun_bytes
-        Bytes given up because more came than could be read.
+        Bytes dropped because they arrived faster than they were read.
     """
 
     received_bytes: int = 0
@@ -87,21 +93,21 @@ class Counters:
     implausible: int = 0
     overrun_bytes: int = 0
 
-    def refuse(self, piece: bytes | bytearray) -> None:
-        """Count a piece that is no reading."""
+    def reject(self, piece: bytes | bytearray) -> None:
+        """Count an invalid piece of the stream."""
         self.damaged += 1
         self.noise_bytes += len(piece)
 
 
 class Decoder(ABC):
-    """Readings from bytes that come in any cuts."""
+    """Incremental decoder: bytes, split anywhere, to readings."""
 
     def __init__(self, counters: Counters) -> None:
-        """What comes, and what is wrong with it, is counted in `counters`."""
+        """Count received data and faults in `counters`."""
         self._counters = counters
 
     def feed(self, data: bytes) -> list[Reading]:
-        """The readings that these bytes complete."""
+        """Return the readings that these bytes complete."""
         self._counters.received_bytes += len(data)
         readings = list(self._decode(data))
         self._counters.readings += len(readings)
@@ -109,4 +115,4 @@ class Decoder(ABC):
 
     @abstractmethod
     def _decode(self, data: bytes) -> Iterable[Reading]:
-        """As `feed`, which counts."""
+        """Return the readings as `feed` does, without counting them."""

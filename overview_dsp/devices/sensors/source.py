@@ -1,6 +1,6 @@
-"""A sensor in a hand: bytes in, control events out; opens no device.
+"""Input from one sensor: received bytes become control events; opens no device.
 
-What is wrong with a stream, in words, each said once.
+Faults of the stream are reported as text, each once.
 """
 
 from __future__ import annotations
@@ -9,21 +9,21 @@ from collections import deque
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.devices.sensors.angles import Angle, InertialAngle, Turn, angle_of
+from overview_dsp.devices.sensors.angles import Angle, AngleSample, InertialAngle, make_angle
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.devices.sensors.stream import Sample, Stream
-from overview_dsp.devices.sensors.touching import Event, TouchRules, TwistTouch
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules, TwistTouch
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
 
-FOLLOWING = 6.0
-"""Where a knob's own board moves the disk, the disk here is pulled as that one is: theta2 is where
-its spring rests, and so much further for each radian that the disk here lies behind. Then both
-cross an event together, and ear and hand agree."""
+FOLLOW_GAIN = 6.0
+"""Gain by which the disk here follows the disk on a knob's own board. Theta2 is the rest position
+of that disk's spring, plus this gain for each radian that the disk here lies behind. So both disks
+pass an event at the same time, and sound and force agree."""
 
-CLOSEST_S = 0.9e-3
-"""Events closer together than a millisecond move the disk no differently."""
+SHORTEST_S = 0.9e-3
+"""Events closer together than a millisecond don't change the disk's movement."""
 
 
 class SensorSource:
@@ -32,32 +32,32 @@ class SensorSource:
     Attributes
     ----------
     counters : Counters
-        What came and what was wrong with it.
-    turn : Turn or None
-        The last one.
-    heard : tuple of Sample
-        What the bytes fed last said.
+        Received data and faults.
+    angle : AngleSample or None
+        The latest angle.
+    samples : tuple of Sample
+        Samples in the bytes fed last.
     """
 
     def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
-        """Nothing has come yet; `counters` go on from those of a connection before."""
+        """Start without data; `counters` may be those of an earlier connection."""
         self.counters = Counters() if counters is None else counters
-        self.turn: Turn | None = None
-        self.heard: tuple[Sample, ...] = ()
+        self.angle: AngleSample | None = None
+        self.samples: tuple[Sample, ...] = ()
         self._sensor = sensor
         self._stream = Stream(sensor, self.counters)
         self._touch = TwistTouch(rules)
-        self._angle: Angle | None = None
+        self._converter: Angle | None = None
         self._messages: deque[str] = deque()
-        self._said: set[str] = set()
-        self._words = ""
+        self._reported: set[str] = set()
+        self._status = ""
         self._stopped = False
-        self._follows = False  # a disk that a knob's own board moves
+        self._board_moves_disk = False
         self._event_at = -1e300
 
     @property
     def rules(self) -> TouchRules:
-        """When it holds the disk."""
+        """Rules by which it touches and releases the disk."""
         return self._touch.rules
 
     @rules.setter
@@ -66,136 +66,147 @@ class SensorSource:
 
     @property
     def holding(self) -> bool:
-        """Whether it holds the disk."""
+        """True while it holds the disk."""
         return self._touch.holding
 
     def feed(
         self,
         data: bytes,
         arrival_s: float,
-        elsewhere: float | None = None,
-        position: float = 0.0,
-        yields: bool = False,
+        other_theta2: float | None = None,
+        disk_theta2: float = 0.0,
+        other_yields: bool = False,
     ) -> list[Event]:
-        """The events that these bytes make.
+        """Return the control events that these bytes make.
 
-        `arrival_s`: when they came, s of any clock that goes forward; `elsewhere`, `position` and
-        `yields` as `TwistTouch.step`. Event times are of the sensor's clock, or of `arrival_s`'s
-        where the sensor has none.
+        Parameters
+        ----------
+        arrival_s : float
+            Time of arrival, s of any monotonic clock. Event times are of the sensor's clock, or
+            of this one where the sensor has none.
+        other_theta2, disk_theta2, other_yields
+            As in `TwistTouch.step`.
         """
-        events = []
-        self.heard = tuple(self._stream.feed(data, arrival_s))
-        for sample in self.heard:
-            event = self._event(sample, elsewhere, position, yields)
-            if event is not None:
-                events.append(event)
+        self.samples = tuple(self._stream.feed(data, arrival_s))
+        events = [
+            event
+            for sample in self.samples
+            if (event := self._event(sample, other_theta2, disk_theta2, other_yields)) is not None
+        ]
         if self._stream.problem:
-            self._say(self._stream.problem)
+            self._report(self._stream.problem)
         return events
 
     def release(self) -> Event | None:
-        """Let go: the sensor is lost, say."""
-        return self._touch.release(self.turn.time_s if self.turn is not None else 0.0)
+        """Release the disk, for example because the sensor is disconnected."""
+        return self._touch.release(self.angle.time_s if self.angle is not None else 0.0)
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call; each is said once."""
+        """Return messages added since the last call; each message comes once."""
         messages = tuple(self._messages)
         self._messages.clear()
         return messages
 
     def report(self) -> dict[str, Any]:
-        """How it stands: what it is, its angle, every counter."""
-        turn = self.turn
+        """Return format, status, angle and all counters."""
+        angle, detected = self.angle, self._stream.detected
         return {
-            "told": str(self._stream.detected) if self._stream.detected is not None else None,
-            "state": self._words,
-            "theta2_rad": None if turn is None else round(turn.theta2, 6),
+            "format": None if detected is None else str(detected),
+            "state": self._status,
+            "theta2_rad": None if angle is None else round(angle.theta2, 6),
             "holding": self.holding,
             **vars(self.counters),
         }
 
     def _event(
-        self, sample: Sample, elsewhere: float | None, position: float, yields: bool
+        self,
+        sample: Sample,
+        other_theta2: float | None,
+        disk_theta2: float,
+        other_yields: bool,
     ) -> Event | None:
         time_s, reading = sample
-        self._follows = reading.get("knob_level", self._follows) > 0.0
+        self._board_moves_disk = reading.get("knob_level", self._board_moves_disk) > 0.0
         if self._stopped:
             return None
         try:
-            if self._angle is None:
+            if self._converter is None:
                 detected = self._stream.detected
                 binary = detected is not None and detected.format == "frames"
-                sensor = self._sensor if detected is None else self._sensor.told(detected.values)
-                self._angle = angle_of(sensor, binary, reading, self.counters)
-                if self._angle is None:
+                values = {} if detected is None else detected.values
+                sensor = self._sensor.with_defaults(values)
+                self._converter = make_angle(sensor, binary, reading, self.counters)
+                if self._converter is None:
                     return None
-            turn = self._angle.step(time_s, reading)
+            angle = self._converter.step(time_s, reading)
         except InputError as error:
             self._stopped = True
-            self._say(str(error))
+            self._report(str(error))
             return None
-        self._watch(self._angle)
-        if turn is None:
+        self._report_faults(self._converter)
+        if angle is None:
             return None
-        self.turn = turn
-        if isinstance(self._angle, InertialAngle) and self._angle.frozen:
+        self.angle = angle
+        if isinstance(self._converter, InertialAngle) and self._converter.frozen:
             return self._touch.release(time_s)
         was = self._touch.holding
-        event = self._touch.step(turn, elsewhere, position, yields)
+        event = self._touch.step(angle, other_theta2, disk_theta2, other_yields)
         if event is None:
             return None
-        if was == event.touching and not event.again and time_s - self._event_at < CLOSEST_S:
+        if was == event.touching and not event.retouch and time_s - self._event_at < SHORTEST_S:
             return None
         self._event_at = time_s
-        if self._follows and "surface_rad" in reading and event.touching and elsewhere is None:
+        follows = self._board_moves_disk and "surface_rad" in reading
+        if follows and event.touching and other_theta2 is None:
             surface = reading["surface_rad"]
-            rest = surface + reading["stretch_rad"] + FOLLOWING * (surface - position)
+            rest = surface + reading["stretch_rad"] + FOLLOW_GAIN * (surface - disk_theta2)
             return replace(event, theta2=max(0.0, min(HALF_TURN, rest)))
         return event
 
-    def _watch(self, angle: Angle) -> None:
-        if angle.words != self._words:
-            self._words = angle.words
-            self._say(self._words)
-        if not angle.taps and not self.rules.by_rest:
-            self._say('this sensor feels no taps: choose twist.release = "rest"')
-        if isinstance(angle, InertialAngle):
-            if angle.complaint:
-                self._say(f"{angle.complaint} (sensor=FILE.toml, [angular_velocity], [axes])")
-            if angle.frozen:
-                self._say(
-                    "the sensor says the very same for 2 s: it has stopped; the disk is let go"
-                )
-            elif angle.roll.steep:
-                self._say("the device points up or down, where a roll can't be known: "
-                          "the position is held until it is flatter")  # fmt: skip
+    def _report_faults(self, converter: Angle) -> None:
+        if converter.status != self._status:
+            self._status = converter.status
+            self._report(self._status)
+        if not converter.detects_taps and not self.rules.by_rest:
+            self._report('this sensor cannot detect taps: choose twist.release = "rest"')
+        if not isinstance(converter, InertialAngle):
+            return
+        if converter.gyroscope_fault:
+            keys = "sensor=FILE.toml, [angular_velocity], [axes]"
+            self._report(f"{converter.gyroscope_fault} ({keys})")
+        if converter.frozen:
+            self._report("the sensor's readings have not changed for 2 s: it has stopped; the "
+                         "disk is released")  # fmt: skip
+        elif converter.roll.steep:
+            self._report("the device points up or down, where the roll is unknown: the position "
+                         "is held until the device is flatter")  # fmt: skip
 
-    def _say(self, message: str) -> None:
-        if message not in self._said:
-            self._said.add(message)
+    def _report(self, message: str) -> None:
+        if message not in self._reported:
+            self._reported.add(message)
             self._messages.append(message)
 
 
-LINES = {
-    "damaged": "frames or lines come damaged: a loose cable, noise or another speed (baud=)?",
+FAULTS = {
+    "damaged": "damaged frames or lines: check the cable and the speed (baud=)",
     "lost": "samples are missing by their numbers: the device or its port is overloaded",
-    "implausible": "samples beyond what a hand does were dropped",
-    "disordered": "samples came out of order and were dropped",
-    "repeated": "samples came twice; each was taken once",
-    "clock_restarts": "the device's clock began again",
-    "overrun_bytes": "more comes than can be read; the oldest is given up",
+    "implausible": "samples beyond a hand's movement were dropped",
+    "disordered": "samples out of order were dropped",
+    "repeated": "repeated samples were dropped",
+    "clock_restarts": "the device's clock has restarted",
+    "overrun_bytes": "data arrive faster than they are read; the oldest are dropped",
 }
-"""By counter; the rest of them is nothing to mend."""
+"""Messages by counter; the other counters need no action."""
 
 
 class Diagnostics:
-    """Reports each fault that counters show, once."""
+    """Messages about the faults that counters show, each once."""
 
     def __init__(self) -> None:
-        self._said: set[str] = set()
+        self._reported: set[str] = set()
 
     def new(self, counters: Counters) -> list[str]:
-        """A line for each counter of `LINES` that has left zero since the last call."""
-        new = [name for name in LINES if name not in self._said and getattr(counters, name)]
-        self._said.update(new)
-        return [f"{LINES[name]} (counted on)" for name in new]
+        """Return a message for each counter of `FAULTS` that has left zero since the last call."""
+        new = [one for one in FAULTS if one not in self._reported and getattr(counters, one)]
+        self._reported.update(new)
+        return [f"{FAULTS[one]} (later ones are only counted)" for one in new]

@@ -1,7 +1,7 @@
 """Lines of numbers: `ax,ay,az[,gx,gy,gz]`, `roll_deg`, an encoder's count, a potentiometer's wiper.
 
-Numbers stand apart by commas, semicolons, tabs or spaces. A line has no check: a byte that is lost
-or changed within a number gives another number (the binary frame and the sensor's ranges catch it).
+Commas, semicolons, tabs or spaces separate the numbers. A line has no check: a lost or changed
+byte within a number gives another number. Binary frames detect that, and so do the sensor's ranges.
 """
 
 from __future__ import annotations
@@ -9,71 +9,69 @@ from __future__ import annotations
 import math
 import re
 
-from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED, Reading
+from overview_dsp.devices.sensors.reading import COLUMNS, INERTIAL, SKIPPED, Reading
 
-_APART = re.compile(r"\s*[,;]\s*|\s+")
-_APART_WIDELY = re.compile(r"[\s,;:=|()\[\]{}]+")
-_AROUND = "([{ \t"
-_BEHIND = ")]} \t,;|"
+_SEPARATORS = re.compile(r"\s*[,;]\s*|\s+")
+_WIDE_SEPARATORS = re.compile(r"[\s,;:=|()\[\]{}]+")
+_LEADING = "([{ \t"
+_TRAILING = ")]} \t,;|"
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
 
-_LOGGED = {
-    **{f"{short}{axis}".lower(): f"{short}{axis}".lower() for short in "ag" for axis in "xyz"},
-    **{f"q6_{n}": f"q{axis}" for n, axis in enumerate("xyz", 1)},
-}
-"""Names that loggers (OpenLog Artemis) write above their columns, in lower case."""
+_LOGGED = dict(zip(INERTIAL, INERTIAL, strict=True)) | {"q6_1": "qx", "q6_2": "qy", "q6_3": "qz"}
+"""Column names that loggers (OpenLog Artemis) write, in lower case, to names of `COLUMNS`."""
 
 
-def numbers_of(line: str) -> tuple[float, ...] | None:
-    """The numbers of a line; None if anything else is in it."""
-    cells = cells_of(line)
+def parse_numbers(line: str) -> tuple[float, ...] | None:
+    """Return the numbers of a line; None if it holds anything else."""
+    cells = split_cells(line)
     if not all(_NUMBER.fullmatch(cell) for cell in cells):
         return None
-    numbers = tuple(float(cell) for cell in cells)
+    numbers = tuple(map(float, cells))
     return numbers if all(map(math.isfinite, numbers)) else None
 
 
-def columns_of(line: str) -> tuple[str, ...] | None:
-    """The columns that a line of their names announces; None if it is none.
+def parse_header(line: str) -> tuple[str, ...] | None:
+    """Return the columns that a header line names; None if the line isn't a header.
 
-    Other names may stand between those of a logger, and are columns that are skipped.
+    A logger's header may have other names too; those columns are skipped.
     """
-    names = cells_of(line)
+    names = split_cells(line)
     if all(name in COLUMNS for name in names):
         return names if len(set(names)) == len(names) else None
     logged = tuple(_LOGGED.get(name.lower(), SKIPPED) for name in names)
     known = [name for name in logged if name != SKIPPED]
-    # three names that are known make a header; a word or two may be any line
+    # three known names make a header; one or two words may be any line
     return logged if len(set(known)) == len(known) >= 3 else None
 
 
-def cells_of(line: str, widely: bool = False) -> tuple[str, ...]:
-    """What stands between separators; `widely`: colons, equals signs and bars part too.
+def split_cells(line: str, wide: bool = False) -> tuple[str, ...]:
+    """Return the cells of a line; with `wide`, colons, equals signs and bars separate too.
 
-    A separator at the end of a line ends its last cell; brackets may be around all of it.
+    A separator at the end of a line ends its last cell. Brackets may surround the line.
     """
-    return tuple((_APART_WIDELY if widely else _APART).split(line.lstrip(_AROUND).rstrip(_BEHIND)))
+    separators = _WIDE_SEPARATORS if wide else _SEPARATORS
+    return tuple(separators.split(line.lstrip(_LEADING).rstrip(_TRAILING)))
 
 
-def reading_of(line: str, columns: tuple[str, ...]) -> Reading | None:
-    """The reading of a line with these columns: empty if it names them again, None if it is none.
+def parse_row(line: str, columns: tuple[str, ...]) -> Reading | None:
+    """Return the reading of a line; empty if it repeats the header, None if it is invalid.
 
     Parameters
     ----------
     columns : tuple of str
-        Names of `COLUMNS`, in the order of the line; in a column that is skipped may be anything.
+        Names of `COLUMNS`, in the order of the line; a skipped column may hold anything.
     """
     if SKIPPED not in columns:
-        numbers = numbers_of(line)
+        numbers = parse_numbers(line)
         if numbers is not None and len(numbers) == len(columns):
             return dict(zip(columns, numbers, strict=True))
-        return {} if columns_of(line) == columns else None
-    for widely in (False, True):
-        cells = cells_of(line, widely)
+        return {} if parse_header(line) == columns else None
+    for wide in (False, True):
+        cells = split_cells(line, wide)
         if len(cells) != len(columns):
             continue
-        wanted = [(name, cell) for name, cell in zip(columns, cells, strict=True) if name != "_"]
-        if all(_NUMBER.fullmatch(cell) for _, cell in wanted):
-            reading = {name: float(cell) for name, cell in wanted}
+        read = {name: cell for name, cell in zip(columns, cells, strict=True) if name != SKIPPED}
+        if all(map(_NUMBER.fullmatch, read.values())):
+            reading = {name: float(cell) for name, cell in read.items()}
             return reading if all(map(math.isfinite, reading.values())) else None
-    return {} if columns_of(line) == columns else None
+    return {} if parse_header(line) == columns else None

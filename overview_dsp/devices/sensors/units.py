@@ -1,4 +1,4 @@
-"""From a sensor's numbers to m/s² and rad/s along the device's axes."""
+"""Conversion of a sensor's numbers to m/s² and rad/s along the device's axes."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from overview_dsp.errors import InputError
 GRAVITY = 9.80665
 """m/s²."""
 
-NEAR = 0.15
-"""Gravity at rest may be off by so much and still shows its unit."""
+UNIT_TOLERANCE = 0.15
+"""Relative error of gravity at rest up to which it still identifies the unit."""
 
-RAW = (2048.0, 4096.0, 8192.0, 16384.0)
-RAW_NEAR = 0.05
-"""What a bare 16-bit sensor says of 1 g, by its range (16, 8, 4 or 2 g)."""
+COUNTS_PER_G = (2048.0, 4096.0, 8192.0, 16384.0)
+COUNTS_TOLERANCE = 0.05
+"""Counts of an unscaled 16-bit sensor at 1 g, for ranges of 16, 8, 4 and 2 g."""
 
 FRAME_ACCELERATION = 1.0 / 2048.0
 FRAME_ANGULAR_VELOCITY = 1000.0 / 16384.0
-"""g and deg/s of 1 in a binary frame: +-16 g and +-2000 deg/s in an int16, as common sensors do."""
+"""Values of 1 count in a binary frame, g and deg/s: int16 for ±16 g and ±2000 deg/s."""
 
 ACCELERATION_UNITS = {"m/s²": 1.0, "g": GRAVITY, "mg": 1e-3 * GRAVITY}
 ANGULAR_VELOCITY_UNITS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
@@ -30,93 +30,133 @@ ANGULAR_VELOCITY_UNITS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
 Vector = tuple[float, float, float]
 
 
+def unit(vector: Vector) -> Vector:
+    """Return the vector's direction; z for the zero vector."""
+    length = math.hypot(*vector)
+    if length == 0.0:
+        return (0.0, 0.0, 1.0)
+    return vector[0] / length, vector[1] / length, vector[2] / length
+
+
+def angle_between(a: Vector, b: Vector) -> float:
+    """Return the angle between two unit vectors, rad."""
+    cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return math.acos(max(-1.0, min(1.0, cosine)))
+
+
+def mix(a: Vector, b: Vector, share: float) -> Vector:
+    """Return the vector at `share` (0 to 1) of the line from `a` to `b`."""
+    x, y, z = (p + (q - p) * share for p, q in zip(a, b, strict=True))
+    return x, y, z
+
+
+def rotate(rows: tuple[Vector, Vector, Vector], vector: Vector) -> Vector:
+    """Return a rotation, given by its rows, of a vector."""
+    x, y, z = vector
+    p, q, r = (a * x + b * y + c * z for a, b, c in rows)
+    return p, q, r
+
+
+def to_device_axes(
+    axes: tuple[tuple[int, float], ...], raw: Sequence[float], factor: float = 1.0
+) -> Vector:
+    """Return a sensor's vector along the device's axes (`Sensor.axes`), times `factor`."""
+    (i, a), (j, b), (k, c) = axes
+    return raw[i] * a * factor, raw[j] * b * factor, raw[k] * c * factor
+
+
 @dataclass(frozen=True)
 class Units:
     """Factors to m/s² and rad/s, and the axes.
 
-    `words` says what was detected; `turning_known` is False where what 1 of the gyroscope is can't
-    be.
+    `description` names the detected units. `gyroscope_known` is False where the unit of the
+    gyroscope can't be detected.
     """
 
     acceleration: float
     angular_velocity: float
     axes: tuple[tuple[int, float], ...]
-    words: str
-    turning_known: bool = True
+    description: str
+    gyroscope_known: bool = True
 
     def acceleration_of(self, raw: Sequence[float]) -> Vector:
-        """Acceleration along the device's x, y and z, m/s²; upwards is positive at rest."""
-        return self._turned(raw, self.acceleration)
+        """Return the acceleration along the device's axes, m/s²; upwards is positive at rest."""
+        return to_device_axes(self.axes, raw, self.acceleration)
 
     def angular_velocity_of(self, raw: Sequence[float]) -> Vector:
-        """Angular velocity about the device's x, y and z, rad/s."""
-        return self._turned(raw, self.angular_velocity)
-
-    def _turned(self, raw: Sequence[float], factor: float) -> Vector:
-        (i, a), (j, b), (k, c) = self.axes
-        return raw[i] * a * factor, raw[j] * b * factor, raw[k] * c * factor
+        """Return the angular velocity about the device's axes, rad/s."""
+        return to_device_axes(self.axes, raw, self.angular_velocity)
 
 
 def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -> Units:
-    """Units as the profile says, or detected from gravity.
+    """Return the units of the profile, or those detected from gravity.
 
-    `binary`: the numbers are of binary frames; `at_rest`: accelerations as sent, while it lay
-    still.
+    Parameters
+    ----------
+    binary : bool
+        Whether the numbers come from binary frames.
+    at_rest : sequence of sequence of float
+        Raw accelerations while the sensor was at rest.
 
     Raises
     ------
     InputError
-        Gravity is that of no unit: says what was read and what to write.
+        Gravity fits no unit: names the value read and the keys to set.
     """
     scale = sensor.number("acceleration.scale")
-    turning = sensor.number("angular_velocity.scale")
+    gyroscope_scale = sensor.number("angular_velocity.scale")
     detect = sensor.values["acceleration.unit"] == DETECT
     if binary and detect and scale == 1.0:
         scale = FRAME_ACCELERATION
-    if binary and sensor.values["angular_velocity.unit"] == DETECT and turning == 1.0:
-        turning = FRAME_ANGULAR_VELOCITY
+    if binary and sensor.values["angular_velocity.unit"] == DETECT and gyroscope_scale == 1.0:
+        gyroscope_scale = FRAME_ANGULAR_VELOCITY
     size = statistics.median(math.hypot(*raw) for raw in at_rest) * abs(scale)
-    unit = str(sensor.values["acceleration.unit"])
-    counts = raw_of(size) if detect and not binary and abs(scale) == 1.0 else None
-    words, turning_known = "", True
+    acceleration_unit = str(sensor.values["acceleration.unit"])
+    counts = counts_per_g(size) if detect and not binary and abs(scale) == 1.0 else None
+    description, gyroscope_known = "", True
     if counts is not None:
-        # what is near a power of two and near no unit: the counts of a bare sensor
-        scale, unit, turning_known = scale / counts, "g", turning != 1.0
-        words = f"{counts:g} of the sensor is 1 g"
-        if not turning_known:
-            words += (
-                ", and what 1 of its gyroscope is can't be known: by gravity alone until "
-                "angular_velocity.scale says it (1/131 = 0.007634 at 250 deg/s, 1/16.4 at 2000)"
+        # a size near a power of two and near no unit: the counts of an unscaled sensor
+        scale, acceleration_unit, gyroscope_known = scale / counts, "g", gyroscope_scale != 1.0
+        description = f"{counts:g} of the sensor is 1 g"
+        if not gyroscope_known:
+            description += (
+                ", and the unit of its gyroscope is unknown: roll follows gravity alone until "
+                "angular_velocity.scale is set (1/131 = 0.007634 at 250 deg/s, 1/16.4 at 2000)"
             )
     elif detect:
         allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
-        near = [name for name in allowed
-                if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= NEAR]  # fmt: skip
+        near = [
+            name
+            for name in allowed
+            if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= UNIT_TOLERANCE
+        ]
         if not near:
             raise InputError(
-                f"the acceleration at rest is {size:.4g}; gravity is 9.81 m/s², 1 g or 1000 mg. "
-                "Hold it still, or give sensor=FILE.toml with acceleration.unit and "
-                "acceleration.scale (g for 1 of the sensor, say)"
+                f"the acceleration at rest is {size:.4g}; must be near that of "
+                "gravity, 9.81 m/s², 1 g or 1000 mg. "
+                "Hold the sensor at rest, or set acceleration.unit and acceleration.scale (g of 1 "
+                "count, for example) in a file for sensor=FILE.toml"
             )
-        unit = near[0]
-    turned = str(sensor.values["angular_velocity.unit"])
-    if turned == DETECT:
-        turned = "rad/s" if unit == "m/s²" else "deg/s"
+        acceleration_unit = near[0]
+    gyroscope_unit = str(sensor.values["angular_velocity.unit"])
+    if gyroscope_unit == DETECT:
+        gyroscope_unit = "rad/s" if acceleration_unit == "m/s²" else "deg/s"
     return Units(
-        scale * ACCELERATION_UNITS[unit],
-        turning * ANGULAR_VELOCITY_UNITS[turned],
+        scale * ACCELERATION_UNITS[acceleration_unit],
+        gyroscope_scale * ANGULAR_VELOCITY_UNITS[gyroscope_unit],
         sensor.axes,
-        words or f"{unit}, {turned}",
-        turning_known,
+        description or f"{acceleration_unit}, {gyroscope_unit}",
+        gyroscope_known,
     )
 
 
-def raw_of(size: float) -> float | None:
-    """What a bare sensor says of 1 g, if `size` is that; None if it is none of `RAW`."""
-    return next((counts for counts in RAW if abs(size / counts - 1.0) <= RAW_NEAR), None)
+def counts_per_g(size: float) -> float | None:
+    """Return the counts at 1 g of an unscaled sensor if `size` is near one of them."""
+    return next((n for n in COUNTS_PER_G if abs(size / n - 1.0) <= COUNTS_TOLERANCE), None)
 
 
 def shows_gravity(size: float) -> bool:
-    """Whether `size` is gravity in any unit, or in the counts of a bare sensor."""
-    near = any(abs(size * one / GRAVITY - 1.0) <= NEAR for one in ACCELERATION_UNITS.values())
-    return near or raw_of(size) is not None
+    """Return whether `size` is gravity in any unit, or in the counts of an unscaled sensor."""
+    units = ACCELERATION_UNITS.values()
+    near = any(abs(size * one / GRAVITY - 1.0) <= UNIT_TOLERANCE for one in units)
+    return near or counts_per_g(size) is not None

@@ -1,1 +1,1 @@
-"""What runs in an audio device's callback, native or in a browser."""
+"""Stages that run in the callback of an audio device, native or in a browser."""

@@ -1,28 +1,28 @@
-"""The drive of an actuator: weighted, sharpened, and never above what the actuator may be given.
+"""Drive of an actuator: perceptual weighting, overdrive, and protection of the actuator.
 
 An actuator is modelled as a mass on a spring (position s in drives, speed v over w0), held from
 sample to sample by its exact matrix:
 
     s'' + w0/Q s' + w0**2 s = w0**2 y
 
-    e = bend(nominal * weight(x))              what is asked for, smoothly below the peak
+    e = soft_limit(nominal * weight(x))              what is asked for, smoothly below the peak
     t = clip((limit - heat) * knee, 0, 1)      1, or less where the heat nears its limit
     g = sqrt(t smoothed)
     y = clip(forward * g * e - k1 s - k2 v, -g * peak, g * peak)
     y = clip(y, what the heat still allows)
     heat += leak * (y**2 - heat) <= limit
 
-Sharpening is state feedback from the model: with `forward`, k1 and k2 from pole placement the mass
-moves as one of a lower Q would, at the same level. That is the inverse filter (a biquad from the
-actuator's Q to the lower one), written so that a drive that the peak cut off is made up for, where
-a filter would forget it. It overdrives an edge that rises and brakes one that falls.
+Overdrive is state feedback from the model: with `forward`, k1 and k2 from pole placement the mass
+moves like one of a lower Q, at the same level. It equals the inverse filter (a biquad from the
+actuator's Q to the lower one), but compensates for drive that the peak has limited. It raises
+the drive at rising edges and brakes at falling ones.
 
 Heat is the drive's mean square with an exponential memory of 1/leak samples. From
 sum(y**2) = (heat_end - heat_start)/leak + sum(heat) it follows that over any n samples
 
     mean(y**2) <= limit * (1 + 1/(leak * n)).
 
-Both bounds hold for any input, NaN and infinity included (they count as 0).
+Both bounds hold for any input, including NaN and infinity (which count as 0).
 
 Thread: audio (`drive`), main (`drive_block`).
 """
@@ -33,16 +33,16 @@ from math import sqrt
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point, inlined
-from overview_dsp.kernels.elementary import tanh_positive
+from overview_dsp.kernels.math_functions import tanh_positive
 
-SILENCE = 1e-9  # a position, speed or taken part below it is zero
-LARGEST = 1e6  # of full scale: a signal beyond it counts as this
-COLD = 1e-200  # heat below it is zero once nothing is driven: no drive heats so little
+SILENCE = 1e-9  # a position, speed or reduction below it is zero
+LARGEST = 1e6  # highest signal, relative to full scale
+COLD = 1e-200  # heat below it is zero without a drive
 
 
 @inlined
-def weigh(f64, at, x):
-    """One sample of the skin's weighting, transposed direct form II."""
+def weight_sample(f64, at, x):
+    """Return one sample after perceptual weighting (transposed direct form II)."""
     y = f64[at + layout.ACT_W0] * x + f64[at + layout.ACT_W_DELAY_1]
     first = f64[at + layout.ACT_W1] * x - f64[at + layout.ACT_W_BACK_1] * y
     first = first + f64[at + layout.ACT_W_DELAY_2]
@@ -54,8 +54,8 @@ def weigh(f64, at, x):
 
 
 @inlined
-def bend(f64, at, x):
-    """x where it is within the nominal drive, bent towards the peak beyond."""
+def soft_limit(f64, at, x):
+    """Return x, soft-limited to the peak above the nominal drive."""
     over = abs(x) - f64[at + layout.ACT_BEND]
     if over <= 0.0:
         return x
@@ -66,7 +66,7 @@ def bend(f64, at, x):
 
 @inlined
 def move_mass(f64, at, y):
-    """The modelled mass one sample on, driven by y; exactly at rest once it hardly moves."""
+    """Advance the modelled mass by one sample of drive y; exactly at rest after it has decayed."""
     position = f64[at + layout.ACT_POSITION]
     speed = f64[at + layout.ACT_SPEED]
     s = f64[at + layout.ACT_A11] * position + f64[at + layout.ACT_A12] * speed
@@ -79,8 +79,8 @@ def move_mass(f64, at, y):
 
 
 @inlined
-def taken_back(f64, at):
-    """The part of the power to take back, smoothed; booked."""
+def power_reduction(f64, at):
+    """Return the smoothed reduction of power, 0 to 1, and store it."""
     headroom = (f64[at + layout.ACT_LIMIT] - f64[at + layout.ACT_HEAT]) * f64[at + layout.ACT_KNEE]
     wanted = 1.0 - min(max(headroom, 0.0), 1.0)
     taken = f64[at + layout.ACT_TAKEN]
@@ -94,12 +94,12 @@ def taken_back(f64, at):
 
 @inlined
 def drive(f64, i64, at, x):
-    """One sample of a signal to one of the drive; the actuator's columns start at `at`."""
+    """Convert a sample of the signal to the drive; the actuator's columns start at `at`."""
     if x - x != 0.0:  # NaN or infinite
         x = 0.0
     x = min(max(x, -LARGEST), LARGEST)
-    gain = sqrt(max(0.0, 1.0 - taken_back(f64, at)))
-    asked = bend(f64, at, f64[at + layout.ACT_NOMINAL] * weigh(f64, at, x))
+    gain = sqrt(max(0.0, 1.0 - power_reduction(f64, at)))
+    asked = soft_limit(f64, at, f64[at + layout.ACT_NOMINAL] * weight_sample(f64, at, x))
     y = f64[at + layout.ACT_FORWARD] * gain * asked
     y = y - f64[at + layout.ACT_FROM_POSITION] * f64[at + layout.ACT_POSITION]
     y = y - f64[at + layout.ACT_FROM_SPEED] * f64[at + layout.ACT_SPEED]
@@ -110,11 +110,11 @@ def drive(f64, i64, at, x):
         y = peak if y > 0.0 else -peak
         i64[at + layout.ACT_AT_PEAK] += 1
     leak = f64[at + layout.ACT_LEAK]
-    kept = f64[at + layout.ACT_HEAT] - leak * f64[at + layout.ACT_HEAT]
-    allowed = max(0.0, (f64[at + layout.ACT_LIMIT] - kept) / leak)
+    cooled = f64[at + layout.ACT_HEAT] - leak * f64[at + layout.ACT_HEAT]
+    allowed = max(0.0, (f64[at + layout.ACT_LIMIT] - cooled) / leak)
     if y * y > allowed:
         y = sqrt(allowed) if y > 0.0 else -sqrt(allowed)
-    heat = kept + leak * (y * y)
+    heat = cooled + leak * (y * y)
     f64[at + layout.ACT_HEAT] = 0.0 if y == 0.0 and heat < COLD else heat
     move_mass(f64, at, y)
     i64[at + layout.ACT_SILENT] = i64[at + layout.ACT_SILENT] + 1 if y == 0.0 else 0
@@ -123,14 +123,14 @@ def drive(f64, i64, at, x):
 
 @entry_point
 def drive_block(f64, i64, at, out, frames, channels, channel):
-    """One channel of a block in place.
+    """Convert one channel of a block in place.
 
     Parameters
     ----------
     f64, i64 : float64, int64 [at + layout.ACT_SIZE or more]
         Memory, seen two ways.
     at : int64
-        Where the actuator's columns start.
+        First column of the actuator.
     out : float32 [frames * channels]
     frames, channels, channel : int64
     """

@@ -1,7 +1,7 @@
-"""PortAudio's own callback: the block driver behind a C function, without the interpreter.
+"""Native PortAudio callback, without the Python interpreter.
 
-It never takes the GIL, so whatever Python does, the sound goes on. PortAudio's user data is the
-memory block itself; its lifetime is the stream's to guard (`live/`).
+It never takes the GIL, so Python can't interrupt the sound. PortAudio's user data is the
+memory block, which the stream must keep alive (`live/`).
 
 Thread: audio (the callback), main (`native_callback`).
 """
@@ -17,10 +17,11 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.compiling import c_callback, inlined
 from overview_dsp.kernels.device.stream_block import deliver
-from overview_dsp.kernels.elementary import ONE_BITS
-from overview_dsp.kernels.shipped import shipped_callback
+from overview_dsp.kernels.math_functions import ONE_BITS
+from overview_dsp.kernels.precompiled import precompiled_callback
 from overview_dsp.kernels.simd.vector import bits_of
 
 # PortAudio's unsigned long: 32 bits on Windows, 64 elsewhere
@@ -36,14 +37,13 @@ MANTISSA = 0xFFFFFFFFFFFFF  # of a float64's bits; that of
 BORDERS = (0x306FE0A31B715, 0x6A09E667F3BCD, 0xAE89F995AD3AD)  # 2**(1/4), 2**(1/2), 2**(3/4)
 HAS_CLOCK = sys.platform == "linux"
 
-carray = getattr(numba, "carray")  # noqa: B009 - numba does not export it to type checkers
 _external: Any = types.ExternalFunction
 _clock_gettime = _external("clock_gettime", _int32(types.int32, types.uintp))
 
 
 @inlined
 def now(i64):
-    """Seconds of the monotonic clock; 0 where there is none."""
+    """Return the time of the monotonic clock, s; 0 without one."""
     if HAS_CLOCK:
         _clock_gettime(MONOTONIC, i64[layout.L_SECONDS : layout.L_SECONDS + 2].ctypes.data)
         return float(i64[layout.L_SECONDS]) + float(i64[layout.L_NANOSECONDS]) * 1e-9
@@ -52,7 +52,7 @@ def now(i64):
 
 @inlined
 def record_busy_time(f64, i64, seconds, frames):
-    """Record how long a callback took."""
+    """Record the duration of a callback."""
     if seconds > f64[layout.L_LONGEST]:
         f64[layout.L_LONGEST] = seconds
     if seconds * f64[layout.S_SAMPLE_RATE] > float(frames):
@@ -61,7 +61,7 @@ def record_busy_time(f64, i64, seconds, frames):
     if seconds > layout.SHORTEST_S:
         bits = bits_of(seconds * (1.0 / layout.SHORTEST_S))
         mantissa = bits & MANTISSA
-        where = ((bits - ONE_BITS) >> 52) * layout.BINS_AN_OCTAVE
+        where = ((bits - ONE_BITS) >> 52) * layout.BINS_PER_OCTAVE
         for border in BORDERS:
             where += mantissa >= border
         where = min(where, layout.BUSY_BINS - 1)
@@ -69,10 +69,8 @@ def record_busy_time(f64, i64, seconds, frames):
 
 
 def callback(unused, output, frame_count, time_info, flags, user):
-    """Overwrite a block, float32 [frame_count * L_CHANNELS]; COMPLETE if the stream is over."""
-    f64 = carray(user, (layout.TOTAL,), np.float64)
-    i64 = carray(user, (layout.TOTAL,), np.int64)
-    u64 = carray(user, (layout.TOTAL,), np.uint64)
+    """Overwrite a block, float32 [frame_count * L_CHANNELS]; COMPLETE ends the stream."""
+    f64, i64, u64 = views(user)
     started = now(i64)
     frames = np.int64(frame_count)
     channels = i64[layout.L_CHANNELS]
@@ -86,13 +84,13 @@ def callback(unused, output, frame_count, time_info, flags, user):
 
 @cache
 def native_callback():
-    """The callback in machine code: its `.address` is a `PaStreamCallback *`."""
-    return shipped_callback() or c_callback(SIGNATURE, callback)
+    """Return the callback as machine code; its `.address` is a `PaStreamCallback *`."""
+    return precompiled_callback() or c_callback(SIGNATURE, callback)
 
 
 @cache
 def repeated_callback():
-    """A compiled loop over the native callback, as a sound server's is: for measuring it.
+    """Return a compiled loop over the native callback, for measurements.
 
     `run(m, out, frames, blocks)`: m float64 [layout.TOTAL], out float32 [frames * channels].
     """

@@ -1,6 +1,6 @@
-"""An actuator becomes coefficients: what a profile says, turned into what the drive multiplies by.
+"""Derivation of an actuator's coefficients from its profile.
 
-Thread: any; audio too, where nothing else changes the actuator meanwhile.
+Thread: any, including audio, if no other thread changes the actuator.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import entry_point, inlined
 from overview_dsp.kernels.decibels import db_to_gain
 from overview_dsp.kernels.derive import one_pole
-from overview_dsp.kernels.elementary import cos_turns, exp, sin_turns
 from overview_dsp.kernels.limiter import TOP
+from overview_dsp.kernels.math_functions import cos_turns, exp, sin_turns
 
 LEAST_HEADROOM = 1e-6  # from the nominal drive to the peak, where they are the same
-# the heat's memory, of the window, where the duty is 1; up to a window longer where it is less.
-# A longer one allows longer bursts, and less for good
+# time constant of the heat relative to the window at a duty of 1; longer by up to a window at lower
+# duties. A longer one allows longer bursts but less continuous drive
 MEMORY = 1.0 / 8.0
-TAKEN_BACK = 0.25  # the drive is taken back within this part of the heat's limit below it
-# the weighting: a second-order cut as deep as 24 dB, 1 where the skin feels most; fitted to
+TAKEN_BACK = 0.25  # range of heat below the limit in which the drive is reduced, relative to it
+# the weighting: a second-order cut of up to 24 dB, 1 at the highest sensitivity; fitted to
 # `skin.pacinian_db` (within 3.5 dB from 50 to 800 Hz)
 SKIN_HZ = 247.0
 SKIN_WIDTH = 0.62
@@ -28,25 +28,25 @@ SKIN_MOST = 16.0
 
 @inlined
 def decay_of(turns, q):
-    """Of a resonance: decay a sample, damping over swing, turns of its swing a sample."""
+    """Return a resonance's decay per sample, damping ratio, and turns per sample."""
     root = sqrt(1.0 - 0.25 / (q * q))
     return exp(-pi * turns / q), 0.5 / (q * root), turns * root
 
 
 @inlined
 def poles_at(turns, trace, product):
-    """|z**2 - trace z + product| at a frequency: what the poles take off there."""
+    """Return |z**2 - trace z + product| at a frequency, the attenuation of the poles."""
     real = cos_turns(2.0 * turns) - trace * cos_turns(turns) + product
     imaginary = sin_turns(2.0 * turns) - trace * sin_turns(turns)
     return sqrt(real * real + imaginary * imaginary)
 
 
 @inlined
-def derive_sharpening(f64, at, sample_rate):
-    """The mass's matrix, and the feedback that moves its poles to those of a lower Q."""
+def derive_overdrive(f64, at, sample_rate):
+    """Derive the mass's matrix and the feedback that moves its poles to those of a lower Q."""
     turns = f64[at + layout.GIVEN_RESONANCE_HZ] / sample_rate
     q = f64[at + layout.GIVEN_Q]
-    wanted = f64[at + layout.GIVEN_SHARPENED_Q]
+    target_q = f64[at + layout.GIVEN_OVERDRIVE_Q]
     fall, slant, swing = decay_of(turns, q)
     sine = sin_turns(swing)
     cosine = cos_turns(swing)
@@ -65,14 +65,14 @@ def derive_sharpening(f64, at, sample_rate):
     f64[at + layout.ACT_FORWARD] = 1.0
     f64[at + layout.ACT_FROM_POSITION] = 0.0
     f64[at + layout.ACT_FROM_SPEED] = 0.0
-    if wanted >= q:
+    if target_q >= q:
         return
     trace = a11 + a22
     product = fall * fall
-    new_fall, _, new_swing = decay_of(turns, wanted)
+    new_fall, _, new_swing = decay_of(turns, target_q)
     new_trace = 2.0 * new_fall * cos_turns(new_swing)
     new_product = new_fall * new_fall
-    # trace(A - b k) and det(A - b k) as wanted: two linear equations
+    # trace(A - b k) and det(A - b k) for the new poles: two linear equations
     c1 = a22 * b1 - a12 * b2
     c2 = a11 * b2 - a21 * b1
     r1 = trace - new_trace
@@ -86,7 +86,7 @@ def derive_sharpening(f64, at, sample_rate):
 
 @inlined
 def derive_protection(f64, at, sample_rate):
-    """The heat's leak and limit, such that the mean over the window never passes its own."""
+    """Derive leak and limit of the heat, such that the mean over the window is below its limit."""
     window_s = f64[at + layout.GIVEN_WINDOW_S]
     peak = f64[at + layout.GIVEN_PEAK]
     window = window_s * sample_rate
@@ -94,7 +94,7 @@ def derive_protection(f64, at, sample_rate):
     leak = one_pole(memory, sample_rate)
     limit = TOP * f64[at + layout.GIVEN_MEAN_SQUARE] * window / (window + 1.0 / leak)
     knee = TAKEN_BACK * limit
-    # followed so fast that the loop doesn't swing: its gain is the hottest drive over the knee
+    # fast enough to keep the loop stable: its gain is the highest drive over the knee
     follow_s = 0.25 * memory / (1.0 + peak * peak / knee)
     f64[at + layout.ACT_LEAK] = leak
     f64[at + layout.ACT_LIMIT] = limit
@@ -104,11 +104,11 @@ def derive_protection(f64, at, sample_rate):
 
 @inlined
 def derive_weighting(f64, at, sample_rate):
-    """The section that raises what the skin feels less; 1 at `SKIN_HZ`."""
+    """Derive the perceptual weighting, which is 1 at `SKIN_HZ`."""
     f64[at + layout.ACT_W0] = 1.0
     for column in range(layout.ACT_W1, layout.ACT_W_BACK_2 + 1):
         f64[at + column] = 0.0
-    if f64[at + layout.GIVEN_EQUAL_SENSATION] == 0.0:
+    if f64[at + layout.GIVEN_PERCEPTUAL_WEIGHTING] == 0.0:
         return
     turns = SKIN_HZ / sample_rate
     sine = sin_turns(turns)
@@ -125,14 +125,14 @@ def derive_weighting(f64, at, sample_rate):
 
 @entry_point
 def derive_actuator(f64, at, sample_rate):
-    """An actuator's coefficients, from what it is given; its state stays.
+    """Derive an actuator's coefficients from its profile's columns and keep its state.
 
     Parameters
     ----------
     f64 : float64 [at + layout.ACT_SIZE or more]
         Memory.
     at : int64
-        Where the actuator's columns start.
+        First column of the actuator.
     sample_rate : float64
         Hz.
     """
@@ -142,6 +142,6 @@ def derive_actuator(f64, at, sample_rate):
     f64[at + layout.ACT_BEND] = TOP * nominal
     f64[at + layout.ACT_PEAK] = TOP * peak
     f64[at + layout.ACT_ROOM] = max(LEAST_HEADROOM, TOP * (peak - nominal))
-    derive_sharpening(f64, at, sample_rate)
+    derive_overdrive(f64, at, sample_rate)
     derive_protection(f64, at, sample_rate)
     derive_weighting(f64, at, sample_rate)

@@ -1,14 +1,14 @@
-"""Last of all, live only: what the device does to each signal after what is recorded and replayed.
+"""Output stage of live devices: gain, delay and ceiling of each signal, which are not recorded.
 
-For click and tactor each a gain, a delay and a ceiling, and for both the fade that ends a stream:
+Click and tactor have a gain, a delay and a ceiling each, and a common fade at the stream's end:
 
     y = part * limit(gain * x[n - delay], ceiling) + (1 - part) * gain * x[n - delay]
 
-`part` is 1 where a ceiling below full scale or a gain above 1 asks for the limiter, else 0: with
-gain 1, delay 0 and part 0 not a bit is changed. All four glide or crossfade for `S_GLIDE` samples.
-Where an actuator is chosen, its drive (`actuator.py`) is made from the tactor's gained and delayed
-signal; the ceiling comes last and can only take away. What has become of a signal on its first
-channel is copied to its others.
+`part` is 1 if a ceiling below full scale or a gain above 1 needs the limiter, else 0. With
+gain 1, delay 0 and part 0 no bit is changed. All four are smoothed or crossfaded for `S_GLIDE`
+samples. With an actuator, its drive (`actuator.py`) is computed from the tactor signal after gain
+and delay, and before the ceiling. The result on a signal's first
+channel is copied to its other channels.
 
 Thread: audio.
 """
@@ -20,9 +20,9 @@ import numpy as np
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
 from overview_dsp.kernels.device.actuator import drive
-from overview_dsp.kernels.elementary import ONE_BITS
-from overview_dsp.kernels.glide import smooth_step
 from overview_dsp.kernels.limiter import limit
+from overview_dsp.kernels.math_functions import ONE_BITS
+from overview_dsp.kernels.parameter_smoothing import smooth_step
 from overview_dsp.kernels.simd.vector import bits_of
 
 FULL_SCALE = 1.0
@@ -30,8 +30,8 @@ LONGEST_DELAY_S = 0.1
 
 
 @inlined
-def take_wishes(f64, i64):
-    """Begin the glides that the control thread has asked for since the last block."""
+def read_requests(f64, i64):
+    """Start the changes that the control thread has requested since the last block."""
     for i in range(layout.L_GLIDED):
         if f64[layout.L_WANTED + i] != f64[layout.L_TARGET + i]:
             f64[layout.L_TARGET + i] = f64[layout.L_WANTED + i]
@@ -39,16 +39,16 @@ def take_wishes(f64, i64):
             i64[layout.L_LEFT + i] = i64[layout.S_GLIDE]
     for signal in range(layout.SIGNALS):
         if i64[layout.L_DELAY_LEFT + signal] == 0:
-            wanted = i64[layout.L_DELAY_WANTED + signal]
-            if wanted != i64[layout.L_DELAY + signal]:
+            requested = i64[layout.L_DELAY_WANTED + signal]
+            if requested != i64[layout.L_DELAY + signal]:
                 i64[layout.L_DELAY_FROM + signal] = i64[layout.L_DELAY + signal]
-                i64[layout.L_DELAY + signal] = wanted
+                i64[layout.L_DELAY + signal] = requested
                 i64[layout.L_DELAY_LEFT + signal] = i64[layout.S_GLIDE]
 
 
 @inlined
 def glided(f64, i64, i, per_glide):
-    """One sample of a gliding value, exact at its end."""
+    """Return a smoothed value after one sample, exact at its end."""
     if i64[layout.L_LEFT + i] > 0:
         i64[layout.L_LEFT + i] -= 1
         target = f64[layout.L_TARGET + i]
@@ -59,9 +59,9 @@ def glided(f64, i64, i, per_glide):
 
 @inlined
 def line_mask(f64):
-    """One less than the frames of a delay line that are in use, a power of two.
+    """Return the used length of a delay line (a power of two) minus 1.
 
-    As few as the longest delay needs, so that both lines stay in a processor's cache.
+    It is as short as the longest delay allows, so that both lines stay in the processor's cache.
     """
     longest = LONGEST_DELAY_S * f64[layout.S_SAMPLE_RATE] + 1.0
     return (2 << ((bits_of(longest) - ONE_BITS) >> 52)) - 1
@@ -69,7 +69,7 @@ def line_mask(f64):
 
 @inlined
 def delayed(f64, i64, signal, line, at, mask, per_glide):
-    """The delay line's output at frame `at`, crossfaded while the delay changes."""
+    """Return the delay line's output at frame `at`, with a crossfade during changes."""
     x = f64[line + ((at - i64[layout.L_DELAY + signal]) & mask)]
     if i64[layout.L_DELAY_LEFT + signal] > 0:
         i64[layout.L_DELAY_LEFT + signal] -= 1
@@ -80,7 +80,7 @@ def delayed(f64, i64, signal, line, at, mask, per_glide):
 
 @inlined
 def is_untouched(f64, i64, signal):
-    """Whether nothing is done to a signal now: gain 1, no delay, no limiter, no actuator."""
+    """Return whether a signal is unchanged: gain 1, no delay, no limiter, no actuator."""
     gliding = i64[layout.L_DELAY_LEFT + signal]
     for i in range(signal, layout.L_GLIDED, layout.SIGNALS):
         gliding += i64[layout.L_LEFT + i]
@@ -96,10 +96,10 @@ def is_untouched(f64, i64, signal):
 
 @inlined
 def keep(f64, line, out, frames, channels, at):
-    """Copy one signal, from out[at] on, into a stretch of its delay line."""
+    """Copy a signal from out[at] on to its delay line."""
     stretch = f64[line : line + frames]
     if channels == layout.SIGNALS:
-        signal = out[at :: layout.SIGNALS]  # so far apart in any case: several at a time
+        signal = out[at :: layout.SIGNALS]  # a constant stride, which is vectorised
         for n in range(frames):
             stretch[n] = float(signal[n])
         return
@@ -110,17 +110,17 @@ def keep(f64, line, out, frames, channels, at):
 
 @inlined
 def pass_through(f64, i64, out, frames, channels, signal, channel):
-    """A signal to which nothing is done: into the delay line; its peak is booked."""
+    """Write an unchanged signal to its delay line and update its peak."""
     line = layout.L_LINES + signal * layout.DELAY_LINE
     mask = line_mask(f64)
     n = 0
     while n < frames:
-        # as a delay line in a circle has it: up to its end, then from its start on
+        # the delay line is circular
         at = (i64[layout.L_LINE] + n) & mask
         stretch = min(frames - n, mask + 1 - at)
         keep(f64, line + at, out, stretch, channels, channel + n * channels)
         n += stretch
-    # that of the block that `process` has just made, as the output has it
+    # peak of the last block of `process`, rounded like the output
     peak = float(np.float32(f64[layout.M_PEAK_CLICK + signal]))
     if peak > FULL_SCALE:
         for n in range(frames):
@@ -130,8 +130,8 @@ def pass_through(f64, i64, out, frames, channels, signal, channel):
 
 
 @outlined
-def treat(f64, i64, out, frames, channels, signal, channel):
-    """One signal of a block through its gain, delay and ceiling; its peak is booked."""
+def process_signal(f64, i64, out, frames, channels, signal, channel):
+    """Apply gain, delay and ceiling to one signal of a block and update its peak."""
     if is_untouched(f64, i64, signal):
         pass_through(f64, i64, out, frames, channels, signal, channel)
         return
@@ -160,7 +160,7 @@ def treat(f64, i64, out, frames, channels, signal, channel):
 
 @outlined
 def copy_to(out, frames, channels, channel, others):
-    """One channel's samples, bit for bit, to those whose bits are set in `others`."""
+    """Copy one channel to the channels whose bits are set in `others`."""
     for other in range(channels):
         if (others >> other) & 1 == 1:
             for n in range(frames):
@@ -169,7 +169,7 @@ def copy_to(out, frames, channels, channel, others):
 
 @inlined
 def fade_out(i64, out, frames, channels):
-    """Fade a block towards the stream's end; whether silence is reached."""
+    """Fade out a block at the stream's end; return whether it has become silent."""
     length = i64[layout.S_GLIDE]
     for n in range(frames):
         left = max(0, length - 1 - i64[layout.L_FADED])
@@ -182,15 +182,15 @@ def fade_out(i64, out, frames, channels):
 
 @inlined
 def finish(f64, i64, out, frames, channels):
-    """What a device's block still needs after `process`; whether the stream is over."""
-    take_wishes(f64, i64)
+    """Apply the output stage to a block after `process`; return whether the stream is over."""
+    read_requests(f64, i64)
     if i64[layout.S_CLICK_CHANNEL] >= 0:
-        treat(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
+        process_signal(f64, i64, out, frames, channels, 0, i64[layout.S_CLICK_CHANNEL])
         if i64[layout.L_ALSO_CLICK] != 0:
             click = i64[layout.S_CLICK_CHANNEL]
             copy_to(out, frames, channels, click, i64[layout.L_ALSO_CLICK])
     if i64[layout.S_TACTOR_CHANNEL] >= 0:
-        treat(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
+        process_signal(f64, i64, out, frames, channels, 1, i64[layout.S_TACTOR_CHANNEL])
         if i64[layout.L_ALSO_TACTOR] != 0:
             tactor = i64[layout.S_TACTOR_CHANNEL]
             copy_to(out, frames, channels, tactor, i64[layout.L_ALSO_TACTOR])
@@ -202,5 +202,5 @@ def finish(f64, i64, out, frames, channels):
 
 @entry_point
 def finish_block(f64, i64, out, frames, channels):
-    """`finish` for callers in Python: out is float32 [frames * channels], treated in place."""
+    """Call `finish` from Python; out is float32 [frames * channels], changed in place."""
     return finish(f64, i64, out, frames, channels)

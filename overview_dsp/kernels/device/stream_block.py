@@ -1,4 +1,4 @@
-"""One block as an audio device gets it: the engine's, then the device's stage; counted.
+"""Block of an audio device: the engine's block and the output stage.
 
 Thread: audio.
 """
@@ -13,8 +13,8 @@ from overview_dsp.kernels.device.output_stage import finish
 
 @inlined
 def deliver(f64, i64, u64, out, frames, channels):
-    """One block into `out`, float32 [frames * channels]; whether the stream is over."""
-    # a literal False would be another type, and make a second `process`
+    """Write a block to `out`, float32 [frames * channels]; return whether the stream is over."""
+    # a literal False would have another type and compile `process` a second time
     process(f64, i64, u64, out, frames, channels, f64, frames < 0)
     over = finish(f64, i64, out, frames, channels)
     i64[layout.L_CALLBACKS] += 1

@@ -1,1 +1,1 @@
-"""Several voices side by side, a vector register's number of one each."""
+"""SIMD processing of several voices, one in each lane of a vector."""

@@ -1,8 +1,8 @@
-"""The block driver for voices side by side: what `block.process` does to each, for all at once.
+"""Block processing of several voices at once, with the results of `block.process` for each.
 
-A voice with viscous friction alone, and no parameter or surface on its way, goes with the others
-through the lanes' loops; what happens to it alone (control events, strikes, its modes) is done to
-its own block between them. Any other voice, and fewer than pay, are left to be processed alone.
+Voices with viscous friction only, and without changing parameters or surfaces, are processed
+together in lanes. Their control events, strikes and modes are processed in
+the block of each voice in between. Other voices, and very few voices, are processed one by one.
 
 Thread: audio (offline: one that renders).
 """
@@ -13,7 +13,12 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import recover
 from overview_dsp.kernels.clutch import OFF
 from overview_dsp.kernels.compiling import NOT_NEGATIVE, entry_point, inlined, outlined
-from overview_dsp.kernels.control import apply_due, is_gliding, next_due, waits
+from overview_dsp.kernels.control_events import (
+    apply_pending,
+    is_gliding,
+    is_pending,
+    next_event_time,
+)
 from overview_dsp.kernels.event_crossing import FAR, event_above, event_below, pass_events
 from overview_dsp.kernels.limiter import KNEE
 from overview_dsp.kernels.modal_bank import ring
@@ -22,7 +27,7 @@ from overview_dsp.kernels.output import limit_column
 from overview_dsp.kernels.output_gain import on_grid, set_gain
 from overview_dsp.kernels.release import arrive, has_arrived
 from overview_dsp.kernels.simd import memory as own
-from overview_dsp.kernels.simd.memory import put_back, start_of, take_in
+from overview_dsp.kernels.simd.memory import load_lane, start_of, store_lane
 from overview_dsp.kernels.simd.stages import (
     PACE,
     SLIP,
@@ -32,16 +37,16 @@ from overview_dsp.kernels.simd.stages import (
     WANTED,
     WOUND,
     X,
+    advance_disk_all,
     shape_all,
     sound_all,
-    travel_all,
     write_all,
 )
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH, store
 
-FEWEST = 4  # voices for which the lanes' loops pay, with vectors of four numbers
-# what a hand's events and a release change
-OF_HAND = (
+FEWEST = 4  # least number of voices for which lanes are faster, with vectors of four numbers
+# columns that control events and releases change
+INPUT_COLUMNS = (
     (layout.X, X),
     (layout.SMOOTH_1, SMOOTH_1),
     (layout.SMOOTH_2, SMOOTH_2),
@@ -62,8 +67,8 @@ TRACE_COLUMNS = (
 
 @inlined
 def is_plain(f64, i64):
-    """Whether nothing but hands moves a voice in the next block, over viscous friction alone."""
-    if waits(i64, layout.HOST_READ, layout.HOST_WRITTEN) or i64[layout.FADE_LEFT] > 0:
+    """Return whether a voice has only inputs and viscous friction in the next block."""
+    if is_pending(i64, layout.HOST_READ, layout.HOST_WRITTEN) or i64[layout.FADE_LEFT] > 0:
         return False
     if i64[layout.S_CLICK_CHANNEL] != 0 or i64[layout.S_TACTOR_CHANNEL] != 1:
         return False
@@ -72,8 +77,8 @@ def is_plain(f64, i64):
 
 
 @inlined
-def take_hand(batch_f64, f64, i64, lane):
-    """A voice's hand, and the springs that act, into its lane."""
+def load_input(batch_f64, f64, i64, lane):
+    """Copy a voice's input and active springs to its lane."""
     engaged = i64[layout.ENGAGED] == 1
     spring = f64[layout.C_SPRING_HELD] if engaged else f64[layout.C_SPRING_FREE]
     batch_f64[own.INPUT + lane] = f64[layout.INPUT]
@@ -89,45 +94,45 @@ def take_hand(batch_f64, f64, i64, lane):
 
 
 @inlined
-def take_gain(batch_f64, f64, lane):
-    """A voice's output gain into its lane."""
+def load_gain(batch_f64, f64, lane):
+    """Copy a voice's output gain to its lane."""
     batch_f64[own.GAIN_FROM + lane] = f64[layout.GAIN_FROM]
     batch_f64[own.GAIN_STEP + lane] = f64[layout.GAIN_STEP]
-    batch_f64[own.GRAIN_GAIN + lane] = f64[layout.GRAIN_GAIN]
+    batch_f64[own.TEXTURE_GAIN + lane] = f64[layout.TEXTURE_GAIN]
 
 
 @outlined
-def obey(batch_f64, f64, i64, lane):
-    """Apply a voice's control events that are due, and its arrival after a release."""
-    for i in range(len(OF_HAND)):
-        f64[OF_HAND[i][0]] = batch_f64[OF_HAND[i][1] + lane]
+def apply_controls(batch_f64, f64, i64, lane):
+    """Apply a voice's due control events and its arrival after a release."""
+    for i in range(len(INPUT_COLUMNS)):
+        f64[INPUT_COLUMNS[i][0]] = batch_f64[INPUT_COLUMNS[i][1] + lane]
     if has_arrived(f64):
         arrive(f64, i64)
-    apply_due(f64, i64)
-    for i in range(len(OF_HAND)):
-        batch_f64[OF_HAND[i][1] + lane] = f64[OF_HAND[i][0]]
-    take_hand(batch_f64, f64, i64, lane)
+    apply_pending(f64, i64)
+    for i in range(len(INPUT_COLUMNS)):
+        batch_f64[INPUT_COLUMNS[i][1] + lane] = f64[INPUT_COLUMNS[i][0]]
+    load_input(batch_f64, f64, i64, lane)
 
 
 @inlined
 def renew_gain(batch_f64, f64, i64, lane):
-    """A voice's output gain at a sample of its grid."""
+    """Set a voice's output gain at a sample of its grid."""
     f64[layout.X] = batch_f64[X + lane]
     f64[layout.PACE] = batch_f64[PACE + lane]
     set_gain(f64, i64)
-    take_gain(batch_f64, f64, lane)
+    load_gain(batch_f64, f64, lane)
 
 
 @inlined
 def copy(from_, to):
-    """Every number of `from_` into `to`, which is as long."""
+    """Copy `from_` to `to`, which has the same length."""
     for n in range(len(to)):
         to[n] = from_[n]
 
 
 @outlined
 def pass_all(batch_f64, f64, i64, lane, frames):
-    """Strike the events that a voice passed in a chunk."""
+    """Strike all events that a voice passed in a chunk."""
     before = batch_f64[own.BEFORE + lane]
     above = event_above(f64, i64)
     below = event_below(f64, i64)
@@ -146,7 +151,7 @@ def pass_all(batch_f64, f64, i64, lane, frames):
 
 @outlined
 def strike_lane(batch_f64, batch_i64, lane, frames):
-    """A voice's events that were passed in a chunk, and its modes, into its lane."""
+    """Strike a voice's passed events and write its ringing modes to its lane."""
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
     if batch_f64[own.HIGHEST + lane] >= event_above(f64, i64) or batch_f64[
@@ -169,7 +174,7 @@ def strike_lane(batch_f64, batch_i64, lane, frames):
 
 @outlined
 def bend_lane(batch_f64, batch_i64, lane, frames):
-    """Hold what is over the ceiling's knee under the ceiling, and meter it."""
+    """Limit a voice's signals to the ceiling and update its meters."""
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
     ceiling = f64[layout.C_CEILING]
@@ -187,7 +192,7 @@ def bend_lane(batch_f64, batch_i64, lane, frames):
 
 @outlined
 def trace_lane(batch_f64, batch_i64, lane, frames, trace, at):
-    """A voice's trace of a chunk, from index `at` on, but its envelope."""
+    """Write a voice's trace of a chunk without its envelope, from index `at` on."""
     f64 = own.block(batch_f64, lane)
     for i in range(len(TRACE_COLUMNS)):
         to, column = TRACE_COLUMNS[i]
@@ -200,13 +205,13 @@ def trace_lane(batch_f64, batch_i64, lane, frames, trace, at):
 
 @outlined
 def trace_envelope(batch_f64, lane, frames, trace, at):
-    """A voice's envelope of a chunk into its trace, from index `at` on."""
+    """Write a voice's envelope of a chunk to its trace, from index `at` on."""
     rows = trace[at + 8 : at + frames * layout.TRACE : layout.TRACE]
     copy(own.column(batch_f64, own.AMPLITUDE, lane, frames), rows)
 
 
 @inlined
-def speak_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
+def synthesize_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
     """`speak` for lanes: a chunk of `frames` from frame `start` of a block of `block`."""
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
@@ -221,18 +226,20 @@ def speak_all(batch_f64, batch_i64, count, out, block, start, frames, trace, tra
 def run_all(
     batch_f64, batch_i64, batch_u64, count, out, block, start, frames, waiting, trace, traced
 ):
-    """`frames` or fewer from frame `start` of a block of `block`, in which no voice has an event.
+    """Process up to `frames` frames of a block without control events, from frame `start` on.
 
-    As in `run`, they lack their sound afterwards, and the `waiting` ones before them get it.
-    Returns how many: the last is the first in which a disk arrives after a release.
+    As in `run`, their sound is pending afterwards, and that of `waiting` frames before is computed.
+    Returns the number of frames; it stops where a disk arrives after a release.
     """
     for lane in range(count):
         batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
-    frames = travel_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
+    frames = advance_disk_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
     if waiting > frames:
         sound_all(batch_f64, batch_u64, frames, waiting)
     if waiting > 0:
-        speak_all(batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced)
+        synthesize_all(
+            batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced
+        )
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             strike_lane(batch_f64, batch_i64, lane, frames)
@@ -246,25 +253,25 @@ def run_all(
 
 @inlined
 def join(batch_f64, batch_i64, lane):
-    """A voice goes with the others through the next block."""
+    """Load a voice into its lane for the next block."""
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
     f64[layout.M_PEAK_CLICK] = 0.0
     f64[layout.M_PEAK_TACTOR] = 0.0
-    take_in(batch_f64, f64, lane)
-    take_hand(batch_f64, f64, i64, lane)
-    take_gain(batch_f64, f64, lane)
+    load_lane(batch_f64, f64, lane)
+    load_input(batch_f64, f64, i64, lane)
+    load_gain(batch_f64, f64, lane)
     slot = layout.SURFACES + i64[layout.ACTIVE_SLOT] * layout.SLOT_SIZE
     batch_i64[own.TABLE + lane] = start_of(lane) + slot + layout.SLOT_TABLE
-    batch_i64[own.DUE + lane] = next_due(i64)
+    batch_i64[own.DUE + lane] = next_event_time(i64)
 
 
 @inlined
 def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
-    """A voice has its block's end to itself again."""
+    """Store a voice's lane in its block and finish the block."""
     f64 = own.block(batch_f64, lane)
     i64 = own.block(batch_i64, lane)
-    put_back(batch_f64, f64, lane)
+    store_lane(batch_f64, f64, lane)
     if has_arrived(f64):
         arrive(f64, i64)
     i64[layout.M_SUMMED] += frames
@@ -278,7 +285,7 @@ def leave(batch_f64, batch_i64, batch_u64, lane, out, frames):
 
 @inlined
 def next_stop(batch_f64, batch_i64, count, n, stop):
-    """Apply what is due at frame `n` of the block; the frame up to which nothing else is."""
+    """Apply the events due at frame `n` of the block; return the frame of the next events."""
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             now = batch_i64[start_of(lane) + layout.CLOCK]
@@ -289,14 +296,14 @@ def next_stop(batch_f64, batch_i64, count, n, stop):
                 x >= batch_f64[own.ARRIVAL_ABOVE + lane] or x < batch_f64[own.ARRIVAL_BELOW + lane]
             )
             if batch_i64[own.DUE + lane] <= now or arrived:
-                obey(batch_f64, f64, i64, lane)
-                batch_i64[own.DUE + lane] = next_due(i64)
+                apply_controls(batch_f64, f64, i64, lane)
+                batch_i64[own.DUE + lane] = next_event_time(i64)
             beyond = on_grid(i64)
             if beyond == 0:
                 renew_gain(batch_f64, f64, i64, lane)
             batch_f64[own.BEYOND + lane] = float(beyond)
             stop = min(stop, n + layout.GAIN_GRID - beyond)
-            # what is due already waits for a sample, as it does alone
+            # a new event that is already due waits for one sample, as for single voices
             left = max(1, batch_i64[own.DUE + lane] - now)
             stop = min(stop, n + left)
     return stop
@@ -304,20 +311,20 @@ def next_stop(batch_f64, batch_i64, count, n, stop):
 
 @entry_point
 def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, traced):
-    """A block of the voices whose WANTED column is 1; each gets the bits of `block.process`.
+    """Process a block of the voices whose WANTED column is 1, bit-identical to `block.process`.
 
-    What it did for which voice is in the MEMBER columns: those it left at 0 are still to be
-    processed alone.
+    The MEMBER columns are 1 for processed voices. Those with 0 must be
+    processed one by one.
 
     Parameters
     ----------
     batch_f64, batch_i64, batch_u64 : float64, int64, uint64 [simd.memory.MEMORY]
-        The lanes' memory and the voices' own, seen three ways.
+        Memory of lanes and voices in three views.
     count : int64
-        The lanes to look at, the first of all: SIMD_WIDTH, but not as a constant, of which the
-        compiler would make as many copies of everything.
+        Number of lanes: SIMD_WIDTH, but not as a constant, for which the
+        compiler would unroll all loops.
     out : float32 [SIMD_WIDTH * frames * 2]
-        Each lane's click and tactor, overwritten; those of other lanes hold nothing of use.
+        Click and tactor of each lane, overwritten; undefined for other lanes.
     frames : int64
     trace : float64 [SIMD_WIDTH * frames * layout.TRACE] or of any length
         Overwritten if `traced`.
@@ -327,8 +334,8 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     """
     members = 0
     for lane in range(count):
-        wanted = batch_i64[own.WANTED + lane] == 1
-        plain = wanted and is_plain(own.block(batch_f64, lane), own.block(batch_i64, lane))
+        in_use = batch_i64[own.WANTED + lane] == 1
+        plain = in_use and is_plain(own.block(batch_f64, lane), own.block(batch_i64, lane))
         batch_i64[own.MEMBER + lane] = 1 if plain else 0
         members += batch_i64[own.MEMBER + lane]
     store(batch_f64, own.ARRIVAL_ABOVE, FAR)  # of lanes without a voice, too
@@ -351,7 +358,7 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     if waiting > 0:
         sound_all(batch_f64, batch_u64, 0, waiting)
         start = frames - waiting
-        speak_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
+        synthesize_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             leave(batch_f64, batch_i64, batch_u64, lane, out, frames)

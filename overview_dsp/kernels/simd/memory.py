@@ -1,7 +1,7 @@
-"""The working memory of `SIMD_WIDTH` voices side by side, one column wide each.
+"""Memory of `SIMD_WIDTH` voices in lanes, one column per voice.
 
-A voice's own block (`layout.py`) is the truth between calls. `take_in` copies what changes from
-sample to sample into the lanes, `put_back` returns it.
+Between calls, the block of each voice (`layout.py`) holds its state. `load_lane` copies the columns
+that change with each sample to the lanes, `store_lane` copies them back.
 
 Thread: audio.
 """
@@ -13,8 +13,8 @@ from overview_dsp.kernels.compiling import inlined
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 
 row = layout.Columns()
-COEFFICIENTS = row(layout.COEFFS * SIMD_WIDTH)  # all of a voice's own, in their order
-# what the lanes' loops change in the state; the rest of it stays with the voice
+COEFFICIENTS = row(layout.COEFFS * SIMD_WIDTH)  # in the order of the voice's block
+# state columns that the lanes' loops change
 MOVED = (
     layout.APPROACH,
     layout.X,
@@ -31,7 +31,7 @@ MOVED = (
     layout.PHASE,
     layout.TACTOR_DC_IN,
     layout.TACTOR_DC_OUT,
-    layout.GRAIN,
+    layout.TEXTURE_LEVEL,
     layout.TEXTURE,
     layout.CLICK_DC_IN,
     layout.CLICK_DC_OUT,
@@ -50,21 +50,21 @@ INPUT = row(SIMD_WIDTH)
 HOLD = row(SIMD_WIDTH)  # 1 while shaft 2 is engaged, else 0
 SPRING = row(SIMD_WIDTH)
 DENOMINATOR = row(SIMD_WIDTH)
-PACING = row(SIMD_WIDTH)  # smoothing of the hand's pace, 0 where nobody holds the disk
-REACH = row(SIMD_WIDTH)  # the clutch's where shaft 2 is engaged, else without end
+PACING = row(SIMD_WIDTH)  # smoothing of the input's pace, 0 without an active input
+REACH = row(SIMD_WIDTH)  # of the clutch while shaft 2 is engaged, else OFF
 WINDUP = row(SIMD_WIDTH)
 ARRIVAL_ABOVE = row(SIMD_WIDTH)
 ARRIVAL_BELOW = row(SIMD_WIDTH)
 GAIN_FROM = row(SIMD_WIDTH)
 GAIN_STEP = row(SIMD_WIDTH)
-GRAIN_GAIN = row(SIMD_WIDTH)
+TEXTURE_GAIN = row(SIMD_WIDTH)
 BEYOND = row(SIMD_WIDTH)  # samples from the output gain's grid to the chunk's first
 HIGHEST = row(SIMD_WIDTH)  # position in the last chunk, cells
 LOWEST = row(SIMD_WIDTH)
 TABLE = row(SIMD_WIDTH)  # i64: where the voice's friction table begins
 DUE = row(SIMD_WIDTH)  # i64: sample of the voice's next control event
 WANTED = row(SIMD_WIDTH)  # i64: 1 = the lane has a voice
-MEMBER = row(SIMD_WIDTH)  # i64: 1 = which goes with the others
+MEMBER = row(SIMD_WIDTH)  # i64: 1 = the voice is processed in its lane
 BEFORE = row(SIMD_WIDTH)  # position before the chunk, cells
 ECHO = row(SIMD_WIDTH)  # i64: 1 = its RING columns are not all zero
 LOUDEST_CLICK = row(SIMD_WIDTH)  # in the last chunk
@@ -78,8 +78,8 @@ POSITION = row(ROWS)
 APPROACH = row(ROWS)
 AMPLITUDE = row(ROWS)  # then the envelope that follows it
 SINE = row(ROWS)
-GRAIN = row(ROWS)
-COLOUR = row(ROWS)
+TEXTURE_LEVEL = row(ROWS)
+BRIGHTNESS = row(ROWS)
 RING = row(ROWS)
 CLICK = row(ROWS)
 TACTOR = row(ROWS)
@@ -87,40 +87,40 @@ SPEED = row(ROWS)  # from here on for traces alone
 THETA2 = row(ROWS)
 FRICTION = row(ROWS)
 SIZE = row.end
-MEMORY = SIZE + SIMD_WIDTH * layout.TOTAL  # the lanes' own, then the voices' blocks
+MEMORY = SIZE + SIMD_WIDTH * layout.TOTAL  # the lanes, then the voices' blocks
 
 
 def of_state(column: int) -> int:
-    """Where the lanes keep a column of the voices' state."""
+    """Return the lanes' offset of a state column."""
     return STATE + MOVED.index(column) * SIMD_WIDTH
 
 
 def of_coefficient(column: int) -> int:
-    """Where the lanes keep a coefficient of the voices."""
+    """Return the lanes' offset of a coefficient."""
     return COEFFICIENTS + (column - layout.COEFF) * SIMD_WIDTH
 
 
 @inlined
 def start_of(lane):
-    """Where a lane's voice has its own block."""
+    """Return the offset of the block of a lane's voice."""
     return SIZE + lane * layout.TOTAL
 
 
 @inlined
 def block(memory, lane):
-    """A voice's own block, of any of the memory's three views."""
+    """Return the block of a lane's voice, in any of the memory's three views."""
     return memory[SIZE + lane * layout.TOTAL : SIZE + (lane + 1) * layout.TOTAL]
 
 
 @inlined
 def column(batch_f64, at, lane, frames):
-    """One lane of the rows from `at` on: a view of one number for each of `frames` samples."""
+    """Return a view of one lane in the rows from `at` on: one number per sample."""
     return batch_f64[at + lane : at + lane + frames * SIMD_WIDTH : SIMD_WIDTH]
 
 
 @inlined
-def take_in(batch_f64, f64, lane):
-    """Copy a voice's coefficients and state into its lane."""
+def load_lane(batch_f64, f64, lane):
+    """Copy a voice's coefficients and state to its lane."""
     for i in range(layout.COEFFS):
         batch_f64[COEFFICIENTS + i * SIMD_WIDTH + lane] = f64[layout.COEFF + i]
     for i in range(len(MOVED)):
@@ -128,7 +128,7 @@ def take_in(batch_f64, f64, lane):
 
 
 @inlined
-def put_back(batch_f64, f64, lane):
-    """Return a lane's state to its voice."""
+def store_lane(batch_f64, f64, lane):
+    """Copy a lane's state back to its voice."""
     for i in range(len(MOVED)):
         f64[MOVED[i]] = batch_f64[STATE + i * SIMD_WIDTH + lane]

@@ -1,4 +1,4 @@
-"""The stages of a chunk for voices side by side: the loops of `viscous`, `shaping` and `voice`.
+"""Stages of a chunk for voices in lanes: the loops of `viscous`, `shaping` and `voice`.
 
 Thread: audio.
 """
@@ -6,12 +6,12 @@ Thread: audio.
 from __future__ import annotations
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.clutch import MIDDLE, OFF, clutched, slowed, wanted_speed
+from overview_dsp.kernels.clutch import MIDDLE, OFF, allowed_speed, clutched, slowed
 from overview_dsp.kernels.compiling import inlined, outlined
 from overview_dsp.kernels.dc_block import block_dc
-from overview_dsp.kernels.elementary import sin_turns
 from overview_dsp.kernels.envelope import compress, follow
-from overview_dsp.kernels.friction import any_steep, frictions_at, mean_frictions, steep_at
+from overview_dsp.kernels.friction_lookup import any_steep, frictions_at, mean_frictions, steep_at
+from overview_dsp.kernels.math_functions import sin_turns
 from overview_dsp.kernels.motion import NEAR_REST
 from overview_dsp.kernels.noise import next_state, white
 from overview_dsp.kernels.simd import memory as own
@@ -26,9 +26,9 @@ from overview_dsp.kernels.simd.vector import (
 )
 from overview_dsp.kernels.smoother import smooth
 from overview_dsp.kernels.tactor import advance
-from overview_dsp.kernels.texture import brightness, colour, grain_level, spread
+from overview_dsp.kernels.texture import brightness, low_pass, smooth_level, texture_level
 from overview_dsp.kernels.two_disk import midpoint_speed
-from overview_dsp.kernels.viscous import STANDSTILL, snapped
+from overview_dsp.kernels.viscous import STANDSTILL, flush_to_zero
 
 APPROACH = own.of_state(layout.APPROACH)
 X = own.of_state(layout.X)
@@ -45,7 +45,7 @@ ENVELOPE_2 = own.of_state(layout.ENVELOPE_2)
 PHASE = own.of_state(layout.PHASE)
 TACTOR_DC_IN = own.of_state(layout.TACTOR_DC_IN)
 TACTOR_DC_OUT = own.of_state(layout.TACTOR_DC_OUT)
-GRAIN = own.of_state(layout.GRAIN)
+TEXTURE_LEVEL = own.of_state(layout.TEXTURE_LEVEL)
 TEXTURE = own.of_state(layout.TEXTURE)
 CLICK_DC_IN = own.of_state(layout.CLICK_DC_IN)
 CLICK_DC_OUT = own.of_state(layout.CLICK_DC_OUT)
@@ -78,20 +78,20 @@ C_DECAY = own.of_coefficient(layout.C_DECAY)
 C_RISE = own.of_coefficient(layout.C_RISE)
 C_TACTOR_GAIN = own.of_coefficient(layout.C_TACTOR_GAIN)
 C_CLICK_GAIN = own.of_coefficient(layout.C_CLICK_GAIN)
-C_GRAIN = own.of_coefficient(layout.C_GRAIN)
+C_TEXTURE_LEVEL = own.of_coefficient(layout.C_TEXTURE_LEVEL)
 C_DC_POLE = own.of_coefficient(layout.C_DC_POLE)
 
 
 @inlined
 def sound_state_all(batch_f64, batch_u64):
-    """What one sample of sound gives to the next, in the order of `sound_once_all`."""
+    """Return the state of the sound stage, in the order of `sound_once_all`."""
     return (
         load(batch_f64, FOLLOWER),
         load(batch_f64, ENVELOPE_1),
         load(batch_f64, ENVELOPE_2),
         load(batch_f64, TACTOR_DC_IN),
         load(batch_f64, TACTOR_DC_OUT),
-        load(batch_f64, GRAIN),
+        load(batch_f64, TEXTURE_LEVEL),
         load_words(batch_f64, NOISE),
         load(batch_f64, TEXTURE),
         load(batch_f64, CLICK_DC_IN),
@@ -104,13 +104,13 @@ def sound_state_all(batch_f64, batch_u64):
 
 @inlined
 def keep_sound_state_all(batch_f64, state):
-    """Write what `sound_state_all` reads."""
+    """Store the state that `sound_state_all` returns."""
     store(batch_f64, FOLLOWER, state[0])
     store(batch_f64, ENVELOPE_1, state[1])
     store(batch_f64, ENVELOPE_2, state[2])
     store(batch_f64, TACTOR_DC_IN, state[3])
     store(batch_f64, TACTOR_DC_OUT, state[4])
-    store(batch_f64, GRAIN, state[5])
+    store(batch_f64, TEXTURE_LEVEL, state[5])
     store(batch_f64, NOISE, state[6])
     store(batch_f64, TEXTURE, state[7])
     store(batch_f64, CLICK_DC_IN, state[8])
@@ -122,7 +122,7 @@ def keep_sound_state_all(batch_f64, state):
 
 @inlined
 def sound_once_all(batch_f64, at, state):
-    """`sound_once` for lanes, whose modes have rung already: the rows from `at` on."""
+    """`sound_once` for lanes, after their modes: the rows from `at` on."""
     (
         follower,
         e1,
@@ -131,7 +131,7 @@ def sound_once_all(batch_f64, at, state):
         tactor_out,
         level,
         noise,
-        grain,
+        texture,
         click_in,
         click_out,
         silent,
@@ -145,14 +145,16 @@ def sound_once_all(batch_f64, at, state):
     envelope = e2 * load(batch_f64, C_TACTOR_GAIN)
     wave = envelope * load(batch_f64, own.SINE + at)
     tactor_out = block_dc(wave, tactor_in, tactor_out, load(batch_f64, C_DC_POLE))
-    level = spread(load(batch_f64, own.GRAIN + at), level, load(batch_f64, C_GRAIN))
+    level = smooth_level(
+        load(batch_f64, own.TEXTURE_LEVEL + at), level, load(batch_f64, C_TEXTURE_LEVEL)
+    )
     rough = level > 0.0
     following = next_state(noise)
     noise = choose(rough, following, noise)
-    grain = colour(
-        choose(rough, level * white(following), 0.0), grain, load(batch_f64, own.COLOUR + at)
+    texture = low_pass(
+        choose(rough, level * white(following), 0.0), texture, load(batch_f64, own.BRIGHTNESS + at)
     )
-    clicks = (grain + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
+    clicks = (texture + load(batch_f64, own.RING + at)) * load(batch_f64, C_CLICK_GAIN)
     click_out = block_dc(clicks, click_in, click_out, load(batch_f64, C_DC_POLE))
     store(batch_f64, own.AMPLITUDE + at, envelope)
     store(batch_f64, own.TACTOR + at, tactor_out)
@@ -170,7 +172,7 @@ def sound_once_all(batch_f64, at, state):
         tactor_out,
         level,
         noise,
-        grain,
+        texture,
         clicks,
         click_out,
         silent,
@@ -189,8 +191,8 @@ def sound_all(batch_f64, batch_u64, start, stop):
 
 
 @outlined
-def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
-    """`travel` for lanes, up to the first sample in which a disk arrives after a release.
+def advance_disk_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
+    """`advance_disk` for lanes, up to the first sample in which a disk arrives after a release.
 
     Events that are passed on the way stop no lane. Returns the sample after it, or the chunk's end.
     """
@@ -204,7 +206,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     pace = load(batch_f64, PACE)
     wound = load(batch_f64, WOUND)
     slip = load(batch_f64, SLIP)
-    # any speed but 0 will do where the shaft is rigid
+    # any speed but 0 is valid for a rigid shaft
     wanted = choose(load(batch_f64, own.REACH) < OFF, load(batch_f64, WANTED), 1.0)
     impulse = load(batch_f64, IMPULSE)
     still = load_words(batch_i64, STILL)
@@ -236,7 +238,7 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         slip = rigid - stretch
         used = choose(abs(slip) > 0.0, x + stretch, y2)
         wound = stretch
-        wanted = wanted_speed(
+        wanted = allowed_speed(
             rigid,
             free * pace,
             pace,
@@ -276,9 +278,9 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
         omega = middle * load(batch_f64, C_OMEGA)
         approach = max(abs(omega), approach * load(batch_f64, C_FORGET))
         tiny = min(abs(x), abs(half)) < STANDSTILL
-        x = snapped(x, STANDSTILL)
-        half = snapped(half, 0.5 * STANDSTILL)
-        approach = choose(tiny, snapped(approach, STANDSTILL), approach)
+        x = flush_to_zero(x, STANDSTILL)
+        half = flush_to_zero(half, 0.5 * STANDSTILL)
+        approach = choose(tiny, flush_to_zero(approach, STANDSTILL), approach)
         phase = advance(phase, load(batch_f64, C_CARRIER))
         torque = friction * omega
         impulse = impulse + torque
@@ -320,14 +322,14 @@ def travel_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
 
 @inlined
 def gain_at(batch_f64, at):
-    """The output gains of the sample whose rows begin at `at`."""
+    """Return the output gains of the sample whose rows begin at `at`."""
     sample = load(batch_f64, own.BEYOND) + float(at // SIMD_WIDTH + 1)
     return load(batch_f64, own.GAIN_FROM) + load(batch_f64, own.GAIN_STEP) * sample
 
 
 @outlined
 def shape_all(batch_f64, frames):
-    """`shape` for lanes; in two loops, whose chains a processor overlaps better."""
+    """`shape` for lanes, in two loops, which processors overlap better."""
     store(batch_f64, own.LOUDEST_CLICK, 0.0)
     store(batch_f64, own.LOUDEST_TACTOR, 0.0)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
@@ -338,22 +340,22 @@ def shape_all(batch_f64, frames):
         store(batch_f64, own.AMPLITUDE + at, amplitude)
     for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
         omega = load(batch_f64, own.OMEGA + at)
-        gain = load(batch_f64, C_TEXTURE_GAIN) * load(batch_f64, own.GRAIN_GAIN)
-        level = grain_level(load(batch_f64, own.TORQUE + at), omega, gain)
+        gain = load(batch_f64, C_TEXTURE_GAIN) * load(batch_f64, own.TEXTURE_GAIN)
+        level = texture_level(load(batch_f64, own.TORQUE + at), omega, gain)
         store(batch_f64, own.SINE + at, sin_turns(load(batch_f64, own.PHASE + at)))
-        store(batch_f64, own.GRAIN + at, level)
-        store(batch_f64, own.COLOUR + at, brightness(omega, load(batch_f64, C_TEXTURE_CUTOFF)))
+        store(batch_f64, own.TEXTURE_LEVEL + at, level)
+        store(batch_f64, own.BRIGHTNESS + at, brightness(omega, load(batch_f64, C_TEXTURE_CUTOFF)))
 
 
 @outlined
-def write_all(batch_f64, out, start, apart, frames):
-    """`write` for lanes, into two channels: from float `start` on, and lanes `apart` floats."""
+def write_all(batch_f64, out, start, stride, frames):
+    """`write` for lanes with two channels, from float `start` on, with `stride` floats per lane."""
     store(batch_f64, LAST_ENVELOPE, load(batch_f64, own.AMPLITUDE + (frames - 1) * SIMD_WIDTH))
     for n in range(frames):
         at = n * SIMD_WIDTH
         click = load(batch_f64, own.CLICK + at)
         tactor = load(batch_f64, own.TACTOR + at)
-        store_pairs(out, start + 2 * n, apart, click, tactor)
+        store_pairs(out, start + 2 * n, stride, click, tactor)
     store(
         batch_f64, PEAK_CLICK, max(load(batch_f64, PEAK_CLICK), load(batch_f64, own.LOUDEST_CLICK))
     )

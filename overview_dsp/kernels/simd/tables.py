@@ -1,7 +1,7 @@
-"""Look-ups in a table of each lane's own, at a position that is its index. Compiled code only.
+"""Table look-ups with one table and one position per lane. Compiled code only.
 
-Lane i's table begins at column `starts[first + i]`, or `offset` columns after that; a position is 0
-to 2**31, and its whole part counts.
+Lane i's table begins at column `starts[first + i]`, plus `offset` columns. The index is the whole
+part of a position from 0 to 2**31.
 
 Thread: audio.
 """
@@ -22,12 +22,13 @@ _WORD = ir.IntType(64)
 
 
 def _whole(builder: Any, position: Any) -> Any:
-    """The whole parts, in 32 bits: all machines have an instruction for that."""
+    """Return the whole parts in 32 bits, for which all machines have an instruction."""
     return builder.fptosi(position, ir.VectorType(_INDEX, SIMD_WIDTH))
 
 
 def _columns(context: Any, builder: Any, signature: Any, args: Any, size: int) -> list[Any]:
-    """Where each lane has its entry, of 2**size columns or, if it is negative, shared by 2**-size.
+    """Return pointers to each lane's entry of 2**size columns (size < 0: one for 2**-size
+    positions).
 
     `args` are an array, starts, first, offset, whole parts.
     """
@@ -51,7 +52,7 @@ def _order(lanes: Any) -> Any:
 
 @intrinsic
 def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) -> Any:
-    """Of a table of pairs: the whole part, the pairs' first numbers and their second ones.
+    """Look up pairs: return the whole parts, the first and the second numbers.
 
     `load_pairs(f64, starts, first, position)`.
     """
@@ -59,10 +60,10 @@ def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) ->
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         whole = _whole(builder, args[3])
         pair = ir.VectorType(ir.DoubleType(), 2).as_pointer()
-        given = (*args[:3], ir.Constant(_WORD, 0), whole)
+        args_of = (*args[:3], ir.Constant(_WORD, 0), whole)
         found = [
             builder.load(builder.bitcast(at, pair), align=8)
-            for at in _columns(context, builder, signature, given, 1)
+            for at in _columns(context, builder, signature, args_of, 1)
         ]
         while len(found) > 1:  # two by two into one vector
             order = _order(range(2 * found[0].type.count))
@@ -82,12 +83,12 @@ def load_pairs(typing: Any, f64: Any, starts: Any, first: Any, position: Any) ->
 
 @intrinsic
 def gather(typing: Any, f64: Any, starts: Any, first: Any, offset: Any, position: Any) -> Any:
-    """Of a table of numbers: `gather(f64, starts, first, offset, position)`."""
+    """Look up numbers: `gather(f64, starts, first, offset, position)`."""
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        given = (*args[:4], _whole(builder, args[4]))
+        args_of = (*args[:4], _whole(builder, args[4]))
         found = ir.Constant(FLOATS.vector, ir.Undefined)
-        for lane, at in enumerate(_columns(context, builder, signature, given, 0)):
+        for lane, at in enumerate(_columns(context, builder, signature, args_of, 0)):
             found = builder.insert_element(found, builder.load(at), ir.Constant(_INDEX, lane))
         return found
 
@@ -95,15 +96,15 @@ def gather(typing: Any, f64: Any, starts: Any, first: Any, offset: Any, position
 
 
 def marking(size: int) -> Any:
-    """Of a table of marks, 0 or 1, each for 2**size positions: which lanes are marked, if any are.
+    """Return look-ups of marks, 0 or 1, one for each 2**size positions.
 
-    Two functions, `marked(i64, starts, first, offset, position)` and `any_marked` of the same,
-    which takes less.
+    These are `marked(i64, starts, first, offset, position)`, which lanes are marked, and
+    `any_marked` with the same arguments, which is faster.
     """
 
     def marks(context: Any, builder: Any, signature: Any, args: Any) -> list[Any]:
-        given = (*args[:4], _whole(builder, args[4]))
-        return [builder.load(at) for at in _columns(context, builder, signature, given, -size)]
+        args_of = (*args[:4], _whole(builder, args[4]))
+        return [builder.load(at) for at in _columns(context, builder, signature, args_of, -size)]
 
     @intrinsic
     def marked(typing: Any, i64: Any, starts: Any, first: Any, offset: Any, position: Any) -> Any:

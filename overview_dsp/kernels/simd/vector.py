@@ -1,10 +1,10 @@
-"""Several voices side by side: a number of each of `SIMD_WIDTH` voices as one value.
+"""Lanes: one number of each of `SIMD_WIDTH` voices as a single value.
 
-Kernels are written for a single float64. Given lanes instead, the same functions work on all voices
-at once, as the machine's vector instructions do: operators, `abs`, `min`, `max`, `sqrt`, and the
+Kernels are written for single float64 values. With lanes the same functions process all voices
+at once with vector instructions: operators, `abs`, `min`, `max`, `sqrt`, and the
 functions below. Each lane gets the bits that the operation gives a single number.
 
-In plain Python lanes are arrays; what can't be done to those is for compiled code only.
+In plain Python lanes are arrays. Functions that arrays do not support are for compiled code only.
 
 Thread: audio.
 """
@@ -31,7 +31,7 @@ from overview_dsp.kernels.intrinsics import (
 )
 
 SIMD_WIDTH = 8
-RARELY = (1, 2000)  # weights of a branch that is hardly ever taken
+RARELY = (1, 2000)  # weights of a rare branch
 
 _INDEX = ir.IntType(32)
 _WORD = ir.IntType(64)
@@ -55,13 +55,13 @@ class _LanesModel(models.PrimitiveModel):  # type: ignore[misc]
         super().__init__(manager, type_, type_.vector)
 
 
-def _in_all(context: Any, builder: Any, value: Any, given: Any, wanted: _Lanes) -> Any:
-    """Lanes as they are, or one number for all lanes."""
-    if isinstance(given, _Lanes):
+def _in_all(context: Any, builder: Any, value: Any, type_: Any, lanes: _Lanes) -> Any:
+    """Return lanes unchanged, or a number as lanes."""
+    if isinstance(type_, _Lanes):
         return value
-    number = types.float64 if wanted is FLOATS else types.uint64
-    value = context.cast(builder, value, given, number)
-    undefined = ir.Constant(wanted.vector, ir.Undefined)
+    number = types.float64 if lanes is FLOATS else types.uint64
+    value = context.cast(builder, value, type_, number)
+    undefined = ir.Constant(lanes.vector, ir.Undefined)
     first = builder.insert_element(undefined, value, ir.Constant(_INDEX, 0))
     return builder.shuffle_vector(first, undefined, _order([0] * SIMD_WIDTH))
 
@@ -71,7 +71,7 @@ def _order(lanes: list[int]) -> Any:
 
 
 def _binary(function: Any, of: _Lanes, result: _Lanes, emit: Callable[..., Any]) -> None:
-    """An operator of two lanes, or of lanes and a number."""
+    """Define an operator of two lanes, or of lanes and a number."""
     numbers = (types.Float, types.Integer) if of is FLOATS else (types.Integer,)
 
     @type_callable(function)
@@ -105,7 +105,7 @@ def _instruction(name: str) -> Callable[..., Any]:
 
 
 def _extreme(sign: str) -> Callable[..., Any]:
-    # as numba's own `min` and `max`: the first, unless the second passes it
+    # like numba's `min` and `max`: the first, unless the second is beyond it
     return lambda builder, a, b: builder.select(builder.fcmp_ordered(sign, b, a), b, a)
 
 
@@ -150,7 +150,7 @@ def _unary(function: Any, emit: Callable[..., Any]) -> None:
 
 
 def _called(name: str) -> Callable[..., Any]:
-    """A function of LLVM's own, of which every machine has an instruction."""
+    """Return an emitter of an LLVM function that is one instruction on every machine."""
     name = f"llvm.{name}.v{SIMD_WIDTH}f64"
 
     def emit(builder: Any, x: Any) -> Any:
@@ -172,46 +172,46 @@ _unary(operator.neg, lambda builder, x: builder.fneg(x))
 
 
 def choose(condition, yes, no):
-    """`yes` where the condition holds, else `no`; of numbers or lanes. Both are computed."""
+    """Return `yes` where the condition holds, else `no`, for numbers or lanes. Computes both."""
     return yes if condition else no
 
 
 def rarely(condition, yes, no):
-    """As `choose`, of floats, where the condition hardly ever holds.
+    """Return `choose(condition, yes, no)` for floats and a rare condition.
 
-    It is a branch, of lanes one for all: what comes next need not wait for the condition, as it
-    would for a selection.
+    It is a single branch for all lanes, so that later operations need not wait for the condition,
+    as they would for a selection.
     """
     return yes if condition else no
 
 
 def any_of(condition):
-    """Whether a condition holds: of a number, or of any lane."""
+    """Return whether a condition holds for a number or for any lane."""
     return condition
 
 
 def bits_of(x):
-    """The 64 bits of a float64, as an integer."""
+    """Return the 64 bits of a float64 as an integer."""
     return np.float64(x).view(np.int64)
 
 
 def from_bits(word):
-    """The float64 of 64 bits."""
+    """Return the float64 of 64 bits."""
     return np.int64(word).view(np.float64)
 
 
 def count(word):
-    """The float64 of an unsigned integer below 2**53."""
+    """Return the float64 of an unsigned integer below 2**53."""
     return float(np.int64(word))
 
 
 def load(f64, at):
-    """The lanes in `SIMD_WIDTH` columns from `at` on, float64."""
+    """Load lanes from `SIMD_WIDTH` columns from `at` on, float64."""
     return f64[at : at + SIMD_WIDTH].copy()
 
 
 def store(f64, at, value):
-    """Write lanes, or one number for all, to `SIMD_WIDTH` columns from `at` on."""
+    """Store lanes, or a number for all lanes, in `SIMD_WIDTH` columns from `at` on."""
     f64[at : at + SIMD_WIDTH] = value
 
 
@@ -236,11 +236,11 @@ def _choose(condition, yes, no):
 
 
 def _branched(builder: Any, condition: Any, chosen: Callable[[], Any], otherwise: Any) -> Any:
-    """What `chosen` emits where a condition holds, which is rare."""
+    """Emit a rare branch to `chosen`."""
     before = builder.block
     seldom = builder.append_basic_block("seldom")
     after = builder.append_basic_block("after")
-    # said with the branch itself: what is only expected is forgotten before it is looked at
+    # weights on the branch itself, since LLVM drops `expect` intrinsics too early
     builder.cbranch(condition, seldom, after).set_weights(RARELY)
     builder.position_at_end(seldom)
     replaced = chosen()
@@ -299,13 +299,13 @@ def _any_of(condition):
     return lambda condition: condition
 
 
-def _seen_as(given: _Lanes, wanted: _Lanes, instruction: str) -> Any:
+def _seen_as(source: _Lanes, target: _Lanes, instruction: str) -> Any:
     @intrinsic
     def seen(typing: Any, x: Any) -> Any:
         def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return getattr(builder, instruction)(args[0], wanted.vector)
+            return getattr(builder, instruction)(args[0], target.vector)
 
-        return wanted(given), emit
+        return target(source), emit
 
     return seen
 
@@ -367,15 +367,15 @@ def _store(typing: Any, f64: Any, at: Any, value: Any) -> Any:
 
 
 @intrinsic
-def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: Any) -> Any:
-    """Write each lane's two numbers, rounded, side by side into float32. Compiled code only.
+def store_pairs(typing: Any, f64: Any, at: Any, stride: Any, first: Any, second: Any) -> Any:
+    """Store two numbers of each lane as adjacent float32. Compiled code only.
 
-    `store_pairs(f64, at, apart, first, second)`: lane i's go to columns `at + i * apart` and the
-    one after.
+    `store_pairs(f64, at, stride, first, second)` stores those of lane i in `at + i * stride` and
+    the following float.
     """
 
     def emit(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        f64, at, apart, first, second = args
+        f64, at, stride, first, second = args
         single = ir.VectorType(ir.FloatType(), SIMD_WIDTH)
         first, second = (builder.fptrunc(one, single) for one in (first, second))
         order = _order([i + half for i in range(SIMD_WIDTH) for half in (0, SIMD_WIDTH)])
@@ -384,7 +384,7 @@ def store_pairs(typing: Any, f64: Any, at: Any, apart: Any, first: Any, second: 
             pair = builder.extract_element(pairs, ir.Constant(_INDEX, lane))
             place = column_pointer(context, builder, signature.args[0], f64, at)
             builder.store(pair, builder.bitcast(place, _WORD.as_pointer()), align=4)
-            at = builder.add(at, apart)
+            at = builder.add(at, stride)
         return context.get_dummy_value()
 
     return types.void(f64, types.int64, types.int64, FLOATS, FLOATS), emit

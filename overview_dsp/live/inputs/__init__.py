@@ -1,1 +1,1 @@
-"""What moves the hand of a session: lines, sensors, controllers, motors, feeds."""
+"""Inputs of a session: takes, text lines, sensors, controllers, motors, and live feeds."""

@@ -1,4 +1,4 @@
-"""A controller as a hand: its own thread reads, and hands events over; parameters go by `poll`."""
+"""Controller input, whose thread reads a MIDI or OSC port; `poll` sets the parameters."""
 
 from __future__ import annotations
 
@@ -9,18 +9,23 @@ from dataclasses import replace
 from typing import Any
 
 from overview_dsp.devices.controllers.control_messages import (
-    Asked,
+    AngleChanged,
     Command,
     Counters,
-    Dialled,
-    Nudged,
-    Turned,
+    ScaleParameter,
+    SetParameter,
+    StepParameter,
 )
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.parameters import PickUp, as_asked, find_parameter, nudged
+from overview_dsp.devices.controllers.parameters import (
+    SoftTakeover,
+    coerce_value,
+    find_parameter,
+    stepped_value,
+)
 from overview_dsp.devices.controllers.source import ControllerSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
@@ -28,15 +33,15 @@ from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 TICK_S = 0.005
-"""How often what holds on is looked after, while nothing comes."""
+"""Interval at which a touch is updated while no messages arrive."""
 
 
 Reader = MidiReader | OscReader
-"""Messages in, moves out."""
+"""Converter of messages to movements and commands."""
 
 
 class ControllerInput(ThreadedInput):
-    """Plays a controller into a running engine, as one source.
+    """Input that plays a controller into a running engine, as one source.
 
     Thread: as `ThreadedInput`.
     """
@@ -50,12 +55,12 @@ class ControllerInput(ThreadedInput):
         open_port: Callable[[], Port],
         make_reader: Callable[[Counters], Reader],
         silent_s: float | None = None,
-        ask: Callable[..., None] = lambda *words: None,
+        queue_command: Callable[..., None] = lambda *arguments: None,
     ) -> None:
-        """Open the port and begin; `open_port` is called again when it is lost.
+        """Open the port and start; `open_port` is called again when the port is lost.
 
-        `source`: one of `gestures.SOURCES`; `silent_s`: one that holds on and says nothing for so
-        long lets go (None: never); `ask` receives the words of commands, from this thread.
+        `source` is one of `gestures.SOURCES`. A touch ends after `silent_s` without messages (None:
+        never). `queue_command` receives the words of each command, from this thread.
 
         Raises
         ------
@@ -65,75 +70,75 @@ class ControllerInput(ThreadedInput):
         self._open_port = open_port
         self._make_reader = make_reader
         self._silent_s = silent_s
-        self._ask = ask
+        self._queue_command = queue_command
         self.counters = Counters()
         port = open_port()
         super().__init__(engine, source, port, port.name)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
-        self._wanted: dict[str, Asked | Dialled | Nudged] = {}
-        self._wanting = threading.Lock()
-        self._pick_ups: dict[str, PickUp] = {}
-        self._refused: set[str] = set()
-        self._begin()
+        self._changes: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
+        self._changes_lock = threading.Lock()
+        self._takeovers: dict[str, SoftTakeover] = {}
+        self._rejected: set[str] = set()
+        self._start()
 
     # --- the session's thread -------------------------------------------------------------------
 
     def poll(self, engine: Engine) -> None:
-        """Take over a changed preset's rules, and set the parameters that were asked for.
+        """Use the rules of a changed preset, and set the parameters that were changed.
 
         Raises
         ------
         Exception
-            What ended the thread, if anything did.
+            The thread has failed with it.
         """
         super().poll(engine)
-        with self._wanting:
-            wanted, self._wanted = self._wanted, {}
-        for id, asked in wanted.items():
+        with self._changes_lock:
+            changes, self._changes = self._changes, {}
+        for id, change in changes.items():
             try:
-                self._set(engine, asked)
+                self._set(engine, change)
             except InputError as error:
-                self.counters.refused += 1
-                if id not in self._refused:
-                    self._refused.add(id)
-                    self._say_once(f"{error} (the first of them; counted on)")
-            except OverviewError:  # two surfaces fade already: the next time, unless another came
-                with self._wanting:
-                    self._wanted.setdefault(id, asked)
+                self.counters.rejected += 1
+                if id not in self._rejected:
+                    self._rejected.add(id)
+                    self._say_once(f"{error} (further ones are only counted)")
+            except OverviewError:  # two surfaces are being crossfaded: try again at the next poll
+                with self._changes_lock:
+                    self._changes.setdefault(id, change)
 
-    def _set(self, engine: Engine, asked: Asked | Dialled | Nudged) -> None:
+    def _set(self, engine: Engine, change: SetParameter | ScaleParameter | StepParameter) -> None:
         try:
-            known, present = find_parameter(engine.preset, asked.id)
+            parameter, present = find_parameter(engine.preset, change.id)
         except InputError as error:
             if not self.counters.unknown:
-                self._say_once(f"{error} (the first of them; counted on)")
+                self._say_once(f"{error} (further ones are only counted)")
             self.counters.unknown += 1
             return
-        if isinstance(asked, Asked):
-            value = known.check(as_asked(known, asked.value))
-        elif isinstance(asked, Nudged):
-            value = nudged(known, asked, present)
+        if isinstance(change, SetParameter):
+            value = parameter.check(coerce_value(parameter, change.value))
+        elif isinstance(change, StepParameter):
+            value = stepped_value(parameter, change, present)
         else:
-            picked = self._pick_ups.setdefault(asked.id, PickUp()).value(engine.preset, asked)
-            if picked is None:
+            takeover = self._takeovers.setdefault(change.id, SoftTakeover())
+            taken = takeover.value(engine.preset, change)
+            if taken is None:
                 return
-            value = picked
+            value = taken
         if value != present:
-            engine.set(asked.id, value)
+            engine.set(change.id, value)
 
     @property
-    def words(self) -> str:
-        """A line for the play screen: its angle, the counters that aren't zero."""
-        hold = (
-            f"{180.0 * self._source.theta2 / HALF_TURN:.0f}°, holding"
-            if self._source.holding
-            else ""
-        )
-        state = self.GONE if self._port is None else hold or "listening"
+    def status_text(self) -> str:
+        """Line for the play screen: angle, and the counters that aren't zero."""
+        state = "listening"
+        if self._port is None:
+            state = self.GONE
+        elif self._source.holding:
+            state = f"{180.0 * self._source.theta2 / HALF_TURN:.0f}°, touching"
         return self._line(state, vars(self.counters))
 
-    def _counted(self) -> dict[str, Any]:
+    def _source_report(self) -> dict[str, Any]:
         return {
             "theta2_rad": round(self._source.theta2, 6),
             "holding": self._source.holding,
@@ -143,41 +148,41 @@ class ControllerInput(ThreadedInput):
     # --- the port's thread ----------------------------------------------------------------------
 
     def _read(self, port: Port) -> None:
-        came = port.receive(TICK_S if self._source.holding else WAIT_S)
+        messages = port.receive(TICK_S if self._source.holding else WAIT_S)
         self.counters.overrun += port.dropped
         port.dropped = 0
-        self._take(came, time.monotonic())
+        self._process(messages, time.monotonic())
 
-    def _take(self, came: list[bytes], now: float) -> None:
-        moves = [move for data in came for move in self._reader.read(data, now)]
+    def _process(self, messages: list[bytes], now: float) -> None:
+        moves = [move for data in messages for move in self._reader.read(data, now)]
         moves += self._reader.tick(now)
-        found = self._writer.find()
+        disk = self._writer.disk_state()
         events = []
         for move in moves:
-            if isinstance(move, Turned) and not self._source.rules.by_rest:
-                self._say_once('a control feels no taps: choose twist.release = "rest"')
+            if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
+                self._say_once('a controller can\'t detect taps; set twist.release = "rest"')
             if isinstance(move, Command):
-                self._ask(*move.words)
-            elif isinstance(move, Asked | Dialled | Nudged):
-                with self._wanting:
-                    before = self._wanted.get(move.id)
-                    if isinstance(move, Nudged) and isinstance(before, Nudged):
+                self._queue_command(*move.arguments)
+            elif isinstance(move, SetParameter | ScaleParameter | StepParameter):
+                with self._changes_lock:
+                    before = self._changes.get(move.id)
+                    if isinstance(move, StepParameter) and isinstance(before, StepParameter):
                         move = replace(move, step=before.step + move.step)
-                    self._wanted[move.id] = move
+                    self._changes[move.id] = move
             else:
-                events += self._source.move(move, now, *found)
-        events += self._source.tick(now, *found)
+                events += self._source.move(move, now, *disk)
+        events += self._source.tick(now, *disk)
         for line in self._reader.take_messages():
             self._say_once(line)
         if self.counters.overrun:
-            self._say_once("more comes than can be read; the oldest is given up (counted on)")
-        if came:
-            self._heard_at = now
-            self._writer.saw(now)
+            self._say_once("messages arrive too fast; the oldest are discarded and counted")
+        if messages:
+            self._received_at = now
+            self._writer.observe(now)
         self._writer.write(events)
-        silent = self._silent_s is not None and now - self._heard_at > self._silent_s
-        if silent and self._let_go():
-            self._messages.append(f"silent for {self._silent_s:g} s; the disk is let go")
+        silent = self._silent_s is not None and now - self._received_at > self._silent_s
+        if silent and self._write_release():
+            self._messages.append(f"no messages for {self._silent_s:g} s; disk released")
 
     def _release(self) -> Event | None:
         return self._source.release(time.monotonic())

@@ -1,4 +1,4 @@
-"""What `--follow` names: a file, an address, standard input, a sound that is heard."""
+"""Sources of live data for `--follow`: a file, a URL, standard input, or sound."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import BinaryIO
 
 import numpy as np
 
-from overview_dsp.data.feeds.live_timeline import MAPS, Map
-from overview_dsp.data.feeds.net import Http, WebSocket
+from overview_dsp.data.feeds.live_timeline import LAYOUTS, Layout
+from overview_dsp.data.feeds.network_sources import Http, WebSocket
 from overview_dsp.data.feeds.sources import (
-    DEVICE_ENDS_WITHIN_S,
+    DEVICE_CLOSE_TIMEOUT_S,
     GrowingFile,
     Sound,
     Source,
@@ -27,15 +27,15 @@ FORMS = (
     "pcm:RATE[:CHANNELS] (16-bit samples on standard input)"
 )
 QUEUE_BLOCKS = 200
-"""So many blocks of sound wait at most, some seconds; what is too much is missing."""
+"""Maximum number of queued sound blocks, some seconds; more are replaced by a gap."""
 
 _PCM = re.compile(r"pcm:(\d{1,6})(?::(\d{1,2}))?")
 
 
-def source_named(text: str, stdin: BinaryIO) -> Source:
-    """What a SOURCE of `--follow` names; InputError lists the forms."""
+def open_source(text: str, stdin: BinaryIO) -> Source:
+    """Return the source of a `--follow` argument; InputError lists the allowed forms."""
     if not text:
-        raise InputError(f"--follow names {FORMS}")
+        raise InputError(f"--follow is empty; must be {FORMS}")
     if text == "-":
         return Stream(stdin)
     if text.startswith(("http://", "https://")):
@@ -44,35 +44,37 @@ def source_named(text: str, stdin: BinaryIO) -> Source:
         return WebSocket(text)
     if text.startswith("audio:"):
         device = text.removeprefix("audio:")
-        return Sound(text, lambda: _heard(device), DEVICE_ENDS_WITHIN_S)
+        return Sound(text, lambda: _record_device(device), DEVICE_CLOSE_TIMEOUT_S)
     if text.startswith("pcm:"):
         found = _PCM.fullmatch(text)
         if found is None:
-            raise InputError(f"--follow {text}: it is pcm:RATE or pcm:RATE:CHANNELS, pcm:48000:2")
+            raise InputError(
+                f"--follow {text} must be pcm:RATE or pcm:RATE:CHANNELS, such as pcm:48000:2"
+            )
         rate, channels = int(found[1]), int(found[2] or 1)
         return Sound(text, lambda: pcm_blocks(stdin, rate, channels))
     return GrowingFile(text)
 
 
-def _heard(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
-    """Rate, channels and blocks of an audio input, by name or number; "" is the usual one."""
+def _record_device(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
+    """Return rate, channels and blocks of an audio input, by name or number; "" is the default."""
     try:
         import sounddevice
     except (ImportError, OSError) as error:
-        raise InputError(f"audio:{device}: no sound can be heard here ({error})") from None
-    wanted = int(device) if device.isdecimal() else device or None
+        raise InputError(f"audio:{device}: sound can't be recorded ({error})") from None
+    selected = int(device) if device.isdecimal() else device or None
     try:
-        about = sounddevice.query_devices(wanted, "input")
+        info = sounddevice.query_devices(selected, "input")
     except (ValueError, sounddevice.PortAudioError) as error:
-        raise InputError(f"audio:{device}: {error}; overview devices lists what there is") from None
-    rate, channels = round(about["default_samplerate"]), min(2, about["max_input_channels"])
-    waiting: queue.Queue[np.ndarray] = queue.Queue(QUEUE_BLOCKS)
+        raise InputError(f"audio:{device}: {error}; `overview devices` lists devices") from None
+    rate, channels = round(info["default_samplerate"]), min(2, info["max_input_channels"])
+    recorded: queue.Queue[np.ndarray] = queue.Queue(QUEUE_BLOCKS)
     missed = 0
 
-    def take(block: np.ndarray, frames: int, time: object, status: object) -> None:
+    def put(block: np.ndarray, frames: int, time: object, status: object) -> None:
         nonlocal missed
         try:
-            waiting.put_nowait(block.copy())
+            recorded.put_nowait(block.copy())
         except queue.Full:
             missed += frames
 
@@ -80,35 +82,34 @@ def _heard(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
         nonlocal missed
         try:
             stream = sounddevice.InputStream(
-                rate, device=wanted, channels=channels, dtype="float32", callback=take
+                rate, device=selected, channels=channels, dtype="float32", callback=put
             )
         except sounddevice.PortAudioError as error:
             raise OverviewError(f"audio:{device}: {error}") from None
         with stream:
             while stream.active:
                 try:
-                    yield waiting.get(timeout=0.2)
+                    yield recorded.get(timeout=0.2)
                 except queue.Empty:
                     yield None
-                if missed and waiting.empty():
+                if missed and recorded.empty():
                     lost, missed = missed, 0
                     yield np.full((lost, channels), np.nan, np.float32)
 
     return rate, channels, blocks()
 
 
-def expected_s(text: str) -> float:
-    """An expected length as a person writes it (`95m`, `1:35:00`, `2h`, `5700`), s; InputError."""
-    given = re.sub(r"(?<=\d)\s*m$", "min", text.strip(), flags=re.IGNORECASE)
-    length = length_s(given)
-    if length is None or not length > 0.0:
-        raise InputError(f"{text!r} is no length; give 95m, 1:35:00, 2h or seconds")
-    return length
+def parse_duration(text: str) -> float:
+    """Parse a duration (`95m`, `1:35:00`, `2h`, `5700`) and return it in s; InputError."""
+    duration = length_s(re.sub(r"(?<=\d)\s*m$", "min", text.strip(), flags=re.IGNORECASE))
+    if duration is None or not duration > 0.0:
+        raise InputError(f"duration {text!r} must be like 95m, 1:35:00, 2h or a number of seconds")
+    return duration
 
 
-def map_named(text: str) -> Map:
-    """A map as a person writes it: `whole` or `so-far`; InputError."""
-    for map in MAPS:
-        if text.strip().lower().replace("-", " ").replace("_", " ") == map:
-            return map
-    raise InputError(f"the map is {text!r}; it is whole or so-far")
+def parse_layout(text: str) -> Layout:
+    """Parse a layout, `whole` or `so-far`; InputError."""
+    for layout in LAYOUTS:
+        if text.strip().lower().replace("-", " ").replace("_", " ") == layout:
+            return layout
+    raise InputError(f"layout {text!r} must be whole or so-far")

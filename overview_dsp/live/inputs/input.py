@@ -1,6 +1,6 @@
-"""A control source of a session, other than mouse and keyboard.
+"""Protocol of a session's inputs other than mouse and keys, and a combination of several.
 
-Several sources in one session; the rule by which they change over is `controllers.source`'s.
+`devices.controllers.source` has the rule by which one input takes over from another.
 """
 
 from __future__ import annotations
@@ -12,65 +12,65 @@ from overview_dsp.signal.engine.engine import Engine
 
 
 class Input(Protocol):
-    """A control source other than mouse and keyboard."""
+    """Input of control events other than mouse and keys."""
 
     def poll(self, engine: Engine) -> None:
-        """Hand over what is due."""
+        """Send the events that are due to the engine."""
 
     def is_over(self, engine: Engine) -> bool:
-        """Whether nothing more will come."""
+        """Return whether no more events will arrive."""
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
+        """Return messages for the user, added since the last call."""
         return ()
 
     @property
-    def words(self) -> str:
-        """A line for the play screen, or nothing."""
+    def status_text(self) -> str:
+        """Status for display on the play screen; may be empty."""
         return ""
 
     def report(self) -> Mapping[str, Any]:
-        """What it counted, for a line of JSON."""
+        """Return counters and state for a JSON line."""
         return {}
 
     def close(self) -> None:
-        """Let go and give back what was opened."""
+        """Release the disk and close all ports."""
         return
 
 
-class SeveralInputs(Input):
-    """Inputs that play together, each as a source of its own.
+class CombinedInput(Input):
+    """Combination of inputs, each of which is a source of its own.
 
     Thread: control.
     """
 
     def __init__(self, inputs: Mapping[str, Input]) -> None:
-        """`inputs`: each by the name of its source."""
+        """Combine inputs, by the names of their sources."""
         self._inputs = dict(inputs)
 
     def poll(self, engine: Engine) -> None:
-        """Each hands over what is due."""
+        """Poll each input."""
         for one in self._inputs.values():
             one.poll(engine)
 
     def is_over(self, engine: Engine) -> bool:
-        """Whether nothing more will come from any."""
+        """Return whether all inputs are over."""
         return all(one.is_over(engine) for one in self._inputs.values())
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
+        """Return messages of all inputs, added since the last call."""
         return tuple(line for one in self._inputs.values() for line in one.take_messages())
 
     @property
-    def words(self) -> str:
-        """A line for each."""
-        return "\n".join(one.words for one in self._inputs.values() if one.words)
+    def status_text(self) -> str:
+        """Status of each input, one per line."""
+        return "\n".join(one.status_text for one in self._inputs.values() if one.status_text)
 
     def report(self) -> dict[str, Any]:
-        """What each counted, by its source."""
+        """Return the report of each input by the name of its source."""
         return {name: dict(one.report()) for name, one in self._inputs.items()}
 
     def close(self) -> None:
-        """Each lets go and gives back what it opened."""
+        """Close each input."""
         for one in self._inputs.values():
             one.close()

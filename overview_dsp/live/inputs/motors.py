@@ -1,4 +1,4 @@
-"""A motor knob on a serial port: a sensor, to which the disk's torque is given back."""
+"""Motor knob on a serial port: a sensor input that also sends the disk's torque to the motor."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 from overview_dsp.devices.force_feedback.board_loop import BoardLoop
-from overview_dsp.devices.force_feedback.loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S
 from overview_dsp.devices.sensors.frames import KNOB_MOTION
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
@@ -18,23 +18,23 @@ from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.live.ports.serial import SerialPort
 from overview_dsp.signal.engine.engine import Engine
 
-RENDER_S = 0.1
-"""How often a board is asked to render what the engine plays, if that has changed."""
+RENDER_EVERY_S = 0.1
+"""Interval at which a board gets the engine's surface, if that has changed."""
 
-SLOWEST_HZ = 200
-"""Reports a second."""
+LOWEST_RATE_HZ = 200
+"""Lowest report rate of a motor with full force."""
 
 
 class MotorInput(SensorInput):
-    """Plays a motor knob into a running engine and brakes it as the disk is braked.
+    """Input that plays a motor knob into a running engine and brakes it as the disk is braked.
 
-    A board that runs the surface itself says so by its frames, and is given the surface; any other
-    gets torques.
+    A board that renders the surface itself sends its own kind of frames, and receives the surface.
+    Any other board receives torques.
 
     Thread: as `SensorInput`; the port's thread reads the disk's torque and writes to the motor.
     """
 
-    WAIT_S = 0.002  # the loop's longest step
+    WAIT_S = 0.002  # longest step of the loop
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class MotorInput(SensorInput):
         baud: int | None = None,
         open_port: Callable[[str, int], Port] = SerialPort,
     ) -> None:
-        """Open the port and begin, as `SensorInput`.
+        """Open the port and start, as `SensorInput`.
 
         Raises
         ------
@@ -55,76 +55,73 @@ class MotorInput(SensorInput):
         self._torque = MeanTorque()
         self._sent = self._blocked = 0
         self._was_alive = False
-        self._began_at = time.monotonic()
+        self._started_at = time.monotonic()
         self._rendered_at = -1e300
         super().__init__(engine, device, sensor, baud, open_port)
 
     @property
-    def words(self) -> str:
-        """As `SensorInput.words`, and the force."""
-        return f"{super().words}; {self._loop.words(time.monotonic())}"
+    def status_text(self) -> str:
+        """Status of the sensor and of the force."""
+        return f"{super().status_text}; {self._loop.status_text(time.monotonic())}"
 
     def report(self) -> dict[str, Any]:
-        """As `SensorInput.report`, with `force`: the loop's, and what the port didn't accept."""
+        """Return the sensor's report with `force`: that of the loop, and rejected writes."""
         now = time.monotonic()
-        rate = self._sent / max(now - self._began_at, 1e-3)
+        rate = self._sent / max(now - self._started_at, 1e-3)
         force = {**self._loop.report(now), "per_s": round(rate, 1), "blocked": self._blocked}
         return {**super().report(), "force": force}
 
     # --- the port's thread ----------------------------------------------------------------------
 
-    def _take(self, data: bytes) -> None:
-        super()._take(data)
+    def _process(self, data: bytes) -> None:
+        super()._process(data)
         now = time.monotonic()
         if data:
             self._choose_loop()
-            self._loop.hear(self._source.heard, now)
-        sent = self._next(now)
+            self._loop.receive(self._source.samples, now)
+        frame = self._next_frame(now)
         if self._was_alive and not self._loop.alive:
-            self._let_go()
+            self._write_release()
             self._say_once(
-                f"the motor said nothing for {1e3 * SILENT_S:g} ms: no torque, and the disk is let "
-                "go; silences are counted"
+                f"no data from the motor for {1e3 * SILENT_S:g} ms; torque off, disk released "
+                "(further interruptions are only counted)"
             )
         self._was_alive = self._loop.alive
         rate = self._loop.reports_per_s
-        if rate is not None and rate < SLOWEST_HZ:
+        if rate is not None and rate < LOWEST_RATE_HZ:
             self._say_once(
-                f"the motor reports less than {SLOWEST_HZ} times a second, which makes its force "
-                "weak (motor.downsample, baud=)"
+                f"the motor sends fewer than {LOWEST_RATE_HZ} reports per second, which makes its "
+                "force weak; change motor.downsample or baud="
             )
-        if sent and self._port is not None:
+        if frame and self._port is not None:
             self._sent += 1
-            self._blocked += not self._port.write(sent)
+            self._blocked += not self._port.write(frame)
 
     def _choose_loop(self) -> None:
-        for _, reading in self._source.heard:
+        for _, reading in self._source.samples:
             if KNOB_MOTION[0] in reading and not isinstance(self._loop, BoardLoop):
                 self._loop = BoardLoop(self._sensor, self._baud)
                 self._rendered_at = -1e300
             elif MOTOR_COLUMNS[0] in reading and not isinstance(self._loop, MotorLoop):
                 self._loop = MotorLoop(self._sensor)
 
-    def _next(self, now: float) -> bytes:
-        """What to send."""
-        held = self._engine.holder
+    def _next_frame(self, now: float) -> bytes:
+        """Return the bytes to send; may be empty."""
+        held = self._engine.active_input
         mine = held is not None and held[0] == self.SOURCE
-        torque = self._torque.look(self._engine.impulse, now)
+        torque = self._torque.update(self._engine.torque_integral, now)
         if isinstance(self._loop, MotorLoop):
             return self._loop.step(torque if mine else 0.0, now)
-        if now - self._rendered_at >= RENDER_S:
+        if now - self._rendered_at >= RENDER_EVERY_S:
             self._rendered_at = now
-            self._render(self._loop)
+            surface = self._engine.surface
+            self._loop.render(surface, self._engine.preset.values)
+            if surface.bristles is not None or surface.detents is not None:
+                self._say_once(
+                    "the knob's board only makes viscous friction; sticking and pulling surfaces "
+                    "brake as they do at 1 rad/s"
+                )
         return self._loop.step(mine or held is None, now)
-
-    def _render(self, loop: BoardLoop) -> None:
-        surface = self._engine.surface
-        loop.render(surface, self._engine.preset.values)
-        if surface.bristles is not None or surface.detents is not None:
-            self._say_once(
-                "the knob's board makes viscous friction: what sticks or pulls brakes there as it "
-                "does at 1 rad/s"
-            )
 
     def _close_port(self) -> None:
         if self._port is not None:
@@ -134,4 +131,4 @@ class MotorInput(SensorInput):
 
     def _lose(self) -> None:
         super()._lose()
-        self._loop.lost()
+        self._loop.disconnected()

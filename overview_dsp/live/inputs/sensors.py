@@ -1,4 +1,4 @@
-"""A sensor on a serial port as a source: its own thread reads, decodes and hands events over."""
+"""Sensor inputs, whose threads read a serial or another port and decode its data."""
 
 from __future__ import annotations
 
@@ -8,35 +8,34 @@ from typing import Any
 
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import Diagnostics, SensorSource
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.inputs.threaded import ThreadedInput
 from overview_dsp.live.ports.port import WAIT_S, Port
-from overview_dsp.live.ports.serial import SerialPort, find_again, identity_of
+from overview_dsp.live.ports.serial import SerialPort, find_device_again, usb_identity
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
-MOST = 16_384
-"""Bytes read at a time; of more, the latest."""
+MAX_BYTES = 16_384
+"""Maximum number of bytes used per read; of more, only the latest are used."""
 
 BEHIND_S, BEHIND_READS = 0.1, 5
-"""Who finds more waiting after each read, for so long and so often, doesn't keep up: what waits is
-given up. Once may be a machine that had other things to do."""
+"""Time and number of reads after which a reader is too slow if bytes wait after each of them. The
+waiting bytes are then discarded. A single busy moment of the machine has no effect."""
 
 SILENT_S = 0.3
-"""A sensor of which nothing is understood for so long lets go."""
+"""Time without a decoded reading after which the disk is released."""
 
 
 class SensorInput(ThreadedInput):
-    """Plays a sensor into a running engine, as source `serial`.
+    """Input that plays a sensor into a running engine, as source `serial`.
 
     Thread: as `ThreadedInput`.
     """
 
     SOURCE = "serial"
     KIND = "serial:"
-    GONE = "unplugged"
-    WAIT_S = WAIT_S  # for bytes to come, before what time alone changes is looked after
+    WAIT_S = WAIT_S  # longest wait for bytes
 
     _source: SensorSource
 
@@ -49,9 +48,9 @@ class SensorInput(ThreadedInput):
         open_port: Callable[[str, int], Port] = SerialPort,
         silent_s: float = SILENT_S,
     ) -> None:
-        """Open the port and begin; `open_port` is called again when it is lost.
+        """Open the port and start; `open_port` is called again when the port is lost.
 
-        What says nothing that is understood for `silent_s` lets go.
+        The disk is released after `silent_s` without a decoded reading.
 
         Raises
         ------
@@ -62,67 +61,70 @@ class SensorInput(ThreadedInput):
         self._baud = baud if baud is not None else round(sensor.number("stream.baud"))
         self._open_port = open_port
         self._silent_s = silent_s
-        self._identity = identity_of(device)
+        self._identity = usb_identity(device)
         port = open_port(device, self._baud)
         super().__init__(engine, self.SOURCE, port, device)
         self._source = SensorSource(sensor, TouchRules.of(self._preset))
         self._diagnostics = Diagnostics()
-        self._understood_at = self._heard_at
-        self._kept_up_at, self._behind = self._heard_at, 0
+        self._decoded_at = self._received_at
+        self._kept_up_at, self._behind = self._received_at, 0
         self._silent = False
-        self._missing = ""
-        self._begin()
+        self._last_error = ""
+        self._start()
 
     # --- the session's thread -------------------------------------------------------------------
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
+        """Return messages for the user, added since the last call."""
         decoded = tuple(f"{self._name}: {one}" for one in self._source.take_messages())
         return decoded + super().take_messages()
 
     @property
-    def words(self) -> str:
-        """A line for the play screen: what it is, its angle, the counters that aren't zero."""
+    def status_text(self) -> str:
+        """Line for the play screen: format, angle, and the counters that aren't zero."""
         report = self._source.report()
         counters = {**vars(self._source.counters), "received_bytes": 0}
         angle = report["theta2_rad"]
         position = "" if angle is None else f", {180.0 * angle / HALF_TURN:.0f}°"
-        hold = ", holding" if self._source.holding else ""
-        state = self.GONE if self._port is None else report["told"] or "listening"
-        return self._line(f"{state}{position}{hold}", counters)
+        touch = ", touching" if self._source.holding else ""
+        state = self.GONE if self._port is None else report["format"] or "listening"
+        return self._line(f"{state}{position}{touch}", counters)
 
-    def _counted(self) -> dict[str, Any]:
+    def _source_report(self) -> dict[str, Any]:
         return self._source.report()
 
     # --- the port's thread ----------------------------------------------------------------------
 
     def _read(self, port: Port) -> None:
-        self._take(b"".join(port.receive(self.WAIT_S)))
-        self._keep_up(port)
+        self._process(b"".join(port.receive(self.WAIT_S)))
+        self._discard_backlog(port)
 
-    def _take(self, data: bytes) -> None:
+    def _process(self, data: bytes) -> None:
         now = time.monotonic()
         counters = self._source.counters
         if data:
-            self._heard_at = now
-        if len(data) > MOST:
-            counters.overrun_bytes += len(data) - MOST
-            data = data[-MOST:]
-        before, understood = self._source.turn, counters.readings - counters.repeated
-        elsewhere, position, yields = self._writer.find()
-        events = self._source.feed(data, now, elsewhere, position, yields) if data else []
-        turn = self._source.turn
+            self._received_at = now
+        if len(data) > MAX_BYTES:
+            counters.overrun_bytes += len(data) - MAX_BYTES
+            data = data[-MAX_BYTES:]
+        before, decoded = self._source.angle, counters.readings - counters.repeated
+        disk = self._writer.disk_state()
+        events = self._source.feed(data, now, *disk) if data else []
+        turn = self._source.angle
         if turn is not None and turn is not before:
-            self._writer.saw(turn.time_s)
+            self._writer.observe(turn.time_s)
         self._writer.write(events)
         self._messages.extend(self._diagnostics.new(counters))
-        if counters.readings - counters.repeated > understood:
-            self._understood_at, self._silent = now, False
-        elif now - self._understood_at > self._silent_s and not self._silent:
+        if counters.readings - counters.repeated > decoded:
+            self._decoded_at, self._silent = now, False
+        elif now - self._decoded_at > self._silent_s and not self._silent:
             self._silent = True
-            self._fall_silent(now - self._heard_at > self._silent_s)
+            if self._write_release():
+                silent = now - self._received_at > self._silent_s
+                reason = "no data" if silent else "no new reading decoded"
+                self._messages.append(f"{reason} for {self._silent_s:g} s; disk released")
 
-    def _keep_up(self, port: Port) -> None:
+    def _discard_backlog(self, port: Port) -> None:
         now = time.monotonic()
         self._behind += 1
         if not port.waiting:
@@ -132,54 +134,47 @@ class SensorInput(ThreadedInput):
             while port.waiting and time.monotonic() - now < BEHIND_S:
                 self._source.counters.overrun_bytes += sum(map(len, port.receive(0.0)))
 
-    def _fall_silent(self, silent: bool) -> None:
-        if self._let_go():
-            what = "silent" if silent else "nothing new understood"
-            self._messages.append(f"{what} for {self._silent_s:g} s; the disk is let go")
-
     def _release(self) -> Event | None:
         return self._source.release()
 
     def _lose(self) -> None:
         super()._lose()
-        self._missing = ""
+        self._last_error = ""
 
     def _open_again(self) -> Port | None:
         try:
-            device = find_again(self._where, self._identity)
+            device = find_device_again(self._address, self._identity)
             port = self._open_port(device, self._baud)
         except InputError as error:
-            why = str(error).removeprefix(f"{self._name}: ")
-            if why != self._missing and "no such port" not in why:
-                self._messages.append(f"{why} (waiting)")
-            self._missing = why
+            reason = str(error).removeprefix(f"{self._name}: ")
+            if reason != self._last_error and "no such port" not in reason:
+                self._messages.append(f"{reason} (waiting)")
+            self._last_error = reason
             return None
         self._source = SensorSource(
             self._sensor, TouchRules.of(self._preset), self._source.counters
         )
-        self._where = device
-        self._understood_at = self._kept_up_at = time.monotonic()
+        self._address = device
+        self._decoded_at = self._kept_up_at = time.monotonic()
         self._behind = 0
         return port
 
 
 class NamedInput(SensorInput):
-    """A sensor that isn't on a serial port: a pad, a phone's app, a radio.
+    """Sensor input without a serial port: a game pad, a phone's app, a Bluetooth sensor.
 
     Thread: as `ThreadedInput`.
     """
-
-    GONE = "gone"
 
     def __init__(
         self,
         engine: Engine,
         kind: str,
-        where: str,
+        address: str,
         sensor: Sensor,
         open_port: Callable[[str], Port],
         silent_s: float = SILENT_S,
     ) -> None:
-        """As `SensorInput`; `kind` is what `--input` puts before where it is."""
+        """Start as `SensorInput`; `--input` names this one `KIND:ADDRESS`."""
         self.KIND = f"{kind}:"
-        super().__init__(engine, where, sensor, None, lambda name, _: open_port(name), silent_s)
+        super().__init__(engine, address, sensor, None, lambda name, _: open_port(name), silent_s)

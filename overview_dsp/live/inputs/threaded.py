@@ -1,6 +1,6 @@
-"""Inputs whose port is read on a thread of its own: begun, lost, found again, ended.
+"""Base class of inputs whose port is read in a thread of its own, and is opened again when lost.
 
-`SourceWriter` writes the events of one source among several, and `EventClock` maps the times of
+`SourceWriter` writes the events of one source among several, and `EventClock` converts the times of
 its device to samples of the engine.
 """
 
@@ -14,75 +14,82 @@ from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
-from overview_dsp.devices.sensors.touching import Event, TouchRules
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
 LATEST = 256
-"""Arrivals that are looked at."""
+"""Number of latest arrivals that the delay is estimated from."""
 
 IN_TIME = 0.95
-"""Part of the events that is to come before its sample."""
+"""Fraction of the events that should arrive before their sample."""
 
 LONGEST_WAIT_S = 0.012
-"""Beyond the median: what bursts of a USB serial adapter (16 ms) and blocks of 1024 frames need. A
-machine that is held up longer makes those events late, instead of all. Twice that beyond the least:
-once what had piled up is worked off, nothing waits for it."""
+"""Maximum delay beyond the median, enough for the bursts of a USB serial adapter (16 ms) and for
+blocks of 1024 frames. A longer interruption delays only its own events. The delay is also at most
+twice this beyond the minimum, so that it becomes short again after an interruption."""
 
 
 class EventClock:
-    """Stamps events so that the disk moves as evenly as the sensor did.
+    """Clock that stamps events so that the disk moves as evenly as the sensor did.
 
-    A block of audio takes what has come by its start; without stamps, the samples of a sensor would
-    be bunched there. So each is stamped as late as most need to arrive: the sensor's time plus the
-    95 % point of (the engine's time at arrival - the sensor's time). Both clocks' drift, the blocks
-    and the port's bursts are in it. The rest applies when it comes, and is counted by the engine as
-    late.
+    An audio block applies at its start all events that have arrived. Without stamps, the samples of
+    a sensor would all be applied there. So an event is applied at the sensor's time plus a delay,
+    the 95th percentile of (engine time at arrival - sensor time). This includes the drift of both
+    clocks, the blocks and the bursts of the port. Later events are applied when they arrive, and
+    the engine counts them as late.
     """
 
     def __init__(self, sample_rate: float) -> None:
-        """For an engine at `sample_rate`."""
+        """Convert to samples of an engine at `sample_rate`."""
         self._rate = sample_rate
-        self._behind: deque[float] = deque(maxlen=LATEST)
+        self._delays: deque[float] = deque(maxlen=LATEST)
         self._offset = 0.0
         self._last = 0
         self._waits: deque[float] = deque(maxlen=4 * LATEST)
 
-    def saw(self, time_s: float, now: int) -> None:
-        """A sample of the sensor's `time_s` arrived when the engine was at sample `now`."""
-        self._behind.append(now - time_s * self._rate)
-        order = sorted(self._behind)
+    def observe(self, time_s: float, now: int) -> None:
+        """Use the arrival of the sensor's `time_s` at the engine's sample `now`."""
+        self._delays.append(now - time_s * self._rate)
+        order = sorted(self._delays)
         longest = LONGEST_WAIT_S * self._rate
-        usual = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
-        self._offset = min(order[min(len(order) - 1, int(IN_TIME * len(order)))], usual)
+        highest = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
+        self._offset = min(_quantile(order, IN_TIME), highest)
 
     def stamp(self, time_s: float, now: int) -> int:
-        """The sample at which an event of the sensor's `time_s` applies; never goes back."""
+        """Return the sample at which an event of the sensor's `time_s` applies; never decreases."""
         self._last = max(self._last, math.ceil(time_s * self._rate + self._offset))
         self._waits.append(max(0, self._last - now) / self._rate)
         return self._last
 
     @property
     def added_latency_s(self) -> tuple[float, float]:
-        """How long events wait for their sample, s: median and 99 % point of the latest."""
+        """Wait of the latest events for their sample: median and 99th percentile, s."""
         if not self._waits:
             return 0.0, 0.0
         order = sorted(self._waits)
-        return order[len(order) // 2], order[min(len(order) - 1, int(0.99 * len(order)))]
+        return _quantile(order, 0.5), _quantile(order, 0.99)
+
+
+def _quantile(ordered: list[float], part: float) -> float:
+    return ordered[min(len(ordered) - 1, int(part * len(ordered)))]
 
 
 STALLED_S = 0.5
-"""An engine that has stood still for so long has lost its output."""
+"""Time without progress after which the engine has lost its output."""
 
 YIELDING = ("serial", "osc", "midi")
-"""Sources that a turned device takes over from: what holds there may never let go by itself."""
+"""Sources that a turned device takes over from, because they may never release by themselves."""
 
 
-class Found(NamedTuple):
-    """What a source finds: theta2 (rad) of another one that holds the disk, or None; where the disk
-    is, as theta2 (rad); whether that other one yields to a turn."""
+class DiskState(NamedTuple):
+    """Disk as one source sees it at the last block.
+
+    `elsewhere` is theta2 (rad) of another source that touches the disk, or None. `position` is the
+    disk's position as theta2 (rad). `yields` is whether the other source yields to a turn.
+    """
 
     elsewhere: float | None
     position: float
@@ -90,65 +97,65 @@ class Found(NamedTuple):
 
 
 class SourceWriter:
-    """Writes the ring of one source.
+    """Writer of the control events of one source.
 
-    Thread: its input's, the only one that writes that source.
+    Thread: that of its input, the only one that writes this source.
     """
 
     def __init__(
         self, engine: Engine, source: str, now: Callable[[], float] = time.monotonic
     ) -> None:
-        """`source`: one of `gestures.SOURCES`; `now`: a clock, s."""
+        """Write `source`, one of `gestures.SOURCES`; `now` is a clock in s."""
         self._engine = engine
         self._source = source
         self._now = now
         self.restart()
         self._ran = (-1, now())
 
-    def find(self) -> Found:
-        """How the disk is, as of the last block."""
-        held = self._engine.holder
+    def disk_state(self) -> DiskState:
+        """Return the state of the disk at the last block."""
+        held = self._engine.active_input
         position = self._engine.meters.cursor * HALF_TURN
         if held is None or held[0] == self._source:
-            return Found(None, position, False)
-        return Found(held[1], position, held[0] in YIELDING)
+            return DiskState(None, position, False)
+        return DiskState(held[1], position, held[0] in YIELDING)
 
     def _runs(self) -> bool:
-        """Whether the engine takes events: while its output is lost they would be stale."""
+        """Return whether the engine runs; without an output events would be applied too late."""
         now, sample = self._now(), self._engine.sample_time
         last, since = self._ran
         if sample == last:
             return now - since < STALLED_S
-        if now - since >= STALLED_S or sample < last:  # or it has begun anew
+        if now - since >= STALLED_S or sample < last:  # the output is back, or the engine restarted
             self.restart()
         self._ran = (sample, now)
         return True
 
     def restart(self) -> None:
-        """What came until now says nothing of when things will come."""
+        """Discard the observed arrivals, which don't predict later ones."""
         self._clock = EventClock(self._engine.sample_rate)
-        self._saw = False
+        self._observed = False
 
-    def saw(self, time_s: float) -> None:
-        """Something of `time_s`, of the source's own clock, has just come."""
+    def observe(self, time_s: float) -> None:
+        """Use the arrival of data that the source's own clock stamped with `time_s`."""
         if self._runs():
-            self._saw = True
-            self._clock.saw(time_s, self._engine.sample_time)
+            self._observed = True
+            self._clock.observe(time_s, self._engine.sample_time)
 
     def write(self, events: Iterable[Event]) -> None:
-        """Hand events over, each at its time; where the engine stands still, only what lets go."""
+        """Write events, each for its time; without a running engine write only releases."""
         runs, sample = self._runs(), self._engine.sample_time
         for event in events:
             if not runs:
-                self.let_go(None if event.touching else event)
+                self.release(None if event.touching else event)
                 continue
-            stamp = self._clock.stamp(event.time_s, sample) if self._saw else None
-            if event.again:
+            stamp = self._clock.stamp(event.time_s, sample) if self._observed else None
+            if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)
 
-    def let_go(self, event: Event | None) -> bool:
-        """Hand over a release, as soon as possible; whether there was one."""
+    def release(self, event: Event | None) -> bool:
+        """Write a release that applies as soon as possible; return whether there was one."""
         if event is not None:
             self._push(event.theta2, False, None)
         return event is not None
@@ -158,7 +165,7 @@ class SourceWriter:
 
     @property
     def waits_s(self) -> tuple[float, float]:
-        """How long events wait for their sample, s: median and 99 % point of the latest."""
+        """Wait of the latest events for their sample: median and 99th percentile, s."""
         return self._clock.added_latency_s
 
 
@@ -166,47 +173,47 @@ RETRY_S = 1.0
 
 
 class ThreadedInput(Input, ABC):
-    """Plays what a port brings into a running engine, as one source.
+    """Input that plays the data of a port into a running engine, as one source.
 
     Thread: control; the port is read in a thread of its own, the only writer of that source.
     """
 
-    KIND = ""  # what messages put before the port's name
-    GONE = "gone"  # what a port is that was lost
+    KIND = ""  # prefix of the port's name in messages
+    GONE = "disconnected"  # text for a port that was lost
 
-    _source: Any  # what makes events of what is read, by `rules`
+    _source: Any  # converts what is read to events, by its `rules`
 
-    def __init__(self, engine: Engine, source: str, port: Port, where: str) -> None:
-        """Before `_begin`. `source`: one of `gestures.SOURCES`; `where`: the open port's name."""
+    def __init__(self, engine: Engine, source: str, port: Port, address: str) -> None:
+        """Prepare for `_start`; `source` is one of `gestures.SOURCES`, `address` the port's."""
         self._engine = engine
         self._preset = engine.preset
-        self._where = where
+        self._address = address
         self._port: Port | None = port  # None while it is lost
         self._writer = SourceWriter(engine, source)
         self._messages: deque[str] = deque()
-        self._said: set[str] = set()
-        self._heard_at = time.monotonic()
+        self._reported: set[str] = set()
+        self._received_at = time.monotonic()
         self._lost = 0
         self._over = threading.Event()
         self._failure: Exception | None = None
 
-    def _begin(self) -> None:
+    def _start(self) -> None:
         self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
         self._thread.start()
 
     @property
     def _name(self) -> str:
-        return self.KIND + self._where
+        return self.KIND + self._address
 
     # --- the session's thread -------------------------------------------------------------------
 
     def poll(self, engine: Engine) -> None:
-        """Take over a changed preset's rules; the thread does the rest.
+        """Use the rules of a changed preset; the thread does the rest.
 
         Raises
         ------
         Exception
-            What ended the thread, if anything did.
+            The thread has failed with it.
         """
         if self._failure is not None:
             raise self._failure
@@ -215,55 +222,55 @@ class ThreadedInput(Input, ABC):
             self._source.rules = TouchRules.of(self._preset)
 
     def is_over(self, engine: Engine) -> bool:
-        """Never: what is gone is waited for."""
+        """Return False: a lost port may return."""
         return False
 
     def close(self) -> None:
-        """Let go and give the port back."""
+        """Release the disk and close the port."""
         self._over.set()
         self._thread.join(2.0)
 
     def take_messages(self) -> tuple[str, ...]:
-        """What a person should know, new since the last call."""
+        """Return messages for the user, added since the last call."""
         new = [self._messages.popleft() for _ in range(len(self._messages))]
         return tuple(f"{self._name}: {one}" for one in new)
 
     def _line(self, state: str, counters: Mapping[str, int]) -> str:
-        """A line for the play screen: a state, and the counters that aren't zero."""
+        """Return a line for the play screen: a state, and the counters that aren't zero."""
         counted = ", ".join(
             f"{value} {name.replace('_', ' ')}" for name, value in counters.items() if value
         )
         return f"{self._name}: {state}; {counted or 'nothing yet'}"
 
     def report(self) -> dict[str, Any]:
-        """Everything counted, and how long events wait for their sample, ms."""
+        """Return all counters, and how long events wait for their sample, ms."""
         median, highest = self._writer.waits_s
         return {
-            "port": self._where,
+            "port": self._address,
             "connected": self._port is not None,
             "connections_lost": self._lost,
-            **self._counted(),
+            **self._source_report(),
             "wait_p50_ms": round(1e3 * median, 2),
             "wait_p99_ms": round(1e3 * highest, 2),
         }
 
     @abstractmethod
-    def _counted(self) -> dict[str, Any]:
-        """What `report` says of the hand."""
+    def _source_report(self) -> dict[str, Any]:
+        """Return the part of `report` about the source."""
 
     # --- the port's thread ----------------------------------------------------------------------
 
     @abstractmethod
     def _read(self, port: Port) -> None:
-        """Wait a little for something to come, and hand it over; PortLostError."""
+        """Wait a short time for data, and write their events; PortLostError."""
 
     @abstractmethod
     def _release(self) -> Event | None:
-        """Let the hand go: its last event, if it held on."""
+        """End the source's touch, if any, and return the event for that."""
 
     @abstractmethod
     def _open_again(self) -> Port | None:
-        """The lost port, if it is back, with everything that reads it as new."""
+        """Return the lost port if it is available again, and reset its readers."""
 
     def _run(self) -> None:
         try:
@@ -278,31 +285,31 @@ class ThreadedInput(Input, ABC):
                     self._lose()
         except Exception as error:  # shown by the session, which polls
             self._failure = error
-        self._let_go()
+        self._write_release()
         self._close_port()
 
     def _close_port(self) -> None:
         if self._port is not None:
             self._port.close()
 
-    def _let_go(self) -> bool:
-        return self._writer.let_go(self._release())
+    def _write_release(self) -> bool:
+        return self._writer.release(self._release())
 
     def _lose(self) -> None:
-        self._let_go()
+        self._write_release()
         self._close_port()
         self._port = None
         self._lost += 1
-        self._messages.append(f"{self.GONE}; the disk is let go, waiting for it to come back")
+        self._messages.append(f"{self.GONE}; disk released, waiting for the device")
 
     def _find_again(self) -> None:
         if (port := self._open_again()) is not None:
             self._writer.restart()
-            self._heard_at = time.monotonic()
+            self._received_at = time.monotonic()
             self._port = port
-            self._messages.append("is back")
+            self._messages.append("reconnected")
 
     def _say_once(self, line: str) -> None:
-        if line not in self._said:
-            self._said.add(line)
+        if line not in self._reported:
+            self._reported.add(line)
             self._messages.append(line)

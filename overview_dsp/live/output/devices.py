@@ -1,4 +1,4 @@
-"""The audio outputs that there are, and why one of them can't be opened."""
+"""Audio outputs of this machine, and errors of outputs that can't be opened."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
-from overview_dsp.live.output.saved_settings import asked_by
+from overview_dsp.live.output.saved_settings import file_requiring
 from overview_dsp.live.output.settings import is_pad
 
 _OUTPUT_HINTS = {
@@ -20,7 +20,7 @@ _OUTPUT_HINTS = {
 
 
 def no_output_hint() -> str:
-    """What to do on this platform when there is no output."""
+    """Return what to do on this platform if there is no output."""
     return _OUTPUT_HINTS.get(sys.platform, _OUTPUT_HINTS["linux"])
 
 
@@ -31,17 +31,17 @@ class OutputDevice:
     Attributes
     ----------
     index : int
-        PortAudio's.
+        PortAudio's index of the device.
     name, host : str
-        Of the device, and of its host API.
+        Names of the device and of its host API.
     channels : int
-        How many it has.
+        Number of output channels.
     sample_rate : float
-        Its own, Hz.
+        Default sample rate, Hz.
     latency_s : float
-        The lowest, s.
+        Lowest latency, s.
     default : bool
-        Whether it is the system's choice.
+        Whether it is the default output of the system.
 
     Examples
     --------
@@ -59,22 +59,22 @@ class OutputDevice:
 
     @property
     def full_name(self) -> str:
-        """Name and host, which what is remembered goes by."""
+        """Name and host; saved settings are stored under it."""
         return f"{self.name} ({self.host})"
 
 
 def devices() -> list[OutputDevice]:
-    """List the audio outputs that PortAudio sees; none of them is opened.
+    """List the audio outputs that PortAudio finds, without opening them.
 
     Returns
     -------
     list of OutputDevice
-        In PortAudio's order.
+        Outputs in PortAudio's order.
 
     Raises
     ------
     OverviewError
-        There is no PortAudio library; how to install it.
+        The PortAudio library is missing. The message explains how to install it.
 
     Examples
     --------
@@ -107,19 +107,19 @@ def find_device(device: int | str | None) -> OutputDevice:
     Parameters
     ----------
     device : int, str or None
-        Its index or a part of its name; None is the default, `"pad"` a DualSense by USB.
+        Index or part of the name. None is the default output, `"pad"` a DualSense by USB.
 
     Returns
     -------
     OutputDevice
-        That one.
+        The output found.
 
     Raises
     ------
     InputError
-        There is none of that name, or no output at all.
+        No output has that name, or there is no output.
     OverviewError
-        There is no PortAudio library; how to install it.
+        The PortAudio library is missing. The message explains how to install it.
 
     Examples
     --------
@@ -134,63 +134,65 @@ def find_device(device: int | str | None) -> OutputDevice:
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError) as error:
-        raise no_stream(sounddevice, device, 0, 0.0, error) from None
+        raise open_error(sounddevice, device, 0, 0.0, error) from None
     return next(output for output in devices() if output.index == found["index"])
 
 
 def _pad() -> OutputDevice:
-    """A pad whose coils are channels 3 and 4: of the default's host, if there; InputError."""
-    there = devices()
-    found = [output for output in there if is_pad(output.name, output.channels)]
-    usual = {output.host for output in there if output.default}
-    found.sort(key=lambda output: output.host not in usual)
+    """Return a pad with its coils on channels 3 and 4, of the default host if possible."""
+    outputs = devices()
+    found = [output for output in outputs if is_pad(output.name, output.channels)]
+    default_hosts = {output.host for output in outputs if output.default}
+    found.sort(key=lambda output: output.host not in default_hosts)
     if not found:
         raise InputError(
-            "--device pad: no output is a pad with its coils on channels 3 and 4 (a DualSense by "
-            "USB, not by Bluetooth); `overview devices` lists what is there"
+            "--device pad: no output is a pad with its coils on channels 3 and 4; connect a "
+            "DualSense by USB (Bluetooth doesn't work), or see `overview devices`"
         )
     return found[0]
 
 
-def no_stream(
+def open_error(
     sounddevice: Any, device: Any, channels: int, sample_rate: float, error: Exception
 ) -> InputError:
-    """Why an output can't be opened, and what to try."""
-    what = "the default output" if device is None else f"output device {device!r}"
+    """Return the error for an output that can't be opened, with its reason and a remedy."""
+    what = "default output" if device is None else f"output device {device!r}"
     try:
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError):
         if not devices():
             return InputError(
-                f"no audio output: {no_output_hint()}; or play without sound (--device none)"
+                f"no audio output found: {no_output_hint()}; or play without sound (--device none)"
             )
-        return InputError(f"{what}: {first_line(error)}; `overview devices` lists what is there")
+        return InputError(f"{what}: {first_line(error)}; `overview devices` lists all outputs")
     if channels > found["max_output_channels"]:
         host = sounddevice.query_hostapis(found["hostapi"])["name"]
-        advice = _too_many(f"{found['name']} ({host})", found["max_output_channels"], channels)
+        advice = _channel_advice(
+            f"{found['name']} ({host})", found["max_output_channels"], channels
+        )
     elif "sample rate" in str(error).lower():
         rate = found["default_samplerate"]
-        advice = f"it can't do {sample_rate:g} Hz; its own rate is {rate:g}: --sample-rate {rate:g}"
+        advice = f"{sample_rate:g} Hz isn't supported; try its default, --sample-rate {rate:g}"
     elif "unavailable" in str(error).lower():
-        advice = "another program may hold it: close that, or choose another output"
+        advice = "another program may use it; close that program, or choose another output"
     else:
-        advice = "`overview devices` lists what is there"
+        advice = "`overview devices` lists all outputs"
     return InputError(f"{what} ({found['name']}): {first_line(error)}; {advice}")
 
 
 def first_line(error: Exception) -> str:
-    """What it says, without the rest."""
+    """Return the first line of an error's message."""
     return str(error).splitlines()[0].rstrip(". ")
 
 
-def _too_many(full_name: str, has: int, channels: int) -> str:
-    """That more channels are asked for than it has, who asks, and what changes that."""
-    advice = f"it has {has} channels, {channels} are asked for"
-    if (path := asked_by(full_name, channels)) is not None:
-        advice += f", as {path} remembers"
-    if has < 2:
+def _channel_advice(full_name: str, available: int, channels: int) -> str:
+    """Return an advice for a device with fewer channels than the settings need."""
+    advice = f"it has {available} channels, but {channels} are needed"
+    if (path := file_requiring(full_name, channels)) is not None:
+        advice += f" by its settings in {path}"
+    if available < 2:
         return f"{advice}; choose another output"
     return (
-        f"{advice}; `overview play` with --set click.channel=1 --set tactor.channel=2 (or "
-        "`channels 1 2` while it plays) changes that"
+        f"{advice}; use `overview play` with --set click.channel=1 --set tactor.channel=2, or the "
+        "command `channels 1 2` during playback"
     )

@@ -1,6 +1,7 @@
-"""PortAudio and its Python binding, sounddevice, which is imported here alone, and late.
+"""PortAudio and its Python binding sounddevice, which only this module imports, when needed.
 
-It lists the devices of its start only, and can't be ended once its JACK server has died.
+PortAudio lists only the devices that were connected when it was initialized. It can't be terminated
+after its JACK server has died.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from typing import Any
 from overview_dsp.errors import OverviewError, require_internals
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
-"""As pyproject.toml has it. `_StreamBase` is there for library authors; the rest of its inside is
-promised to nobody."""
+"""Version range, as in pyproject.toml. sounddevice offers `_StreamBase` to library authors; its
+other private names may change in any version."""
 
 _INTERNALS = (
     "_StreamBase",
@@ -28,45 +29,45 @@ _INTERNALS = (
 )
 
 SILENT = "none"
-"""Device name of no sound."""
+"""Device name for playback without sound."""
 
 PAD = "pad"
-"""Device name of whichever output is a game pad with voice coils."""
+"""Device name for any output that is a game pad with voice coils."""
 
 _ABANDONED: list[Any] = []
 
 _LIBRARY_HINTS = {
     "linux": "install it (Debian, Ubuntu: apt install libportaudio2; Fedora: dnf install "
     "portaudio; Arch: pacman -S portaudio)",
-    "darwin": "pip install --force-reinstall sounddevice brings it (or brew install portaudio)",
-    "win32": "pip install --force-reinstall sounddevice brings it",
+    "darwin": "install it (pip install --force-reinstall sounddevice, or brew install portaudio)",
+    "win32": "install it (pip install --force-reinstall sounddevice)",
 }
 
 
 def device_named(device: str | None) -> int | str | None:
-    """Return a device as PortAudio takes it: a number, a name, None for the default."""
+    """Return a device for PortAudio: a number, a name, or None for the default output."""
     return int(device) if device is not None and device.isdecimal() else device
 
 
 def import_sounddevice() -> Any:
-    """The sounddevice module.
+    """Import and return the sounddevice module.
 
     Raises
     ------
     OverviewError
-        No PortAudio, or a sounddevice that doesn't have what is used here; how to install them.
+        PortAudio is missing, or this version of sounddevice lacks a name that is used here.
     """
     try:
         import sounddevice
     except OSError as error:
         hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
-        raise OverviewError(f"no PortAudio library ({error}): {hint}") from None
+        raise OverviewError(f"PortAudio library not found ({error}): {hint}") from None
     require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
     return sounddevice
 
 
 def rescan() -> None:
-    """Let PortAudio look for devices again: it lists those of its start only. No stream is open."""
+    """Let PortAudio look for devices again. No stream may be open."""
     sounddevice = import_sounddevice()
     # sounddevice has no public names for these
     if any("JACK" in host["name"] for host in sounddevice.query_hostapis()):
@@ -77,17 +78,17 @@ def rescan() -> None:
 
 
 def abandon_library(sounddevice: Any) -> None:
-    """Begin anew with a copy of the PortAudio library, and leave the old one as it is.
+    """Initialize a copy of the PortAudio library, and leave the present one loaded.
 
-    Once its JACK server has died, PortAudio can't be terminated (an assertion ends the process),
-    so it can't be restarted either; a copy of the file is loaded with a state of its own.
+    After its JACK server has died, PortAudio can't be terminated (an assertion would end the
+    process), and so it can't be initialized again. A copy of the library file has its own state.
     """
-    sounddevice._initialized = 0  # else sounddevice terminates the old one at exit
+    sounddevice._initialized = 0  # so that sounddevice doesn't terminate the old one at exit
     handle, path = tempfile.mkstemp(suffix=".so")
     os.close(handle)
     try:
         shutil.copyfile(_loaded_file("libportaudio"), path)
-        _ABANDONED.append(sounddevice._lib)  # unloaded, its threads would run into nothing
+        _ABANDONED.append(sounddevice._lib)  # its threads still run, so it must stay loaded
         sounddevice._lib = sounddevice._ffi.dlopen(path)
     finally:
         os.unlink(path)
@@ -95,7 +96,7 @@ def abandon_library(sounddevice: Any) -> None:
 
 
 def _loaded_file(name: str) -> str:
-    """The file of a library that this process has loaded (Linux)."""
+    """Return the path of a library that this process has loaded (Linux)."""
     try:
         with open("/proc/self/maps", encoding="utf-8", errors="surrogateescape") as maps:
             found = [line.split(None, 5)[5].strip() for line in maps if name in line]
@@ -104,4 +105,4 @@ def _loaded_file(name: str) -> str:
     for path in found:
         if os.path.isfile(path):
             return path
-    raise OverviewError("the JACK server has gone; when it is back, start overview play again")
+    raise OverviewError("the JACK server has stopped; start it, then start overview play again")

@@ -1,7 +1,7 @@
-"""An audio output that runs the engine: PortAudio with the native callback, or a Python one.
+"""PortAudio output that runs the engine in a native or a Python callback.
 
-The native callback (the default) is machine code that never waits for the interpreter; the Python
-callback is the fallback for platforms where that can't run, chosen by name and never silently.
+The native callback (the default) is machine code that never waits for the interpreter. The Python
+callback is for platforms without it; it is used only if it is chosen explicitly.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.devices import find_device, first_line, no_stream
+from overview_dsp.live.output.devices import find_device, first_line, open_error
 from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import Stream, compile_python_path, connect, run_block
@@ -26,42 +26,43 @@ from overview_dsp.signal.engine.engine import Engine
 
 CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
-"""How long closing waits for the fade: a device that has stopped calling never ends it."""
+"""Time that closing waits for the fade, which never ends on a device that has stopped calling."""
 
-# A running stream must outlive every other reference to it: PortAudio goes on calling.
+# A running stream must outlive every other reference to it, because PortAudio calls it.
 _RUNNING: set[OutputStream] = set()
 
 
 class OutputStream(Stream):
     """A stream that plays an engine through PortAudio, at the engine's sample rate.
 
-    While it is open its audio thread owns the engine's `process`; the control thread may go on
-    calling `control`, `set`, `set_surface` and reading meters. As a context it starts and closes.
+    While it is open, only its audio thread calls the engine's `process`. The control thread may
+    call `control`, `set` and `set_surface` and read meters. As a context manager it starts and
+    closes.
 
     Thread: main.
 
     Parameters
     ----------
     engine : Engine
-        Prepared.
+        Prepared engine.
     device : int, str or None
-        As `find_device` takes it.
+        Output, as in `find_device`.
     block_size : int
-        Frames; 0 lets the device choose, at most the engine's prepared size.
+        Block size in frames; 0 lets the device choose, at most the engine's prepared size.
     settings : OutputSettings or None
-        Channels, gains, delays, ceilings and actuator; left out, the engine's channels and the
-        signals as they are.
+        Channels, gains, delays, ceilings and actuator; None uses the engine's channels and
+        unchanged signals.
     callback : {"native", "python"}
         `native` is machine code that never waits for the interpreter; `python` is the fallback.
     latency : float, "low" or "high"
-        What is asked of PortAudio, s.
+        Latency requested from PortAudio, s.
 
     Raises
     ------
     InputError
-        No such device, or one that can't do this.
+        The device doesn't exist or doesn't support the settings.
     OverviewError
-        There is no PortAudio library; how to install it.
+        The PortAudio library is missing. The message explains how to install it.
     NotPreparedError
         The engine isn't prepared.
 
@@ -87,7 +88,7 @@ class OutputStream(Stream):
         sounddevice = import_sounddevice()
         engine.sample_time  # noqa: B018 - raises NotPreparedError
         if callback not in ("native", "python"):
-            raise InputError(f"callback {callback!r} is not known; it is native or python")
+            raise InputError(f"callback {callback!r} is unknown; must be native or python")
         self._sounddevice = sounddevice
         self._engine = engine
         self._memory = engine.memory
@@ -118,7 +119,7 @@ class OutputStream(Stream):
                 else sounddevice.OutputStream(callback=self._python_callback, **keywords)
             )
         except (sounddevice.PortAudioError, ValueError) as error:
-            raise no_stream(sounddevice, device, channels, engine.sample_rate, error) from None
+            raise open_error(sounddevice, device, channels, engine.sample_rate, error) from None
         _RUNNING.add(self)
 
     def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
@@ -128,7 +129,7 @@ class OutputStream(Stream):
         ffi = sounddevice._ffi
 
         class NativeStream(sounddevice._StreamBase):  # type: ignore[misc]
-            """A stream with a C callback, as sounddevice provides for library authors."""
+            """Stream with a C callback."""
 
             def __init__(stream) -> None:  # noqa: N805
                 super().__init__(
@@ -149,20 +150,20 @@ class OutputStream(Stream):
             raise self._sounddevice.CallbackStop
 
     def _start(self) -> None:
-        with self._told():
+        with self._named_errors():
             self._stream.start()
         self._started = True
 
     def _stop(self) -> None:
         self._fade_out()
         if self._stream.active:
-            raise OverviewError(f"output {self.name} doesn't answer")
-        with self._told():
+            raise OverviewError(f"output {self.name} doesn't respond")
+        with self._named_errors():
             self._stream.stop()
 
     @contextlib.contextmanager
-    def _told(self) -> Iterator[None]:
-        """Make an error of PortAudio's an OverviewError that names the output."""
+    def _named_errors(self) -> Iterator[None]:
+        """Convert a PortAudio error to an OverviewError that names the output."""
         try:
             yield
         except self._sounddevice.PortAudioError as error:
@@ -180,8 +181,8 @@ class OutputStream(Stream):
         self._fade_out()
         faded = self._w[layout.L_FADED] >= self._w[layout.S_GLIDE]
         if "JACK" in self._host and self._started and not faded:
-            # its server has died: closing would wait for it for ten minutes, and terminating
-            # PortAudio at exit would abort; the stream stays open, and in _RUNNING
+            # The JACK server has died. Closing would wait for it for ten minutes, and terminating
+            # PortAudio at exit would abort. So the stream stays open, and in _RUNNING.
             self._sounddevice._initialized = 0
             return
         self._stream.close()
@@ -189,12 +190,12 @@ class OutputStream(Stream):
 
     @property
     def active(self) -> bool:
-        """Whether the device is calling."""
+        """State of the stream: True while the device calls it."""
         return bool(self._stream.active)
 
     @property
     def _latency_s(self) -> float:
-        """From a sample to the output, as PortAudio reports it, s."""
+        """Latency from a sample to the output as reported by PortAudio, s."""
         return float(self._stream.latency)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Output of a session that is opened again when it is lost, and the frames that it lost."""
+"""Output of a session that is opened again after it was lost, and its count of lost frames."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ SLACK_S = 0.002
 
 
 class FramesLost:
-    """Counts gaps of an output; the count only grows.
+    """Counter of the frames that an output lost in gaps.
 
-    An output is a little behind the clock all the time, by what it has delivered last and when it
-    is looked at; the least of half a second is nearly free of that. Where it rises by more than a
-    block from one half second to the next, frames were lost. A device's own clock, which drifts
-    away from the computer's, is none of it.
+    The delay of the delivered frames behind the clock varies with the blocks and with the time of
+    each look. Its minimum over half a second hardly does. If that minimum rises by more than a
+    block from one half second to the next, frames were lost. A clock drift of the device is slower
+    and isn't counted.
 
     Thread: one.
     """
@@ -32,13 +32,13 @@ class FramesLost:
         self.restart()
 
     def restart(self) -> None:
-        """A new output, or one that was paused: what is lost is counted from its next frame on."""
+        """Count from the next frame on: the output is new or was paused."""
         self._before: float | None = None
         self._least: float | None = None
         self._until = 0.0
 
-    def look(self, now_s: float, frames: int, sample_rate: float, block_size: int) -> None:
-        """At `now_s` the output had delivered so many frames since its start; look often."""
+    def update(self, now_s: float, frames: int, sample_rate: float, block_size: int) -> None:
+        """Take account of the frames delivered from the start until `now_s`; call this often."""
         behind = now_s * sample_rate - frames
         if self._least is None:
             self._until = now_s + SLOT_S
@@ -52,30 +52,30 @@ class FramesLost:
 
 
 LOST_AFTER_S = 1.0
-"""An output that hasn't called for so long is lost."""
+"""Time without a callback after which an output is lost."""
 
 RETRY_EVERY_S = 1.0
 
 
 class ReconnectingStream:
-    """The output of a session: opened, lost and found again, exchanged for another.
+    """Output of a session, which is opened again after it was lost and may be replaced.
 
     Thread: control.
 
     Attributes
     ----------
     opener : StreamOpener
-        Opens the output, and opens it again.
+        Opener of the output.
     settings : OutputSettings
-        Its channels, gains and actuator.
+        Channels, gains and actuator.
     name : str
-        The present one's, or the last one's.
+        Name of the present or last stream.
     block_size : int
-        Frames.
+        Block size in frames.
     """
 
     def __init__(self, session: Session, opener: StreamOpener, settings: OutputSettings) -> None:
-        """Nothing is opened yet."""
+        """Prepare without opening the output."""
         self.opener = opener
         self.settings = settings
         self.name, self.block_size = "", 0
@@ -84,17 +84,17 @@ class ReconnectingStream:
         self._last = self._earlier = StreamMeters(0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._frames_lost = FramesLost()
         self._polled_at = time.monotonic()
-        self._called = (self._polled_at, -1)  # when the device called last, how often until then
+        self._called = (self._polled_at, -1)  # time of the last new callback, number of callbacks
         self._retry_at = 0.0
 
     @property
     def playing(self) -> bool:
-        """Whether there is one."""
+        """State of the output: True while a stream is open."""
         return self._stream is not None
 
     @property
     def meters(self) -> StreamMeters:
-        """Meters of the present or last stream, as of the last poll; counts are of all so far."""
+        """Meters of the present or last stream at the last poll; counts are sums of all streams."""
         names = ("callbacks", "late", "underflows", "frames")
         return replace(
             self._last,
@@ -103,16 +103,16 @@ class ReconnectingStream:
 
     @property
     def frames_lost(self) -> int:
-        """Frames of gaps of a block and more, so far."""
+        """Frames lost so far, in gaps longer than a block."""
         return self._frames_lost.count
 
     def open(self, before: Callable[[], None] = lambda: None) -> None:
-        """Open it and begin to play; `before` is called ahead of the first sample.
+        """Open the output and start to play; call `before` before the first sample.
 
         Raises
         ------
         OverviewError
-            It can't be opened, or what `before` raised.
+            The output can't be opened, or `before` failed.
         """
         stream = self.opener(self._engine, self.settings)
         try:
@@ -127,24 +127,24 @@ class ReconnectingStream:
         self._begin_watch()
 
     def poll(self) -> None:
-        """Close an output that is lost; try to open it again now and then."""
+        """Close an output that is lost; try once per second to open it again."""
         now = time.monotonic()
         if self._stream is None:
             self._retry(now)
             return
         meters = self._stream.meters
-        # a process that was suspended hasn't looked for long, which says nothing of the device
+        # a long time between polls means that this process was suspended, not that the device is
         asleep, self._polled_at = now - self._polled_at > LOST_AFTER_S / 2.0, now
         if meters.callbacks != self._called[1] or asleep:
             self._called = (now, meters.callbacks)
         self._last = meters
         if meters.frames:
-            self._frames_lost.look(now, meters.frames, self._engine.sample_rate, self.block_size)
+            self._frames_lost.update(now, meters.frames, self._engine.sample_rate, self.block_size)
         if not self._stream.active or now - self._called[0] > LOST_AFTER_S:
             self._session.say(
-                f"output {self.name} is lost: the disk is let go; waiting for it to come back"
+                f"output {self.name} disconnected; disk released, waiting for the output"
             )
-            self.give_back()
+            self.disconnect()
 
     def _retry(self, now: float) -> None:
         if now < self._retry_at:
@@ -154,19 +154,19 @@ class ReconnectingStream:
             self.open()
         except OverviewError:
             return
-        self._session.say(f"output {self.name} is back")
+        self._session.say(f"output {self.name} reconnected")
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings, which glide there."""
+        """Change gains, mutes, delays and ceilings smoothly."""
         self.settings = settings
         settings.write(self._engine.memory, self._engine.sample_rate)
 
     def mute(self, signal: str, muted: bool) -> None:
-        """Mute a signal (click or tactor) at the device, or let it sound again."""
+        """Mute or unmute a signal (click or tactor) of the device."""
         self.set(self.settings.changed(**{signal: {"mute": muted}}))
 
     def restart(self, begin: Callable[[], None]) -> None:
-        """Fade out, call `begin` while nothing runs the engine, and play on."""
+        """Fade out, call `begin` while nothing runs the engine, and continue to play."""
         assert self._stream is not None
         try:
             self._stream.restart(begin)
@@ -174,21 +174,21 @@ class ReconnectingStream:
             self._session.say(str(error))
         self._begin_watch()
 
-    def give_back(self) -> None:
-        """Close it, for `open` or `poll` to open another; an error is shown."""
+    def disconnect(self) -> None:
+        """Close the stream so that `open` or `poll` can open another; show an error."""
         if self._stream is None:
             return
         self._earlier = self.meters
         self._last = replace(self._last, callbacks=0, late=0, underflows=0, frames=0)
         try:
             self._stream.close()
-        except Exception as error:  # PortAudio's own, of a device that is gone
-            self._session.say(f"closing it: {error}")
+        except Exception as error:  # from PortAudio, if the device is disconnected
+            self._session.say(f"error while closing output {self.name}: {error}")
         self._stream = None
         self._retry_at = time.monotonic()
 
     def close(self) -> None:
-        """Fade out and end; may be called twice."""
+        """Fade out and end; repeated calls do nothing."""
         if self._stream is not None:
             stream, self._stream = self._stream, None
             stream.close()

@@ -1,4 +1,4 @@
-"""Players of samples made before, such as test tones; they report how much has been heard."""
+"""Players of precomputed samples such as test tones, which report the time played so far."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.live.output.devices import no_stream
+from overview_dsp.live.output.devices import open_error
 from overview_dsp.live.output.portaudio_library import import_sounddevice
 from overview_dsp.live.output.portaudio_stream import FADE_WITHIN_S
 
@@ -16,7 +16,7 @@ FADE_S = 0.02
 
 
 class SamplePlayer:
-    """Plays float32 (frames, channels) on an output device.
+    """Player of float32 samples (frames, channels) on an output device.
 
     Thread: main.
     """
@@ -24,7 +24,7 @@ class SamplePlayer:
     def __init__(
         self, samples: NDArray[np.float32], sample_rate: float, device: int | str | None = None
     ) -> None:
-        """Open a device (None = the default); InputError if it can't play this."""
+        """Open a device (None: the default); InputError if it can't play these samples."""
         self._sounddevice = import_sounddevice()
         self._samples = samples
         self._rate = sample_rate
@@ -44,7 +44,7 @@ class SamplePlayer:
                 callback=self._callback,
             )
         except (self._sounddevice.PortAudioError, ValueError) as error:
-            raise no_stream(self._sounddevice, device, channels, sample_rate, error) from None
+            raise open_error(self._sounddevice, device, channels, sample_rate, error) from None
 
     def _callback(self, out: NDArray[np.float32], frames: int, when: Any, status: Any) -> None:
         part = self._samples[self._at : self._at + frames]
@@ -60,11 +60,11 @@ class SamplePlayer:
             raise self._sounddevice.CallbackStop
 
     def start(self) -> None:
-        """Begin to play."""
+        """Start to play."""
         self._stream.start()
 
     def close(self) -> None:
-        """Fade out and give the device back; may be called twice."""
+        """Fade out and close the device; repeated calls do nothing."""
         if self._stream is None:
             return
         self._stopping = True
@@ -75,8 +75,8 @@ class SamplePlayer:
         self._stream = None
 
     @property
-    def heard_s(self) -> float:
-        """How much of the samples has been heard, s: delivered, less the output's latency."""
+    def played_s(self) -> float:
+        """Time of the samples that has been audible, s: delivered minus the output's latency."""
         if self._stream is None or not self._called:
             return 0.0
         since = time.monotonic() - self._called
@@ -84,38 +84,38 @@ class SamplePlayer:
 
     @property
     def over(self) -> bool:
-        """Whether all of the samples have been heard."""
-        return self.heard_s * self._rate >= len(self._samples)
+        """State of playback: True after all samples were audible."""
+        return self.played_s * self._rate >= len(self._samples)
 
 
-class SilentSamplePlayer:
-    """Plays samples to nobody, in time.
+class NullSamplePlayer:
+    """Stand-in for a `SamplePlayer` that takes the same time without sound.
 
     Thread: main.
     """
 
     def __init__(self, samples: NDArray[np.float32], sample_rate: float) -> None:
-        """Ready to `start`."""
+        """Prepare for `start`."""
         self._seconds = len(samples) / sample_rate
         self._started = 0.0
 
     def start(self) -> None:
-        """Begin."""
+        """Start the clock."""
         self._started = time.monotonic()
 
     def close(self) -> None:
-        """End."""
+        """Do nothing."""
 
     @property
-    def heard_s(self) -> float:
-        """How much would have been heard, s."""
+    def played_s(self) -> float:
+        """Time since the start, s."""
         return time.monotonic() - self._started
 
     @property
     def over(self) -> bool:
-        """Whether all would have been heard."""
-        return self.heard_s >= self._seconds
+        """State of playback: True after the duration of the samples."""
+        return self.played_s >= self._seconds
 
 
-SamplePlayback = SamplePlayer | SilentSamplePlayer
-"""Samples on their way to a person."""
+SamplePlayback = SamplePlayer | NullSamplePlayer
+"""Either kind of player."""

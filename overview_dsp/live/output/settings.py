@@ -1,8 +1,7 @@
-"""What each output device is given: channels, gain, mute, delay, ceiling, and an actuator.
+"""Settings of an output device: channels, gain, mute, delay, ceiling, and an actuator.
 
-They come after the engine: a recording doesn't hold them, and a replay doesn't need them.
-
-A game pad as an output: a DualSense by USB is a sound card, its coils channels 3 and 4.
+They are applied after the engine, so that recordings and replays don't depend on them. A DualSense
+game pad connected by USB is an output whose channels 3 and 4 are its voice coils.
 """
 
 from __future__ import annotations
@@ -31,25 +30,26 @@ MAX_CHANNELS = 64
 
 @dataclass(frozen=True)
 class SignalSettings:
-    """One signal's way out.
+    """Output settings of one signal.
 
     Parameters
     ----------
     channel : int or tuple of int
-        From 1; 0 is nowhere. Several get the same samples: a pad's two voice coils.
+        Output channel, from 1; 0 for no output. Several channels, such as a pad's two voice
+        coils, get the same samples.
     gain_db : float
-        -60 to 24 dB.
+        Gain, -60 to 24 dB.
     mute : bool
-        Whether it is silent.
+        Whether the signal is muted.
     delay_ms : float
-        0 to 100 ms.
+        Delay, 0 to 100 ms.
     ceiling_db : float
-        What no sample passes, -60 to 0 dBFS.
+        Limit of the samples, -60 to 0 dBFS.
 
     Raises
     ------
     InputError
-        A value out of range, or a channel named twice.
+        A value is out of range, or a channel is listed twice.
 
     Examples
     --------
@@ -64,20 +64,20 @@ class SignalSettings:
     ceiling_db: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "channel", _checked(self.channel))
-        _within(self.gain_db, "gain", MIN_GAIN_DB, MAX_GAIN_DB, "dB")
-        _within(self.delay_ms, "delay", 0.0, MAX_DELAY_MS, "ms")
-        _within(self.ceiling_db, "ceiling", MIN_CEILING_DB, MAX_CEILING_DB, "dBFS")
+        object.__setattr__(self, "channel", _check_channels(self.channel))
+        _check_range(self.gain_db, "gain", MIN_GAIN_DB, MAX_GAIN_DB, "dB")
+        _check_range(self.delay_ms, "delay", 0.0, MAX_DELAY_MS, "ms")
+        _check_range(self.ceiling_db, "ceiling", MIN_CEILING_DB, MAX_CEILING_DB, "dBFS")
 
     @property
     def channels(self) -> tuple[int, ...]:
-        """Its channels, from 1; none if it goes nowhere."""
+        """Output channels of the signal, from 1; empty if it has none."""
         several = self.channel if isinstance(self.channel, tuple) else (self.channel,)
         return tuple(channel for channel in several if channel)
 
     @property
     def gain(self) -> float:
-        """The gain, linear; 0 when muted."""
+        """Linear gain; 0 when muted."""
         return 0.0 if self.mute else gain_of_db(self.gain_db)
 
     def __repr__(self) -> str:
@@ -86,19 +86,19 @@ class SignalSettings:
 
 @dataclass(frozen=True)
 class OutputSettings:
-    """Both signals' ways out of a device, and the actuator that the tactor's signal drives.
+    """Output settings of both signals, and the actuator that the tactor's signal drives.
 
     Parameters
     ----------
     click, tactor : SignalSettings
-        Channels 1 and 2 as they are, if left out.
+        Settings of each signal; the defaults are channels 1 and 2 without changes.
     actuator : Actuator or None
-        What hangs on the tactor's channel.
+        Actuator connected to the tactor's channel.
 
     Raises
     ------
     InputError
-        One channel for both.
+        Both signals use the same channel.
 
     Examples
     --------
@@ -117,7 +117,7 @@ class OutputSettings:
         for channel in self.click.channels:
             if channel in self.tactor.channels:
                 raise InputError(
-                    f"clicks and tactor can't share channel {channel}; give each its own"
+                    f"clicks and tactor both use channel {channel}; each must have its own"
                 )
 
     @property
@@ -127,34 +127,34 @@ class OutputSettings:
 
     @property
     def channels(self) -> int:
-        """How many channels the device needs, at least two."""
+        """Number of channels that the device must have, at least two."""
         return max(2, *self.click.channels, *self.tactor.channels)
 
     @property
-    def placed(self) -> str:
-        """Which channels each signal goes to, in words."""
+    def channels_text(self) -> str:
+        """Channels of each signal as text for the user."""
         click, tactor = ("+".join(map(str, one.channels)) or "none" for one in self.signals)
         return f"clicks on {click}, tactor on {tactor}"
 
     def changed(
         self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
     ) -> OutputSettings:
-        """Make settings with some of the click's and of the tactor's changed.
+        """Return a copy with some settings of the signals changed.
 
         Parameters
         ----------
         click, tactor : mapping or None
-            Fields of `SignalSettings`.
+            Changed fields of `SignalSettings`.
 
         Returns
         -------
         OutputSettings
-            These but for them.
+            Changed copy.
 
         Raises
         ------
         InputError
-            A value out of range.
+            A value is out of range.
 
         Examples
         --------
@@ -168,22 +168,22 @@ class OutputSettings:
         )
 
     def write(self, memory: NDArray[np.float64], sample_rate: float, at_once: bool = False) -> None:
-        """Ask the audio thread for these; it glides there.
+        """Request these settings from the audio thread, which changes to them smoothly.
 
         Parameters
         ----------
         memory : float64
-            An engine's.
+            Memory of an engine.
         sample_rate : float
-            Hz.
+            Sample rate, Hz.
         at_once : bool
-            Without gliding, before the stream runs; actuator and further channels are taken
-            then only.
+            Whether to apply them at once, before the stream runs. Only this sets the actuator
+            and the second and further channels of a signal.
 
         Raises
         ------
         InputError
-            A sample rate that is too low for the actuator.
+            The sample rate is too low for the actuator.
 
         Examples
         --------
@@ -195,11 +195,11 @@ class OutputSettings:
             write_actuator(memory, layout.L_ACTUATOR, self.actuator, sample_rate)
         w = memory.view(np.int64)
         for index, signal in enumerate(self.signals):
-            # an actuator's drive has its own limit
+            # the drive of an actuator is limited separately
             loud = signal.gain > 1.0 and not (signal is self.tactor and self.actuator)
             limited = signal.ceiling_db < MAX_CEILING_DB or loud
-            wanted = (signal.gain, gain_of_db(signal.ceiling_db), float(limited))
-            for row, value in enumerate(wanted):
+            targets = (signal.gain, gain_of_db(signal.ceiling_db), float(limited))
+            for row, value in enumerate(targets):
                 at = row * layout.SIGNALS + index
                 memory[layout.L_WANTED + at] = value
                 if at_once:
@@ -212,47 +212,50 @@ class OutputSettings:
                 memory.view(np.uint64)[layout.L_ALSO_CLICK + index] = also
 
 
-def channels_in(text: str) -> int | tuple[int, ...]:
-    """Channels as a person writes them: `3`, `3+4`, or 0 for nowhere; InputError."""
+def parse_channels(text: str) -> int | tuple[int, ...]:
+    """Parse output channels: `3`, `3+4`, or `0` for none; InputError."""
     try:
         numbers = tuple(int(word) for word in text.split("+"))
     except ValueError:
-        raise InputError(f"channel {text!r}; it is a number, several (3+4), or 0") from None
-    return _checked(numbers)
+        raise InputError(
+            f"channel {text!r} must be a number, several numbers (3+4), or 0"
+        ) from None
+    return _check_channels(numbers)
 
 
-def _checked(channel: Any) -> int | tuple[int, ...]:
-    """One channel, or several as a tuple; InputError."""
+def _check_channels(channel: Any) -> int | tuple[int, ...]:
+    """Return one channel, or several as a tuple; InputError."""
     numbers = tuple(channel) if isinstance(channel, list | tuple) else (channel,)
     if not numbers:
-        raise InputError("no channel is given; 0 is nowhere")
-    least, words = (0, "1 is the first, 0 nowhere") if len(numbers) == 1 else (1, "1 is the first")
+        raise InputError("channels are empty; use 0 for none")
+    least, note = (0, "1 is the first, 0 none") if len(numbers) == 1 else (1, "1 is the first")
     for number in numbers:
-        _within(number, "channel", least, MAX_CHANNELS, words)
+        _check_range(number, "channel", least, MAX_CHANNELS, note)
         if not isinstance(number, int):
-            raise InputError(f"channel {number:g} isn't a whole number")
+            raise InputError(f"channel {number:g} must be a whole number")
         if numbers.count(number) > 1:
-            raise InputError(f"channel {number} is named twice")
+            raise InputError(f"channel {number} is listed twice")
     return numbers if len(numbers) > 1 else int(numbers[0])
 
 
-def _within(value: float, what: str, low: float, high: float, unit: str) -> None:
+def _check_range(value: float, name: str, low: float, high: float, unit: str) -> None:
+    allowed = f"must be {low:g} to {high:g} ({unit})"
     if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-        raise InputError(f"{what} {value!r} isn't a number; it is {low:g} to {high:g} ({unit})")
+        raise InputError(f"{name} {value!r} isn't a number; {allowed}")
     if not low <= value <= high:
-        raise InputError(f"{what} {value:g} is out of range; it is {low:g} to {high:g} ({unit})")
+        raise InputError(f"{name} {value:g} is out of range; {allowed}")
 
 
 NAMES = ("dualsense", "wireless controller")
-"""What its card is called, by the system and the pad's age; an older pad's has two channels."""
+"""Names of the pad as an output, which depend on the system. An older pad has two channels."""
 
 CHANNELS = 4
 SETTINGS = OutputSettings(SignalSettings((1, 2)), SignalSettings((3, 4)))
-"""Clicks for both ears at its socket, the tactor's signal for both hands."""
+"""Defaults for a pad: clicks to both sides of its headphone socket, tactor to both voice coils."""
 
 ACTUATOR = "dualsense"
 
 
 def is_pad(name: str, channels: int) -> bool:
-    """Whether an output of that name and number of channels is such a pad."""
+    """Return whether an output is a pad with voice coils, by its name and number of channels."""
     return channels >= CHANNELS and any(word in name.casefold() for word in NAMES)

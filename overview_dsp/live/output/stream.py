@@ -1,4 +1,4 @@
-"""Streams that run an engine: what they share, their meters, and a block that is run in Python."""
+"""Base class of streams that run an engine, their meters, and the Python audio callback."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from overview_dsp.signal.engine.engine import Engine
 
 @dataclass(frozen=True)
 class StreamMeters:
-    """What the device side reports since the stream began.
+    """Counters and callback times of a stream since its start.
 
     Attributes
     ----------
     callbacks, frames : int
-        How often the device called, and what it was given.
+        Number of callbacks, and number of frames that they delivered.
     underflows, late : int
-        Callbacks that reported one, and that took longer than their own frames last.
+        Number of callbacks with an underflow, and number that took longer than their frames last.
     load : float
-        Part of the time that callbacks take, 0 to 1 (to a fifth): beyond 1 the output stutters.
+        Fraction of the time spent in callbacks, within 20 %. Above 1 the output stutters.
     median_s, p99_s, longest_s : float
-        Callback times, s; the first two to a fifth.
+        Callback times, s; median and 99th percentile are within 20 %.
     latency_s : float
-        As PortAudio gives it, s.
+        Latency as PortAudio reports it, s.
 
     Examples
     --------
     >>> engine = ov.Engine(football, match)
     >>> engine.prepare(sample_rate=8000, max_block_size=256)
-    >>> stream = ov.live.SilentStream(engine)
+    >>> stream = ov.live.NullStream(engine)
     >>> stream.meters.late
     0
     """
@@ -64,21 +64,21 @@ class StreamMeters:
 
 
 def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
-    """As for a new stream: counters, delay lines, the fade; gains, actuator, channels are kept."""
+    """Reset counters, delay lines and fade for a new stream; keep gains, actuator and channels."""
     w = memory.view(np.int64)
-    kept = memory[layout.L_GAIN : layout.L_LEFT].copy()
+    gains = memory[layout.L_GAIN : layout.L_LEFT].copy()
     delays = w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS].copy()
     also = w[layout.L_ALSO_CLICK : layout.L_ALSO_CLICK + layout.SIGNALS].copy()
     w[layout.LIVE : layout.L_ACTUATOR] = 0
     w[layout.L_ALSO_CLICK : layout.L_ALSO_CLICK + layout.SIGNALS] = also
-    memory[layout.L_GAIN : layout.L_LEFT] = kept
+    memory[layout.L_GAIN : layout.L_LEFT] = gains
     w[layout.L_DELAY : layout.L_DELAY + layout.SIGNALS] = delays
     w[layout.L_DELAY_WANTED : layout.L_DELAY_WANTED + layout.SIGNALS] = delays
     w[layout.L_CHANNELS] = channels
 
 
-def play_again(memory: NDArray[np.float64]) -> None:
-    """After a fade: as before it, with nothing left in the delay lines."""
+def undo_fade(memory: NDArray[np.float64]) -> None:
+    """Make the output audible again after a fade, with empty delay lines."""
     w = memory.view(np.int64)
     w[layout.L_STOP] = w[layout.L_FADED] = 0
     w[layout.L_LINES : layout.L_LINES + layout.SIGNALS * layout.DELAY_LINE] = 0
@@ -95,11 +95,11 @@ def record_callback(
     w[layout.L_LATE] += seconds * memory[layout.S_SAMPLE_RATE] > frames
     memory[layout.L_LONGEST] = max(memory[layout.L_LONGEST], seconds)
     octaves = np.log2(max(seconds / layout.SHORTEST_S, 1.0))
-    w[layout.L_BUSY + min(int(octaves * layout.BINS_AN_OCTAVE), layout.BUSY_BINS - 1)] += 1
+    w[layout.L_BUSY + min(int(octaves * layout.BINS_PER_OCTAVE), layout.BUSY_BINS - 1)] += 1
 
 
 def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
-    """The counters so far."""
+    """Return counters and callback times so far."""
     w = memory.view(np.int64)
     median, p99 = _quantile(w, 0.5), _quantile(w, 0.99)
     longest = float(memory[layout.L_LONGEST])
@@ -109,7 +109,7 @@ def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
         underflows=int(w[layout.L_UNDERFLOWS]),
         late=int(w[layout.L_LATE]),
         load=_load(w, float(memory[layout.S_SAMPLE_RATE])),
-        median_s=min(median, longest),  # a bin's upper end may lie beyond
+        median_s=min(median, longest),  # the upper end of a bin may be greater
         p99_s=min(p99, longest),
         longest_s=longest,
         latency_s=latency_s,
@@ -117,7 +117,7 @@ def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
 
 
 def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
-    """The highest click and tactor sample (linear, as the device got them) since the last call."""
+    """Return the highest click and tactor sample sent to the device since the last call, linear."""
     peaks = memory[layout.L_PEAK : layout.L_PEAK + layout.SIGNALS]
     click, tactor = peaks.tolist()
     peaks[:] = 0.0
@@ -125,9 +125,9 @@ def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
 
 
 def _load(w: NDArray[np.int64], sample_rate: float) -> float:
-    """The callback times, each at the middle of its bin, over how long their frames last."""
+    """Return the callback times, each at the middle of its bin, divided by their frames' time."""
     bins = np.arange(layout.BUSY_BINS) + 0.5
-    seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_AN_OCTAVE)
+    seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_PER_OCTAVE)
     busy = float(w[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS] @ seconds)
     return busy * sample_rate / max(1, int(w[layout.L_FRAMES]))
 
@@ -137,13 +137,13 @@ def _quantile(w: NDArray[np.int64], part: float) -> float:
     if not counts[-1]:
         return 0.0
     where = int(np.searchsorted(counts, part * counts[-1]))
-    return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_AN_OCTAVE))
+    return float(layout.SHORTEST_S * 2.0 ** ((where + 1) / layout.BINS_PER_OCTAVE))
 
 
 class Stream(ABC):
-    """Runs an engine in time: an `OutputStream`, or a `SilentStream` where there is no device.
+    """Stream that runs an engine in real time: an `OutputStream`, or a `NullStream` without device.
 
-    Thread: main; while it plays, its audio thread owns the engine's `process`.
+    Thread: main; while it plays, only its audio thread calls the engine's `process`.
     """
 
     name: str
@@ -152,29 +152,29 @@ class Stream(ABC):
 
     @abstractmethod
     def _start(self) -> None:
-        """Begin to call `process`; OverviewError if the device can't."""
+        """Start to call `process`; OverviewError if the device can't."""
 
     @abstractmethod
     def _stop(self) -> None:
-        """Fade out and stop calling `process`; OverviewError if the device doesn't answer."""
+        """Fade out and stop calling `process`; OverviewError if the device doesn't respond."""
 
     @abstractmethod
     def _close(self) -> None:
-        """Fade out and end; may be called twice."""
+        """Fade out and end; repeated calls do nothing."""
 
     def start(self) -> None:
-        """Begin to play.
+        """Start to play.
 
         Raises
         ------
         OverviewError
-            The device can't.
+            The device can't start.
 
         Examples
         --------
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.SilentStream(engine)
+        >>> stream = ov.live.NullStream(engine)
         >>> stream.start()
         >>> stream.active
         True
@@ -183,55 +183,55 @@ class Stream(ABC):
         self._start()
 
     def restart(self, begin: Callable[[], None]) -> None:
-        """Fade out, call `begin` while nothing runs the engine, and play on.
+        """Fade out, call `begin` while nothing runs the engine, and continue to play.
 
         Parameters
         ----------
         begin : callable
-            May call what needs the engine to itself: `reset`, `restart`.
+            Function that may call `reset` and `restart` of the engine.
 
         Raises
         ------
         OverviewError
-            The device doesn't answer any more; `begin` wasn't called.
+            The device doesn't respond. `begin` wasn't called.
 
         Examples
         --------
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> with ov.live.SilentStream(engine) as stream:
+        >>> with ov.live.NullStream(engine) as stream:
         ...     stream.restart(engine.reset)
         """
         self._stop()
         begin()
-        play_again(self._engine.memory)
+        undo_fade(self._engine.memory)
         self._start()
 
     def set(self, settings: OutputSettings) -> None:
-        """Change gains, mutes, delays and ceilings while it plays; channels and actuator stay.
+        """Change gains, mutes, delays and ceilings smoothly; channels and actuator stay.
 
         Parameters
         ----------
         settings : OutputSettings
-            It glides to these.
+            New settings.
 
         Examples
         --------
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> with ov.live.SilentStream(engine) as stream:
+        >>> with ov.live.NullStream(engine) as stream:
         ...     stream.set(ov.live.OutputSettings().changed(click={"mute": True}))
         """
         settings.write(self._engine.memory, self._engine.sample_rate)
 
     def close(self) -> None:
-        """Fade out, end playing and close the device; may be called twice.
+        """Fade out and close the device; repeated calls do nothing.
 
         Examples
         --------
         >>> engine = ov.Engine(football, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> stream = ov.live.SilentStream(engine)
+        >>> stream = ov.live.NullStream(engine)
         >>> stream.start()
         >>> stream.close()
         >>> stream.active
@@ -242,12 +242,12 @@ class Stream(ABC):
     @property
     @abstractmethod
     def active(self) -> bool:
-        """Whether the engine is run."""
+        """State of the stream: True while it runs the engine."""
 
     @property
     @abstractmethod
     def _latency_s(self) -> float:
-        """From a sample to the output, as the device reports it, s."""
+        """Latency from a sample to the output as the device reports it, s."""
 
     @property
     def meters(self) -> StreamMeters:
@@ -263,9 +263,9 @@ class Stream(ABC):
 
 
 def connect(engine: Engine, settings: OutputSettings | None) -> int:
-    """Ready an engine's memory for a new stream; how many channels that needs.
+    """Prepare an engine's memory for a new stream; return the number of channels it needs.
 
-    Without settings the engine's channel map stays, and the signals go out as they are.
+    Without settings the engine's channels are used, and the signals aren't changed.
     """
     validation.instance(engine, Engine, "engine", "ov.Engine makes one")
     memory = engine.memory
@@ -282,13 +282,14 @@ def connect(engine: Engine, settings: OutputSettings | None) -> int:
 
 
 def compile_python_path(engine: Engine) -> None:
-    """Compile what `run_block` needs, so that the first block isn't late for it."""
-    run_block(engine, np.zeros((0, engine.memory.view(np.int64)[layout.L_CHANNELS]), np.float32))
-    clear_meters(engine.memory, int(engine.memory.view(np.int64)[layout.L_CHANNELS]))
+    """Compile everything that `run_block` needs, so that the first block isn't late."""
+    channels = int(engine.memory.view(np.int64)[layout.L_CHANNELS])
+    run_block(engine, np.zeros((0, channels), np.float32))
+    clear_meters(engine.memory, channels)
 
 
 def run_block(engine: Engine, out: NDArray[np.float32], underflow: bool = False) -> bool:
-    """A block of float32 (frames, channels), through the device's stage; whether it was the last.
+    """Render a block of float32 (frames, channels) for the device; return whether it is the last.
 
     Thread: audio.
     """

@@ -1,7 +1,8 @@
-"""Where a person begins to feel: a tone that rises, and a key when it is felt (method of limits).
+"""Detection threshold of vibration, measured by a rising tone (method of limits).
 
-The tone goes through the actuator's drive as presets do. Before each there is a silence of any
-length, so that nobody presses by the clock; who presses within it is asked again.
+The participant presses a key as soon as the tone is felt. The tone passes the actuator's drive like
+any tactor signal. A silence of random length precedes it, so that its start can't be predicted. A
+key press during the silence makes the trial invalid.
 """
 
 from __future__ import annotations
@@ -21,18 +22,18 @@ from overview_dsp.live.output.settings import SignalSettings
 from overview_dsp.signal.actuators.calibration import HIGHEST_DB, LOWEST_DB
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.actuators.stage import ActuatorStage
-from overview_dsp.signal.actuators.tones import EDGE_S, edges
+from overview_dsp.signal.actuators.sweep import EDGE_S, edges
 
 SLOWEST, FASTEST = 0.5, 60.0
-"""Rise of the tone, dB a second."""
+"""Limits of the ramp, dB per second."""
 
 SILENCE_S = (1.0, 3.0)
-"""Before a tone; of any length between these."""
+"""Shortest and longest silence before a tone."""
 
 
 @dataclass(frozen=True)
-class Rise:
-    """A tone of one frequency (Hz) from the lowest level to the highest, after `silence_s`."""
+class RisingTone:
+    """Tone of one frequency (Hz) whose level rises over the whole range after `silence_s`."""
 
     frequency_hz: float
     db_per_s: float
@@ -41,26 +42,30 @@ class Rise:
     def __post_init__(self) -> None:
         # written so that NaN fails
         if not SLOWEST <= self.db_per_s <= FASTEST:
-            raise InputError(f"a rise of {self.db_per_s:g} dB/s; it is {SLOWEST:g} to {FASTEST:g}")
+            raise InputError(
+                f"ramp of {self.db_per_s:g} dB/s must be {SLOWEST:g} to {FASTEST:g} dB/s"
+            )
 
     def level_at(self, time_s: float) -> float:
-        """Level at a time, dB of the nominal drive; minus infinity in the silence."""
+        """Return the level at a time, dB of the nominal drive; minus infinity in the silence."""
         since = time_s - self.silence_s
         return LOWEST_DB + self.db_per_s * since if since >= 0.0 else -math.inf
 
     def drive(
         self, actuator: Actuator, out: SignalSettings, channels: int, sample_rate: float
     ) -> NDArray[np.float32]:
-        """The drive, float32 (frames, channels), on the output's channels and below its ceiling.
+        """Return the actuator's drive for an output, float32 (frames, channels).
+
+        It is on the output's channels and below its ceiling.
 
         Raises
         ------
         InputError
-            A frequency or an actuator's resonance that the sample rate (Hz) is too low for.
+            The sample rate (Hz) is too low for the frequency or the actuator's resonance.
         """
         if not 1.0 <= self.frequency_hz <= 0.45 * sample_rate:
             raise InputError(
-                f"a tone of {self.frequency_hz:g} Hz; it is 1 to {0.45 * sample_rate:g} Hz"
+                f"tone frequency {self.frequency_hz:g} Hz must be 1 to {0.45 * sample_rate:g} Hz"
             )
         rise_s = (HIGHEST_DB - LOWEST_DB) / self.db_per_s
         frames = round(rise_s * sample_rate)
@@ -71,22 +76,25 @@ class Rise:
         samples[-frames:, TACTOR] = tone * edges(frames, round(EDGE_S * sample_rate))
         ActuatorStage(actuator, sample_rate).process(samples, TACTOR)
         ceiling = np.float32(gain_of_db(out.ceiling_db))
-        placed = np.zeros((len(samples), channels), dtype=np.float32)
+        drive = np.zeros((len(samples), channels), dtype=np.float32)
         for channel in out.channels:
-            placed[:, channel - 1] = np.clip(samples[:, TACTOR], -ceiling, ceiling)
-        return placed
+            drive[:, channel - 1] = np.clip(samples[:, TACTOR], -ceiling, ceiling)
+        return drive
 
 
-def felt_at(rise: Rise, playback: SamplePlayback, pressed: Callable[[], bool]) -> float:
-    """Play a tone until `pressed`; the level at which it was felt, dB of the nominal drive.
+def find_threshold(
+    rise: RisingTone, playback: SamplePlayback, pressed: Callable[[], bool]
+) -> float:
+    """Play a tone until `pressed`; return its level at that time, dB of the nominal drive.
 
-    Minus infinity: pressed before there was a tone. Infinity: never. `pressed` waits a little.
+    The level is minus infinity for a press during the silence, and infinity without a press.
+    `pressed` waits for a short time.
     """
     try:
         playback.start()
         while not playback.over:
             if pressed():
-                return rise.level_at(playback.heard_s)
+                return rise.level_at(playback.played_s)
         return math.inf
     finally:
         playback.close()

@@ -1,1 +1,1 @@
-"""Ports that bytes and messages come through: serial, Bluetooth, MIDI, OSC, pads, phones."""
+"""Connections to devices: serial, Bluetooth, MIDI, OSC, game pads, phones."""

@@ -1,7 +1,7 @@
-"""Bluetooth LE sensors: found, opened, heard. `bleak` is imported here alone, and late.
+"""Bluetooth LE sensors. Only this module imports `bleak`, when needed.
 
-Two kinds of service are known: a UART's (Nordic's: whatever the sensor would say over a wire), and
-WitMotion's, whose notifications are made the checked packets that its wire has.
+Two services are supported. Nordic's UART service carries the bytes that a sensor would send over a
+wire. WitMotion's notifications are converted to the packets that its sensors send over a wire.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ import asyncio
 import threading
 from typing import Any
 
-from overview_dsp.devices.sensors.packets import as_wit_packets
+from overview_dsp.devices.sensors.packets import packets_from_notification
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 FIND_WITHIN_S = 10.0
-MAX_WAITING = 1000
-"""Notifications."""
+MAX_QUEUED = 1000
+"""Maximum number of queued notifications."""
 
 UART = "6e400003-b5a3-f393-e0a9-e50e24dcca9e"
 WITMOTION = "0000ffe4-0000-1000-8000-00805f9a34fb"
@@ -34,18 +34,18 @@ def _import_bleak() -> Any:
 class BlePort(QueuedPort):
     """Open Bluetooth sensor, whose notifications arrive on a thread of their own."""
 
-    def __init__(self, wanted: str, bleak: Any = None) -> None:
-        """Open the sensor of that address, or whose name has that in it.
+    def __init__(self, selected: str, bleak: Any = None) -> None:
+        """Open the sensor with an address, or with a part of a name.
 
         Raises
         ------
         InputError
-            None in reach, or of no service that is known.
+            No such sensor is in range, or it has no supported service.
         OverviewError
             bleak isn't installed.
         """
-        super().__init__(f"ble:{wanted}", MAX_WAITING)
-        self._wanted = wanted.casefold()
+        super().__init__(f"ble:{selected}", MAX_QUEUED)
+        self._selected = selected.casefold()
         self._bleak = _import_bleak() if bleak is None else bleak
         self._lost = threading.Event()
         self._opened = threading.Event()
@@ -57,12 +57,12 @@ class BlePort(QueuedPort):
         self._opened.wait(2.0 * FIND_WITHIN_S)
         if self._fault or not self._opened.is_set():
             self.close()
-            raise InputError(f"{self.name}: {self._fault or 'no answer'}")
+            raise InputError(f"{self.name}: {self._fault or 'no answer; try again'}")
 
     def _run(self) -> None:
         try:
             self._loop.run_until_complete(self._listen())
-        except Exception as error:  # bleak's own, of every system another
+        except Exception as error:  # bleak raises different ones on each system
             self._fault = self._fault or str(error) or type(error).__name__
         finally:
             self._lost.set()
@@ -70,24 +70,22 @@ class BlePort(QueuedPort):
             self._loop.close()
 
     async def _listen(self) -> None:
-        def is_meant(device: Any, advertised: Any) -> bool:
+        def matches(device: Any, advertised: Any) -> bool:
             name = str(advertised.local_name or device.name or "").casefold()
-            return self._wanted == device.address.casefold() or (
-                bool(name) and self._wanted in name
+            return self._selected == device.address.casefold() or (
+                bool(name) and self._selected in name
             )
 
-        found = await self._bleak.BleakScanner.find_device_by_filter(
-            is_meant, timeout=FIND_WITHIN_S
-        )
+        found = await self._bleak.BleakScanner.find_device_by_filter(matches, timeout=FIND_WITHIN_S)
         if found is None:
-            self._fault = f"no such sensor in reach within {FIND_WITHIN_S:g} s; is it awake?"
+            self._fault = f"no such sensor found within {FIND_WITHIN_S:g} s; switch it on"
             return
         async with self._bleak.BleakClient(found, lambda client: self._end()) as client:
             known = {one.uuid.lower() for service in client.services
                      for one in service.characteristics}  # fmt: skip
             which = next((one for one in (WITMOTION, UART) if one in known), None)
             if which is None:
-                self._fault = "it has no service that is known (a UART's, WitMotion's)"
+                self._fault = "it has no supported service; must be Nordic UART or WitMotion"
                 return
             await client.start_notify(which, self._notified)
             self._opened.set()
@@ -98,13 +96,13 @@ class BlePort(QueuedPort):
         self._loop.call_soon_threadsafe(self._over.set)
 
     def _notified(self, sender: Any, data: bytearray) -> None:
-        self.put(as_wit_packets(bytes(data)) or bytes(data))
+        self.put(packets_from_notification(bytes(data)) or bytes(data))
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return the notifications that have come, as `Port.receive`."""
+        """Return new notifications, as `Port.receive`."""
         found = super().receive(wait_s)
         if not found and self._lost.is_set():
-            raise PortLostError(f"{self.name}: out of reach")
+            raise PortLostError(f"{self.name}: out of range")
         return found
 
     def close(self) -> None:

@@ -1,6 +1,6 @@
-"""MIDI ports: found, opened, read. `rtmidi` and `rtmidi2` are imported here alone, and late.
+"""MIDI input ports. Only this module imports `rtmidi` and `rtmidi2`, when needed.
 
-Either will do: python-rtmidi has ready-made files up to Python 3.12, rtmidi2 also for later ones.
+Either library is enough. python-rtmidi has wheels up to Python 3.12, rtmidi2 also for later ones.
 """
 
 from __future__ import annotations
@@ -16,38 +16,38 @@ from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
-MAX_WAITING = 4096
-QUEUED = 1024
-SYSTEMS_OF_RTMIDI2 = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
+MAX_QUEUED = 4096
+RTMIDI2_QUEUE = 1024
+RTMIDI2_SYSTEMS = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
-LOOK_EVERY_S = 0.5
+CHECK_EVERY_S = 0.5
 ACTIVE_SENSING = 0xFE
 SENSED_WITHIN_S = 0.5
-"""Who sends active sensing does every 0.3 s; then this is silence (MIDI 1.0, active sensing)."""
+"""Longest time between messages of active sensing, which devices send every 0.3 s (MIDI 1.0)."""
 
 _NUMBERS = re.compile(r" \d+:\d+$")
 
 
 class _System:
-    """Input of one of the machine's MIDI systems (ALSA, JACK, ...), by either library."""
+    """MIDI input of one system (ALSA, JACK, ...), by either library."""
 
     def __init__(self, library: Any, api: int) -> None:
         self._is_python_rtmidi = hasattr(library, "get_compiled_api")  # python-rtmidi
         if self._is_python_rtmidi:
             self._input = library.MidiIn(api, name="overview")
         else:
-            self._input = library.MidiIn("overview", QUEUED, api)
-            if self._input.get_current_api() != api:  # it takes another in place of a missing one
-                raise RuntimeError("not this system")
+            self._input = library.MidiIn("overview", RTMIDI2_QUEUE, api)
+            if self._input.get_current_api() != api:  # it replaces a missing system by another
+                raise RuntimeError("MIDI system not available")
         self._opened = False
 
     def ports(self) -> list[str]:
-        """Names of the ports that messages can come from."""
+        """Return the names of the input ports."""
         names = self._input.get_ports() if self._is_python_rtmidi else self._input.ports
         return [str(name) for name in names]
 
     def open(self, index: int, take: Callable[[bytes], None]) -> None:
-        """Open a port; `take` is called on a thread of its own."""
+        """Open a port; `take` is called in a thread of the library."""
         self._input.ignore_types(True, True, False)  # sysex, time; not active sensing
         if self._is_python_rtmidi:
             self._input.set_callback(lambda event, _: take(bytes(event[0])))
@@ -58,7 +58,7 @@ class _System:
         self._opened = True
 
     def close(self) -> None:
-        """Close what was opened."""
+        """Close the port and the input."""
         if self._opened and self._is_python_rtmidi:
             self._input.cancel_callback()
         elif self._opened:
@@ -71,21 +71,21 @@ class _System:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what the systems' own libraries write to the terminal where they are missing."""
-    os.environ.setdefault("JACK_NO_START_SERVER", "1")  # looking starts no server
-    kept = os.dup(2)
-    nothing = os.open(os.devnull, os.O_WRONLY)
+    """Suppress what libraries of missing systems write to the standard error."""
+    os.environ.setdefault("JACK_NO_START_SERVER", "1")
+    stderr = os.dup(2)
+    null = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nothing, 2)
+        os.dup2(null, 2)
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nothing)
+        os.dup2(stderr, 2)
+        os.close(stderr)
+        os.close(null)
 
 
 def _library() -> tuple[Any, Iterable[int]]:
-    """Return the library and the systems that it may have; OverviewError without one."""
+    """Return the library and its possible systems; OverviewError without a library."""
     try:
         import rtmidi
     except ImportError:
@@ -95,23 +95,23 @@ def _library() -> tuple[Any, Iterable[int]]:
             raise OverviewError(
                 f"MIDI needs python-rtmidi or rtmidi2: {install_command('midi')}"
             ) from None
-        return rtmidi2, [getattr(rtmidi2, name) for name in SYSTEMS_OF_RTMIDI2]
+        return rtmidi2, [getattr(rtmidi2, name) for name in RTMIDI2_SYSTEMS]
     return rtmidi, rtmidi.get_compiled_api()
 
 
 def _systems() -> list[_System]:
-    """Return an unopened input of each MIDI system that answers; OverviewError as `_library`."""
+    """Return an unopened input of each available MIDI system; OverviewError as `_library`."""
     library, systems = _library()
     found: list[_System] = []
     with _quiet():
         for api in systems:
-            with contextlib.suppress(Exception):  # rtmidi has a class of its own for a missing one
+            with contextlib.suppress(Exception):  # the libraries raise different classes
                 found.append(_System(library, api))
     return found
 
 
 def midi_ports() -> list[str]:
-    """The names of the ports that messages can come from; OverviewError without rtmidi."""
+    """Return the names of the input ports; OverviewError without a library."""
     systems = _systems()
     names = [_plain(name) for one in systems for name in one.ports()]
     for one in systems:
@@ -120,66 +120,66 @@ def midi_ports() -> list[str]:
 
 
 def _plain(name: str) -> str:
-    """Without the numbers that ALSA gives anew each time."""
+    """Return a port's name without its ALSA numbers, which change."""
     return _NUMBERS.sub("", name)
 
 
-def _matching(names: list[str], wanted: str) -> list[int]:
-    """The ports of that name, whole or a part of it, whatever its case."""
+def _matching(names: list[str], selected: str) -> list[int]:
+    """Return the ports with a name, or else those whose names contain it in any case."""
     plain = [_plain(name) for name in names]
-    whole = [index for index, name in enumerate(plain) if name == wanted]
-    return whole or [i for i, name in enumerate(plain) if wanted.casefold() in name.casefold()]
+    exact = [index for index, name in enumerate(plain) if name == selected]
+    return exact or [i for i, name in enumerate(plain) if selected.casefold() in name.casefold()]
 
 
 class MidiPort(QueuedPort):
-    """Open MIDI port, whose messages arrive on a thread of rtmidi's."""
+    """Open MIDI port, whose messages arrive in a thread of the library."""
 
-    def __init__(self, wanted: str) -> None:
-        """Open the port of that name, or the one whose name has that in it.
+    def __init__(self, selected: str) -> None:
+        """Open the port with a name, or with a part of a name.
 
         Raises
         ------
         InputError
-            No such port, or several.
+            No port or several ports match.
         OverviewError
             Neither python-rtmidi nor rtmidi2 is installed.
         """
-        super().__init__(f"midi:{wanted}", MAX_WAITING)
-        self._input, self._port = self._open(wanted)
-        self._looked_at = time.monotonic()
+        super().__init__(f"midi:{selected}", MAX_QUEUED)
+        self._input, self._port = self._open(selected)
+        self._checked_at = time.monotonic()
         self._sensed_at: float | None = None
 
-    def _open(self, wanted: str) -> tuple[_System, str]:
+    def _open(self, selected: str) -> tuple[_System, str]:
         systems = _systems()
         chosen: _System | None = None
         try:
             for one in systems:
                 names = one.ports()
-                found = _matching(names, wanted)
+                found = _matching(names, selected)
                 if len(found) > 1:
                     several = ", ".join(_plain(names[index]) for index in found)
-                    raise InputError(f"{self.name}: several are called so: {several}")
+                    raise InputError(f"{self.name}: several ports match: {several}")
                 if found:
                     chosen = one
                     one.open(found[0], self.put)
                     return one, names[found[0]]
             known = ", ".join(_plain(name) for one in systems for name in one.ports())
-            raise InputError(f"{self.name}: no such port; there are: {known or 'none'}")
-        except RuntimeError as error:  # rtmidi's
-            raise InputError(f"{self.name}: can't be opened ({error}); is it held by another "
-                             "program?") from None  # fmt: skip
+            raise InputError(f"{self.name}: no such port; available: {known or 'none'}")
+        except RuntimeError as error:  # from the library
+            raise InputError(f"{self.name}: can't be opened ({error}); close other programs that "
+                             "use it") from None  # fmt: skip
         finally:
             for one in systems:
                 if one is not chosen:
                     one.close()
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return the messages that have come, as `Port.receive`.
+        """Return new messages, as `Port.receive`.
 
         Raises
         ------
         PortLostError
-            The port is gone, or no longer sends the active sensing that it sent before.
+            The port is disconnected, or has stopped to send active sensing.
         """
         found = super().receive(wait_s)
         now = time.monotonic()
@@ -187,11 +187,11 @@ class MidiPort(QueuedPort):
         if found and sensing:
             self._sensed_at = now
         if self._sensed_at is not None and now - self._sensed_at > SENSED_WITHIN_S:
-            raise PortLostError(f"{self.name}: it has stopped to say that it is there")
-        if now - self._looked_at > LOOK_EVERY_S:
-            self._looked_at = now
+            raise PortLostError(f"{self.name}: its active sensing has stopped")
+        if now - self._checked_at > CHECK_EVERY_S:
+            self._checked_at = now
             if self._port not in self._input.ports():
-                raise PortLostError(f"{self.name}: gone")
+                raise PortLostError(f"{self.name}: disconnected")
         return [one for one in found if one[0] < 0xF0]
 
     def close(self) -> None:

@@ -17,24 +17,25 @@ from overview_dsp.live.ports.port import Port
 from overview_dsp.signal.engine.engine import Engine
 
 HOST = "127.0.0.1"
-MOST = 512
-"""Datagrams read at a time; what comes faster waits in the system's buffer, and is lost beyond."""
+MAX_DATAGRAMS = 512
+"""Maximum number of datagrams per read. More wait in the system's buffer, or are lost if it is
+full."""
 
 LARGEST = 65_535
 
 
 def parse_address(text: str, host: str = HOST) -> tuple[str, int]:
-    """Host and port of `9000` or `0.0.0.0:9000` ([::1]:9000); InputError if it is neither."""
-    given, colon, number = text.rpartition(":")
+    """Parse host and port from `9000`, `0.0.0.0:9000` or `[::1]:9000`; InputError."""
+    prefix, colon, number = text.rpartition(":")
     if colon:
-        host = given.removeprefix("[").removesuffix("]")
+        host = prefix.removeprefix("[").removesuffix("]")
     if not (number.isascii() and number.isdigit() and 0 < int(number[:6]) < 65536) or not host:
-        raise InputError(f"{text!r} is no port; it is 9000, or with a host 0.0.0.0:9000")
+        raise InputError(f"{text!r} must be PORT or HOST:PORT, such as 9000 or 0.0.0.0:9000")
     return host, int(number)
 
 
 class OscPort(Port):
-    """UDP port that receives datagrams; those that the system drops aren't counted."""
+    """UDP port that receives datagrams. Datagrams dropped by the system aren't counted."""
 
     def __init__(self, text: str) -> None:
         """Listen at `PORT` of this machine, or `HOST:PORT`.
@@ -42,7 +43,7 @@ class OscPort(Port):
         Raises
         ------
         InputError
-            No such address, or another program listens there.
+            The address isn't valid, or another program uses it.
         OverviewError
             python-osc isn't installed.
         """
@@ -62,15 +63,15 @@ class OscPort(Port):
         self._socket.setblocking(False)
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return the datagrams that have come, waiting up to `wait_s` (s) for the first."""
+        """Return new datagrams, waiting up to `wait_s` (s) for the first."""
         select.select([self._socket], [], [], wait_s)
         found: list[bytes] = []
-        while len(found) < MOST:
+        while len(found) < MAX_DATAGRAMS:
             try:
                 found.append(self._socket.recv(LARGEST))
             except BlockingIOError:
                 break
-            except OSError:  # of an earlier answer that nobody took; Windows says so here
+            except OSError:  # Windows reports an earlier answer that wasn't delivered
                 continue
         return found
 
@@ -81,11 +82,11 @@ class OscPort(Port):
 
 def _why(error: OSError, host: str) -> str:
     if error.errno == errno.EADDRINUSE:
-        return "another program listens there; close it, or take another port"
+        return "another program uses this port; close that program, or choose another port"
     if error.errno == errno.EACCES:
-        return "not allowed; take a port above 1023"
+        return "not allowed; choose a port above 1023"
     if isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
-        return f"{host!r} is no address of this machine; 0.0.0.0 is all of them"
+        return f"{host!r} isn't an address of this machine; 0.0.0.0 means all its addresses"
     return f"can't be opened ({error.strerror or error})"
 
 
@@ -95,22 +96,22 @@ RETRY_AFTER_S = 1.0
 
 
 class OscOut:
-    """Sends what `OscReport` reports, a hundred times a second; lost datagrams stay lost (UDP).
+    """Sender of `OscReport` messages at 100 Hz by UDP, which doesn't resend lost datagrams.
 
-    Thread: its own, the only one that takes the engine's strikes.
+    Thread: its own, the only one that reads the engine's strikes.
     """
 
     def __init__(
         self, engine: Engine, address: str, say: Callable[[str], None] = lambda line: None
     ) -> None:
-        """Send to `HOST:PORT`, or to `PORT` of this machine, from now on.
+        """Start to send to `HOST:PORT`, or to `PORT` of this machine.
 
         `say` receives messages for the user, from this thread.
 
         Raises
         ------
         InputError
-            No such address.
+            The address isn't valid.
         OverviewError
             python-osc isn't installed.
         """
@@ -119,7 +120,7 @@ class OscOut:
         try:
             found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         except OSError as error:
-            raise InputError(f"{address}: no such host ({error.strerror or error})") from None
+            raise InputError(f"{address}: host not found ({error.strerror or error})") from None
         self._engine = engine
         self._name = f"osc out {address}"
         self._say = say
@@ -127,33 +128,33 @@ class OscOut:
         self._socket = socket.socket(found[0], socket.SOCK_DGRAM)
         self._socket.setblocking(False)
         self._report = OscReport()
-        engine.take_strikes()  # only those from now on
+        engine.pop_strikes()  # discard earlier ones
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
         self._thread.start()
 
     def _run(self) -> None:
-        said = set()
+        reported = set()
         while not self._over.wait(SEND_EVERY_S):
             try:
                 self._send()
-            except Exception as error:  # what it is can't be known: the next report may go
-                line = f"{self._name}: {type(error).__name__}: {error}; it goes on"
-                if line not in said:
-                    said.add(line)
+            except Exception as error:  # an unknown error must not end the thread
+                line = f"{self._name}: {type(error).__name__}: {error}; sending continues"
+                if line not in reported:
+                    reported.add(line)
                     self._say(line)
                 self._over.wait(RETRY_AFTER_S)
 
     def _send(self) -> None:
-        meters, struck = self._engine.meters, self._engine.take_struck_events()
-        for datagram in self._report.due(
+        meters, struck = self._engine.meters, self._engine.pop_strike_events()
+        for datagram in self._report.messages(
             time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
         ):
-            with contextlib.suppress(OSError):  # refused by the system
+            with contextlib.suppress(OSError):  # not accepted by the system
                 self._socket.sendto(datagram, self._address)
 
     def close(self) -> None:
-        """Send no more."""
+        """Stop sending."""
         self._over.set()
         self._thread.join(2.0)
         self._socket.close()

@@ -1,4 +1,4 @@
-"""Phones whose apps give what they measure by HTTP: asked (phyphox), or sending (Sensor Logger)."""
+"""Phone apps that provide sensor data by HTTP: phyphox as a server, Sensor Logger as a client."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from overview_dsp.live.ports.osc import parse_address
 from overview_dsp.live.ports.port import Port, PortLostError, QueuedPort
 
 ANSWER_WITHIN_S = 2.0
-ASK_EVERY_S = 0.01
-"""How often phyphox is asked, if it answers so fast."""
+REQUEST_EVERY_S = 0.01
+"""Shortest interval between two requests to phyphox."""
 
 MAX_ANSWER = 1 << 20
-MAX_WAITING = 64
-"""Batches."""
+MAX_QUEUED = 64
+"""Maximum number of queued batches."""
 
 _MEASURED = re.compile(r"(acc|gyr)[a-z]*?_?([xyzt]|time)$", re.IGNORECASE)
 
 
 class PhyphoxPort(Port):
-    """phyphox's remote access: started, then asked for what is newest."""
+    """Client of phyphox's remote access, which starts the experiment and requests its new data."""
 
     def __init__(self, address: str) -> None:
-        """Ask at `http://HOST:PORT`.
+        """Connect to `http://HOST:PORT`.
 
         Raises
         ------
         InputError
-            Nothing answers there, or no experiment with an accelerometer.
+            No answer, or the experiment has no accelerometer.
         """
         self.name = address
         parts = urllib.parse.urlsplit(address)
@@ -44,26 +44,28 @@ class PhyphoxPort(Port):
         except ValueError:
             host, port = None, 0
         if not host or parts.scheme != "http":
-            raise InputError(f"{address} is no address; it is http://PHONE:8080, as phyphox shows")
+            raise InputError(f"{address} must be the URL that phyphox shows, http://PHONE:8080")
         self._connection = http.client.HTTPConnection(host, port, timeout=ANSWER_WITHIN_S)
         self._next = 0.0
         try:
-            names = _buffers(self._ask("/config"))
+            names = _buffers(self._request("/config"))
             if not any(name.lower().startswith("acc") for name in names):
                 raise InputError(
-                    f"{address}: its experiment has no accelerometer; open one that has, with "
-                    '"g" (phyphox: Acceleration (with g))'
+                    f"{address}: the experiment has no accelerometer; open Acceleration (with g) "
+                    "in phyphox"
                 )
             self._path = "/get?" + "&".join(urllib.parse.quote(name) for name in names)
-            self._ask("/control?cmd=start")
+            self._request("/control?cmd=start")
         except PortLostError as error:
             self.close()
-            raise InputError(f"{error}; is remote access on, in the same network?") from None
+            raise InputError(
+                f"{error}; enable remote access in phyphox, and use the same network"
+            ) from None
         except InputError:
             self.close()
             raise
 
-    def _ask(self, path: str) -> bytes:
+    def _request(self, path: str) -> bytes:
         try:
             self._connection.request("GET", path)
             answer = self._connection.getresponse()
@@ -76,36 +78,35 @@ class PhyphoxPort(Port):
         return body
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return what it measured last, as one line; PortLostError if it doesn't answer."""
+        """Return the latest data as one line; PortLostError if the phone doesn't answer."""
         time.sleep(max(0.0, self._next - time.monotonic()))
-        self._next = time.monotonic() + ASK_EVERY_S
-        return [_line(self._ask(self._path))]
+        self._next = time.monotonic() + REQUEST_EVERY_S
+        return [_line(self._request(self._path))]
 
     def close(self) -> None:
-        """Ask no more."""
+        """Close the connection."""
         self._connection.close()
 
 
 def _buffers(config: bytes) -> list[str]:
     try:
-        said = json.loads(config)
-        names = [str(one["name"]) for one in said["buffers"]]
+        names = [str(one["name"]) for one in json.loads(config)["buffers"]]
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise PortLostError("what answers there isn't phyphox") from None
+        raise PortLostError("the answer isn't from phyphox") from None
     return [name for name in names if _MEASURED.fullmatch(name)]
 
 
 def _line(body: bytes) -> bytes:
-    """Make one line of a body: line ends within JSON are blanks."""
+    """Return a body as one line; line ends within JSON become blanks."""
     return body.replace(b"\r", b" ").replace(b"\n", b" ") + b"\n"
 
 
 class PostPort(QueuedPort):
-    """Server for what an app posts (Sensor Logger's HTTP push), one line per batch."""
+    """HTTP server for the batches that an app posts (Sensor Logger), one line per batch."""
 
     def __init__(self, text: str) -> None:
-        """Listen at `PORT` of this machine, or `HOST:PORT`; InputError if that can't be."""
-        super().__init__(f"post:{text}", MAX_WAITING)
+        """Listen at `PORT` of this machine, or `HOST:PORT`; InputError if that fails."""
+        super().__init__(f"post:{text}", MAX_QUEUED)
         put = self.put
 
         class Handler(BaseHTTPRequestHandler):
@@ -113,14 +114,16 @@ class PostPort(QueuedPort):
             protocol_version = "HTTP/1.1"
 
             def log_message(self, *arguments: object) -> None:
-                """Say nothing."""
+                """Log nothing."""
 
             def do_POST(self) -> None:
-                """Take a batch."""
+                """Queue a batch."""
                 length = self.headers.get("Content-Length", "")
                 if not length.isdecimal() or len(length) > 9 or int(length) > LONGEST:
                     self.close_connection = True
-                    self._answer(413, f"a batch holds up to {LONGEST} bytes: send more often\n")
+                    self._answer(
+                        413, f"a batch must have at most {LONGEST} bytes; send it sooner\n"
+                    )
                     return
                 put(_line(self.rfile.read(int(length))))
                 self._answer(200, "")
@@ -140,11 +143,11 @@ class PostPort(QueuedPort):
 
     @property
     def address(self) -> tuple[str, int]:
-        """Host and port that are listened to."""
+        """Host and port of the server."""
         host, port = self._server.server_address[:2]
         return str(host), int(port)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop the server."""
         self._server.shutdown()
         self._server.server_close()

@@ -1,4 +1,4 @@
-"""Port: what the connections to all devices have in common, and the queue of those that call."""
+"""Base classes of the connections to devices, with and without a queue."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from typing import Protocol
 from overview_dsp.errors import OverviewError
 
 WAIT_S = 0.05
-"""How long a thread that reads a port usually waits for the next message."""
+"""Usual wait of a reading thread for the next message."""
 
 
 class PortLostError(OverviewError):
-    """The device has been unplugged, or its driver gave up."""
+    """Error of a device that is disconnected, or whose driver has failed."""
 
 
 class Port(Protocol):
-    """Connection to a device: bytes or messages that are read, and written where it takes any.
+    """Connection to a device, which sends bytes or messages and may receive bytes.
 
     Attributes
     ----------
     name : str
-        As `--input` names it.
+        Name of the port, as in `--input`.
     dropped : int
-        Messages discarded because more came than was read, since the reader set this to 0.
+        Messages discarded from a full queue since the reader set this to 0.
     """
 
     name: str
@@ -36,12 +36,12 @@ class Port(Protocol):
         return 0
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return what has come, waiting up to `wait_s` (s) for the first.
+        """Return new messages, waiting up to `wait_s` (s) for the first.
 
         Raises
         ------
         PortLostError
-            The device is gone.
+            The device is disconnected.
         """
 
     def write(self, data: bytes) -> bool:
@@ -49,26 +49,26 @@ class Port(Protocol):
         return False
 
     def close(self) -> None:
-        """Close the port; may be called twice."""
+        """Close the port; repeated calls do nothing."""
 
 
 class QueuedPort(Port):
-    """Port to which a thread of its library hands messages; they wait in a queue."""
+    """Port with a queue, which a thread of the device's library fills."""
 
-    def __init__(self, name: str, most: int) -> None:
-        """Keep up to `most` messages, the latest ones."""
+    def __init__(self, name: str, max_messages: int) -> None:
+        """Make a queue for the latest `max_messages` messages."""
         self.name = name
-        self._messages: deque[bytes] = deque(maxlen=most)
+        self._messages: deque[bytes] = deque(maxlen=max_messages)
         self._arrived = threading.Event()
 
     def put(self, message: bytes) -> None:
-        """Append a message, in place of the oldest one if the queue is full; from any thread."""
+        """Append a message, which replaces the oldest one if the queue is full; Thread: any."""
         self.dropped += len(self._messages) == self._messages.maxlen
         self._messages.append(message)
         self._arrived.set()
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return the messages that have come, waiting up to `wait_s` (s) for the first."""
+        """Return new messages, waiting up to `wait_s` (s) for the first."""
         self._arrived.wait(wait_s)
         self._arrived.clear()
         return [self._messages.popleft() for _ in range(len(self._messages))]

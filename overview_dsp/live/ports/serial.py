@@ -1,4 +1,4 @@
-"""Serial ports: found, opened, read. `serial` is imported here alone, and late."""
+"""Serial ports. Only this module imports `serial`, when needed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from overview_dsp.live.ports.port import WAIT_S, Port, PortLostError
 
 BAUD = 115_200
 WRITE_S = 0.01
-"""How long a write waits for buffer space."""
+"""Longest wait of a write for buffer space."""
 
 
 @dataclass(frozen=True)
 class PortInfo:
-    """A port: its name, what it says it is, its USB identity (empty if it has none)."""
+    """Serial port: its device name, its description, its USB identity (empty if it has none)."""
 
     device: str
     description: str
@@ -32,12 +32,12 @@ class SerialPort(Port):
     """Open serial port."""
 
     def __init__(self, device: str, baud: int = BAUD) -> None:
-        """Open it for this program alone.
+        """Open a port exclusively.
 
         Raises
         ------
         InputError
-            No such port, no permission, held by another program, a speed it can't do.
+            The port doesn't exist, isn't permitted, is in use, or doesn't support the speed.
         """
         import serial
 
@@ -46,18 +46,18 @@ class SerialPort(Port):
                 device, baud, timeout=WAIT_S, write_timeout=WRITE_S, exclusive=_exclusive()
             )
         except (serial.SerialException, OSError, ValueError) as error:
-            raise InputError(f"serial:{device}: {_why(error, baud)}") from None
+            raise InputError(f"serial:{device}: {_reason(error, baud)}") from None
         self.name = f"serial:{device}"
         self._lost = (serial.SerialException, OSError, TypeError)
         self._full = serial.SerialTimeoutException
 
     def receive(self, wait_s: float) -> list[bytes]:
-        """Return the bytes that have come, as `Port.receive`."""
+        """Return new bytes, as `Port.receive`."""
         try:
-            if self._port.timeout != wait_s:  # it is set in the driver
+            if self._port.timeout != wait_s:  # an assignment calls the driver
                 self._port.timeout = wait_s
             data: bytes = self._port.read(max(1, self._port.in_waiting))
-            if self._port.in_waiting:  # what came with the byte that was waited for
+            if self._port.in_waiting:  # bytes that followed the first one
                 data += self._port.read(self._port.in_waiting)
         except self._lost as error:
             raise PortLostError(f"{self.name}: {error}") from None
@@ -65,10 +65,10 @@ class SerialPort(Port):
 
     @property
     def waiting(self) -> int:
-        """Bytes received and not yet read; 0 if the device is gone."""
+        """Bytes received and not yet read; 0 if the device is disconnected."""
         try:
             return int(self._port.in_waiting)
-        except self._lost:  # the next read says so
+        except self._lost:  # the next read reports it
             return 0
 
     def write(self, data: bytes) -> bool:
@@ -82,7 +82,7 @@ class SerialPort(Port):
         return True
 
     def close(self) -> None:
-        """Close the port; may be called twice."""
+        """Close the port; repeated calls do nothing."""
         with contextlib.suppress(*self._lost):
             self._port.close()
 
@@ -91,29 +91,29 @@ def _exclusive() -> bool | None:
     return True if os.name == "posix" else None  # Windows never shares a port
 
 
-def _why(error: Exception, baud: int) -> str:
+def _reason(error: Exception, baud: int) -> str:
     code = getattr(error, "errno", None)
     text = str(error)
     if isinstance(error, FileNotFoundError) or code == errno.ENOENT or "FileNotFound" in text:
-        return "no such port; `overview devices` lists them"
+        return "no such port; `overview devices` lists all ports"
     if code == errno.EACCES or "PermissionError" in text or "Permission denied" in text:
-        return ("not allowed, or held by another program; close that, or (Linux) join the port's "
-                "group: sudo usermod -a -G dialout $USER, then log in again")  # fmt: skip
+        return ("not allowed, or used by another program; close that program, or (Linux) join the "
+                "port's group: sudo usermod -a -G dialout $USER, then log in again")  # fmt: skip
     if code in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in text:
-        return "held by another program (a serial monitor?); close it and try again"
+        return "used by another program, such as a serial monitor; close it and try again"
     if isinstance(error, ValueError):
-        return f"{baud} bit/s is no speed of this port; common ones are 9600 and 115200"
+        return f"the port doesn't support {baud} bit/s; common speeds are 9600 and 115200"
     return f"can't be opened ({text})"
 
 
 def ports() -> list[PortInfo]:
-    """The ports of this machine that have a device, by name."""
+    """Return the serial ports with a device, sorted by name."""
     from serial.tools import list_ports
 
     return [
         PortInfo(one.device, one.description, _identity(one))
         for one in sorted(list_ports.comports(), key=lambda one: str(one.device))
-        # built-in ports that may not exist say nothing of themselves
+        # built-in ports that may not exist have no hardware ID
         if one.hwid != "n/a"
     ]
 
@@ -124,36 +124,37 @@ def _identity(one: Any) -> str:
     return f"{one.vid:04x}:{one.pid:04x}:{one.serial_number or one.location or ''}"
 
 
-def find_again(device: str, identity: str) -> str:
-    """The port that a device has now, by its USB identity; its old name if that isn't known.
+def find_device_again(device: str, identity: str) -> str:
+    """Return the present port of a device by its USB identity; `device` if that is empty.
 
     Raises
     ------
     InputError
-        No port has a device of that identity; its old name may be another one's by now.
+        No port has that identity. Another device may have the old port name now.
     """
     if not identity:
         return device
     found = [one.device for one in ports() if one.identity == identity]
     if not found:
-        raise InputError(f"serial:{device}: no such port: {identity} isn't plugged in")
+        raise InputError(f"serial:{device}: no such port; connect the device {identity}")
     return device if device in found else found[0]
 
 
-def identity_of(device: str) -> str:
-    """A port's USB identity, or an empty text; links to it (/dev/serial/by-id) are followed."""
+def usb_identity(device: str) -> str:
+    """Return a port's USB identity, or ""; `device` may be a link (/dev/serial/by-id)."""
     names = {device, os.path.realpath(device)}
     return next((one.identity for one in ports() if one.device in names), "")
 
 
 def listen(devices: list[str], seconds: float, baud: int = BAUD) -> dict[str, str]:
-    """Return what each port seems to send, listening to all at once; that may restart a device.
+    """Read several ports at once, and return the format that each port sends, as text.
 
-    The words are for the user: a format, why it isn't known, or why the port can't be opened.
+    The text may also be the reason why the format is unknown or the port can't be opened. Opening a
+    port restarts some devices.
     """
     with ThreadPoolExecutor(max(1, len(devices))) as pool:
-        heard = pool.map(lambda device: _listen(device, seconds, baud), devices)
-        return dict(zip(devices, heard, strict=True))
+        texts = pool.map(lambda device: _listen(device, seconds, baud), devices)
+        return dict(zip(devices, texts, strict=True))
 
 
 def _listen(device: str, seconds: float, baud: int) -> str:
@@ -166,8 +167,10 @@ def _listen(device: str, seconds: float, baud: int) -> str:
                 data += b"".join(port.receive(WAIT_S))
                 found = detect(bytes(data[-8192:]))
         if found is None:
-            found = detect(bytes(data[-8192:]), over=True)
+            found = detect(bytes(data[-8192:]), timed_out=True)
     except (InputError, PortLostError) as error:
         return str(error)
-    silent = f"nothing in {seconds:g} s" if not data else f"{len(data)} bytes, too few to detect"
+    silent = (
+        f"{len(data)} bytes, too few to detect a format" if data else f"no data in {seconds:g} s"
+    )
     return silent if found is None else str(found)

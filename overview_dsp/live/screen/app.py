@@ -1,6 +1,6 @@
-"""The application: keys and mouse to the player, the player's status to the screen.
+"""Terminal application: keys and mouse control the player, whose status is displayed.
 
-The command palette: everything that may be changed while it plays, by a few letters.
+Its command palette has all commands of a session.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from textual.widgets import Footer, Static
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
-from overview_dsp.live.screen.terminal import has_hung_up, patient
-from overview_dsp.live.screen.timeline_view import TimelineView, marks, place_words
+from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
+from overview_dsp.live.screen.timeline_view import TimelineView, marks, position_text
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
@@ -31,15 +31,15 @@ from overview_dsp.signal.surface.model import Surface
 
 
 def choices(player: Player) -> Iterator[tuple[str, ...]]:
-    """Commands with their words, as far as these can be listed."""
-    from overview_dsp.design.presets.library import bundled_presets, own_names
+    """Yield commands with words that can be listed, such as presets and devices."""
+    from overview_dsp.design.presets.library import bundled_presets, user_presets
     from overview_dsp.errors import OverviewError
     from overview_dsp.live.output.devices import devices
     from overview_dsp.signal.actuators.library import actuator_names
 
     yield ("record",)
     yield ("replay",)
-    for name in ("1", "2", *bundled_presets(), *own_names()):
+    for name in ("1", "2", *bundled_presets(), *user_presets()):
         yield "preset", name
     for signal in ("click", "tactor"):
         yield "mute", signal
@@ -63,8 +63,8 @@ def choices(player: Player) -> Iterator[tuple[str, ...]]:
         yield "actuator", name
 
 
-class Changes(Provider):
-    """Commands to choose from; what is typed as a whole command is offered first."""
+class CommandProvider(Provider):
+    """Commands of the palette; a complete command that the user types is offered first."""
 
     @property
     def _player(self) -> Player:
@@ -72,33 +72,33 @@ class Changes(Provider):
         return player
 
     async def startup(self) -> None:
-        """Look for presets and devices once."""
+        """Find presets and devices once."""
         self._choices = list(choices(self._player))
 
     async def search(self, query: str) -> Hits:
-        """What matches; a whole command as it is typed."""
+        """Yield a complete command as typed, and the choices that match."""
         words = tuple(query.split())
         if words and words[0] in FORMS and words not in self._choices:
-            yield Hit(1.0, query, partial(self._player.ask, *words), help=FORMS[words[0]])
+            yield Hit(1.0, query, partial(self._player.queue_command, *words), help=FORMS[words[0]])
         matcher = self.matcher(query)
         for choice in self._choices:
             text = " ".join(choice)
             if (score := matcher.match(text)) > 0.0:
-                yield Hit(score, matcher.highlight(text), self._asking(choice))
+                yield Hit(score, matcher.highlight(text), self._action(choice))
 
     async def discover(self) -> Hits:
-        """Everything that can be listed."""
+        """Yield all choices."""
         for choice in self._choices:
-            yield DiscoveryHit(" ".join(choice), self._asking(choice))
+            yield DiscoveryHit(" ".join(choice), self._action(choice))
 
-    def _asking(self, choice: tuple[str, ...]) -> partial[None]:
-        # a device's name behind its number is for the person
+    def _action(self, choice: tuple[str, ...]) -> partial[None]:
+        # a device's name after its number is only for display
         words = choice[:2] if choice[0] == "device" else choice
-        return partial(self._player.ask, *words)
+        return partial(self._player.queue_command, *words)
 
 
 class TextScreen(ModalScreen[None]):
-    """Text over the screen, closed by any key or click."""
+    """Text that covers the screen until any key or click."""
 
     CSS = """
     TextScreen { align: center middle; }
@@ -124,16 +124,16 @@ class TextScreen(ModalScreen[None]):
         self.dismiss()
 
 
-POLLS_A_SECOND = 30
+POLLS_PER_SECOND = 30
 VIEW_EVERY, METERS_EVERY = 3, 6
-"""Polls: what is drawn costs a terminal that is far away its line."""
+"""Polls between two updates of the views; fewer updates suit slow terminal connections."""
 
-SHOWN_S = 10.0
-"""How long a message is shown."""
+MESSAGE_S = 10.0
+"""Time that a message is shown."""
 
 
 class PlayApp(App[None]):
-    """A timeline under the mouse and the keys."""
+    """Application that plays a timeline by mouse and keys."""
 
     CSS = """
     Screen { overflow: hidden; }
@@ -142,27 +142,24 @@ class PlayApp(App[None]):
     #legend { height: 1; }
     #messages { height: 2; color: $warning; }
     """
-    COMMANDS: ClassVar = {Changes}
+    COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "press('left')", "back", show=False),
         Binding("right", "press('right')", "move"),
-        Binding("shift+left", "press('shift+left')", show=False),
-        Binding("shift+right", "press('shift+right')", show=False),
-        Binding("home", "press('home')", show=False),
-        Binding("end", "press('end')", show=False),
-        Binding("space", "press('space')", "let go / tap"),
-        Binding("enter", "press('enter')", show=False),
-        Binding("escape", "press('escape')", show=False),
+        Binding("space", "press('space')", "release / tap"),
         Binding("plus,equals_sign", "press('+')", "zoom", key_display="+ -"),
-        Binding("minus", "press('-')", show=False),
-        Binding("0", "press('0')", "whole", show=False),
         Binding("left_square_bracket", "press('[')", "event", key_display="[ ]"),
-        Binding("right_square_bracket", "press(']')", show=False),
         Binding("R", "press('R')", "take"),
         Binding("p,P", "press('p')", "replay"),
         Binding("1", "press('1')", "presets", key_display="1 2"),
-        Binding("2", "press('2')", show=False),
+        *(
+            Binding(key, f"press('{key}')", show=False)
+            for key in ("shift+left", "shift+right", "home", "end", "enter", "escape", "2")
+        ),
+        Binding("minus", "press('-')", show=False),
+        Binding("0", "press('0')", "whole", show=False),
+        Binding("right_square_bracket", "press(']')", show=False),
         Binding("m", "press('m')", "mute clicks", show=False),
         Binding("t", "press('t')", "mute tactor", show=False),
         Binding("r", "remote", show=False),
@@ -177,7 +174,7 @@ class PlayApp(App[None]):
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
     ) -> None:
-        super().__init__(driver_class=patient(self.get_driver_class()))
+        super().__init__(driver_class=nonblocking_driver(self.get_driver_class()))
         self._invitation = invitation
         self._player = player
         self._source = source
@@ -187,17 +184,17 @@ class PlayApp(App[None]):
         self._ended = False
         self._polls = 0
         self._peaks = [0.0, 0.0]
-        self._said: list[tuple[float, str]] = []
+        self._shown: list[tuple[float, str]] = []
         self._view = TimelineView(player)
         self._meters = MetersView()
         self._trace = TraceView()
         self._key_actions = KeyActions(player)
-        self._marked: Surface | None = None
+        self._legend_surface: Surface | None = None
         self._legend = Static("", id="legend")
-        self._words = Static("", id="messages", markup=False)
+        self._message_lines = Static("", id="messages", markup=False)
 
     def compose(self) -> ComposeResult:
-        """Title, timeline, meters, messages, keys."""
+        """Yield title, legend, timeline, meters, messages and keys."""
         yield Static(self._player.timeline.title, id="title", markup=False)
         if self._invitation:
             yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
@@ -205,12 +202,12 @@ class PlayApp(App[None]):
         yield self._view
         yield self._trace
         yield self._meters
-        yield self._words
+        yield self._message_lines
         yield Footer()
 
     def on_mount(self) -> None:
-        """Look at the player thirty times a second."""
-        self.set_interval(1.0 / POLLS_A_SECOND, self._poll)
+        """Poll the player thirty times per second."""
+        self.set_interval(1.0 / POLLS_PER_SECOND, self._poll)
 
     def _poll(self) -> None:
         if self._ended:
@@ -219,14 +216,14 @@ class PlayApp(App[None]):
             self._end()
             return
         writer = getattr(self._driver, "writer", None)
-        if writer is not None and (writer.gone or has_hung_up(writer.fileno())):
+        if writer is not None and (writer.closed or has_hung_up(writer.fileno())):
             self._end()
             return
-        if writer is not None and writer.take_left_out():
+        if writer is not None and writer.pop_skipped():
             self.refresh(layout=True)
         try:
             status = poll(self._player, self._source)
-        except Exception as error:  # shown by the command line once the screen is given back
+        except Exception as error:  # the command line shows it after the screen is restored
             self._end(error)
             return
         self._status = status
@@ -234,41 +231,43 @@ class PlayApp(App[None]):
         self._polls += 1
         if self._polls % VIEW_EVERY == 0:
             self._view.show(status)
-            self._show_marks()
+            self._show_legend()
         source = self._source
         peaks = self._peaks
         peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
         if self._polls % METERS_EVERY == 0:
-            told = ("" if source is None else source.words, status.following or "")
-            words = "; ".join(part for part in told if part)
-            shown = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
-            self._meters.show(shown, place_words(self._player, status.cursor), words)
+            texts = ("" if source is None else source.status_text, status.following or "")
+            with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
+            self._meters.show(
+                with_peaks,
+                position_text(self._player, status.cursor),
+                "; ".join(filter(None, texts)),
+            )
             peaks[:] = 0.0, 0.0
-        self._say(status.messages)
+        self._show_messages(status.messages)
 
-    def _show_marks(self) -> None:
-        """Which mark is which kind of event, in the view's colours."""
+    def _show_legend(self) -> None:
+        """Show the mark of each event kind, in the colours of the timeline view."""
         surface = self._player.engine.surface
-        if surface is not self._marked:
-            self._marked = surface
-            shown = marks(self._player)
+        if surface is not self._legend_surface:
+            self._legend_surface = surface
             text = Text(no_wrap=True, overflow="ellipsis")
-            for mark, colour, kind in shown:
+            for mark, colour, kind in marks(self._player):
                 text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
-            text.append("◉ disk  ▼ finger", "dim")
+            text.append("◉ disk  ▼ input", "dim")
             self._legend.update(text)
 
-    def _say(self, messages: tuple[str, ...]) -> None:
-        """Show what is new; what was read long enough goes."""
+    def _show_messages(self, messages: tuple[str, ...]) -> None:
+        """Show new messages, and remove old ones."""
         now = time.monotonic()
-        kept = [(said, line) for said, line in self._said if now - said < SHOWN_S]
-        kept += [(now, line) for line in messages]
-        if kept != self._said:
-            self._said = kept
-            self._words.update("\n".join(line for _, line in kept[-2:]))
+        shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
+        shown += [(now, line) for line in messages]
+        if shown != self._shown:
+            self._shown = shown
+            self._message_lines.update("\n".join(line for _, line in shown[-2:]))
 
     def _end(self, failure: Exception | None = None) -> None:
-        """Fade out and save first: giving the screen back may take its time."""
+        """Close the player, then the screen, which may take longer."""
         self.failure, self._ended = failure, True
         try:
             self._player.close()
@@ -277,20 +276,20 @@ class PlayApp(App[None]):
         self.exit()
 
     async def action_quit(self) -> None:
-        """The person has had enough."""
+        """End the session."""
         self._end()
 
     def action_press(self, key: str) -> None:
-        """Do what a key is for."""
+        """Run the action of a key."""
         self._key_actions.press(key)
 
     def action_remote(self) -> None:
-        """Show how a phone holds the disk."""
+        """Show how to connect a phone."""
         if self._invitation:
             self.push_screen(TextScreen(self._invitation))
 
     def action_help(self) -> None:
-        """Show the keys, explained."""
+        """Show the help on keys."""
         self.push_screen(TextScreen(help_text(self._player)))
 
 
@@ -300,9 +299,9 @@ def run(
     stopped: Callable[[], bool] | None = None,
     invitation: str = "",
 ) -> None:
-    """Show a player until the person quits or `stopped()`; errors of the player are raised.
+    """Run the application until the user quits or `stopped()`; raise errors of the player.
 
-    `invitation` is what a person needs to let another device in; its first line is always shown.
+    `invitation` explains how to connect another device. Its first line is always shown.
     """
     app = PlayApp(player, source, stopped, invitation)
     app.run()

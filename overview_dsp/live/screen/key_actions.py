@@ -1,4 +1,4 @@
-"""Actions of the keys, which are the same on the screen and in plain lines, and their help."""
+"""Actions of the keys, on the screen and in plain mode, and the help on them."""
 
 from __future__ import annotations
 
@@ -11,41 +11,41 @@ STEP = 0.01
 ZOOM = 1.5
 
 HELP = """\
-drag         the finger holds the disk and pulls it over the surface
-click        a tap: everything up to that point, then let go
-release      let go: the disk recoils
+drag         touch the disk and pull it over the surface
+click        tap: the disk moves to that position, then recoils
+release      the disk recoils
 
-left right   move the finger (with shift, ten times as far)
+left right   move the input (with shift, ten times as far)
 Home End     touch the start, the end
-space        let go; or tap, if nothing holds
-Enter        tap where the finger was last
-Escape       let go
+space        release; without a touch, tap
+Enter        tap at the last position
+Escape       release
 [ ]          touch the previous, the next event
-+ -  0       zoom about the disk; the whole
-R            begin a take, end it
-P            play the last take in a loop, or stop
-1 2          the first, the second preset: from the loop's start
-             on; pressed again: at once
++ -  0       zoom in, zoom out; show the whole timeline
+R            start a take, end it
+P            replay the last take in a loop, or stop
+1 2          use the first, the second preset; during a loop,
+             press again to change at once
 c            change preset, window, gains, device, block size, rate,
              channels, actuator
 m t          mute the clicks, the tactor
-r            the address for a phone (with --remote)
+r            show the address for a phone (with --remote)
 q            quit
 
 MARKS
-▼ finger  ~ spring  ◉ disk: it sticks where friction is high
+▼ input  ~ shaft  ◉ disk, which sticks where friction is high
 
-any key closes this"""
+Any key closes this help."""
 
 
 class KeyActions:
-    """What each key does to the player; keys are named as in `press`.
+    """Actions of the keys on a player.
 
     Thread: control.
     """
 
     def __init__(self, player: Player, say: Callable[[str], None] = lambda line: None) -> None:
-        """`say` shows what a key did where nothing else shows it."""
+        """Use `say` to report actions that aren't displayed otherwise."""
         self._player, self._say = player, say
         self._actions: dict[str, Callable[[], object]] = {
             "left": lambda: self._move(-1),
@@ -54,8 +54,8 @@ class KeyActions:
             "shift+right": lambda: self._move(10),
             "home": lambda: player.touch(0.0),
             "end": lambda: player.touch(1.0),
-            "space": self._hold,
-            "enter": lambda: player.tap(player.finger.position),
+            "space": self._release_or_tap,
+            "enter": lambda: player.tap(player.pointer.position),
             "escape": player.release,
             "[": lambda: player.go_to_event(-1, self._position()),
             "]": lambda: player.go_to_event(1, self._position()),
@@ -74,35 +74,35 @@ class KeyActions:
         }
 
     def press(self, key: str) -> None:
-        """Do what a key is for; an unknown one does nothing."""
+        """Run the action of a key, named as in `_actions`; ignore other keys."""
         if key in self._actions:
             self._actions[key]()
 
     def _position(self) -> float:
-        """Where the finger is, or the disk if it isn't down."""
+        """Return the pointer's position during its touch, otherwise the disk's."""
         player = self._player
-        return player.finger.position if player.finger.holding else player.engine.meters.cursor
+        return player.pointer.position if player.pointer.touching else player.engine.meters.cursor
 
     def _move(self, steps: int) -> None:
-        """Move the finger by hundredths of the timeline, touching down if it isn't."""
-        self._player.touch(min(max(self._position() + steps * STEP, 0.0), 1.0))
+        """Touch at a position that is `steps` hundredths of the window away."""
+        self._player.touch(self._position() + steps * STEP)
 
-    def _hold(self) -> None:
-        """Release if the finger holds, else tap where it was last."""
-        if self._player.finger.holding:
+    def _release_or_tap(self) -> None:
+        """Release during a touch, otherwise tap at the last position."""
+        if self._player.pointer.touching:
             self._player.release()
         else:
-            self._player.tap(self._player.finger.position)
+            self._player.tap(self._player.pointer.position)
 
-    def _mute(self, signal: str, what: str) -> None:
+    def _mute(self, signal: str, name: str) -> None:
         muted = getattr(self._player.output.settings, signal).mute
         self._player.output.mute(signal, not muted)
-        self._say(f"{what} {'on' if muted else 'muted'}")
+        self._say(f"{name} {'on' if muted else 'muted'}")
 
 
 def help_text(player: Player) -> str:
-    """Return the keys, and what the marks above the timeline are."""
+    """Return the help on keys and marks."""
     shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player)) or "no events"
     if not player.active_window.angle_map.is_linear:
-        shown += f"\n{STRETCHED} time is stretched: events lie close together there"
+        shown += f"\n{STRETCHED} time is stretched, because events are close together"
     return HELP.replace("MARKS", shown)

@@ -1,7 +1,7 @@
-"""The terminal's driver: one that never waits for a terminal that reads nothing, or has gone.
+"""Terminal driver that never waits for a frozen or closed terminal.
 
-The library's own writer has a bounded queue that blocks the application, and its end, once nobody
-reads. Here what is drawn meanwhile is left out, and all of it drawn anew when it is read again.
+Textual's own writer blocks the application when its queue is full, even at exit. This one skips
+output while the terminal doesn't read. The whole screen is drawn again when it reads again.
 """
 
 from __future__ import annotations
@@ -14,90 +14,90 @@ from typing import IO, Any
 
 from textual.driver import Driver
 
-MOST_WAITING = 65_536
-"""Characters that may wait; more of the screen is left out."""
+MAX_QUEUED = 65_536
+"""Number of queued characters above which output is skipped."""
 
 SHORT = 24
-"""A control sequence up to so long is never left out: modes of the terminal, not its picture."""
+"""Maximum length of control sequences that are never skipped, because they set terminal modes."""
 
 END_WITHIN_S = 0.3
-"""How long the end of the screen waits for the terminal to take what is left."""
+"""Longest wait for the terminal to read the rest at exit."""
 
 CHUNK = 512
 
 
 class TerminalWriter(threading.Thread):
-    """Writes to a terminal from a thread of its own; nobody waits for it.
+    """Writer to a terminal in a thread of its own, which replaces Textual's.
 
-    Thread: any for `write`; it stands in for the library's writer.
+    Thread: any for `write`.
     """
 
     def __init__(self, file: IO[str]) -> None:
-        """For an open terminal; `start` it."""
+        """Prepare to write to an open terminal; `start` starts the thread."""
         super().__init__(daemon=True, name="terminal")
         self._file = file
-        self._waiting: deque[bytes] = deque()
+        self._queue: deque[bytes] = deque()
         self._count = 0
         self._changed = threading.Condition()
         self._ending = False
-        self._left_out = False
-        self.gone = False
+        self._skipped = False
+        self.closed = False
 
     def write(self, text: str) -> None:
-        """Have text written soon, or left out if the terminal reads nothing."""
+        """Queue text, or skip it if the terminal doesn't read."""
         with self._changed:
             is_mode = len(text) <= SHORT and text.startswith("\x1b[")
-            if self.gone or (self._count > MOST_WAITING and not is_mode):
-                self._left_out = True
+            if self.closed or (self._count > MAX_QUEUED and not is_mode):
+                self._skipped = True
                 return
             data = text.encode("utf-8", "replace")
-            self._waiting.append(data)
+            self._queue.append(data)
             self._count += len(data)
             self._changed.notify()
 
-    def take_left_out(self) -> bool:
-        """Whether something was left out and the terminal reads again: draw all of it."""
+    def pop_skipped(self) -> bool:
+        """Return whether output was skipped and the terminal reads again; reset that."""
         with self._changed:
-            again = self._left_out and not self._waiting and not self.gone
-            if again:
-                self._left_out = False
-            return again
+            skipped = self._skipped and not self._queue and not self.closed
+            if skipped:
+                self._skipped = False
+            return skipped
 
     def isatty(self) -> bool:
-        """As the library's."""
+        """Return True."""
         return True
 
     def fileno(self) -> int:
-        """The terminal's."""
+        """Return the descriptor of the terminal."""
         return self._file.fileno()
 
     def flush(self) -> None:
-        """Nothing: the thread does that."""
+        """Do nothing: the thread writes at once."""
 
     def run(self) -> None:
-        """Write what comes, until the end."""
+        """Write the queued text until `stop`."""
         while True:
             with self._changed:
-                while not self._waiting and not self._ending:
+                while not self._queue and not self._ending:
                     self._changed.wait()
-                if not self._waiting:
+                if not self._queue:
                     return
-                data = self._waiting[0]
+                data = self._queue[0]
             try:
-                # not through the file: who ends the process would wait for its lock
+                # not by the file object, whose lock would delay the exit of the process
                 for at in range(0, len(data), CHUNK):
                     _write_all(self._file.fileno(), data[at : at + CHUNK])
-            except (OSError, ValueError):  # closed
-                self.gone = True
+            except (OSError, ValueError):
+                self.closed = True
             with self._changed:
-                self._waiting.popleft()
+                self._queue.popleft()
                 self._count -= len(data)
-                if self.gone:
-                    self._waiting.clear()
+                if self.closed:
+                    self._queue.clear()
                     return
 
     def stop(self) -> None:
-        """Write what is left and end, unless the terminal takes nothing."""
+        """Write the rest and end; don't wait for a terminal that doesn't read."""
         with self._changed:
             self._ending = True
             self._changed.notify()
@@ -110,19 +110,19 @@ def _write_all(file: int, data: bytes) -> None:
 
 
 def has_hung_up(file: int) -> bool:
-    """Whether a terminal has been closed."""
+    """Return whether a terminal was closed."""
     if not hasattr(select, "poll"):
         return False
     poll = select.poll()
     poll.register(file, 0)
-    return any(what & (select.POLLHUP | select.POLLNVAL) for _, what in poll.poll(0))
+    return any(event & (select.POLLHUP | select.POLLNVAL) for _, event in poll.poll(0))
 
 
-def patient(driver: type[Driver]) -> type[Driver]:
-    """The library's driver for this platform, with a `TerminalWriter`."""
+def nonblocking_driver(driver: type[Driver]) -> type[Driver]:
+    """Return Textual's driver for this platform with a `TerminalWriter`."""
 
-    class PatientDriver(driver):  # type: ignore[valid-type, misc]
-        """It has the library's writer made, and puts its own in the place."""
+    class NonblockingDriver(driver):  # type: ignore[valid-type, misc]
+        """Driver that replaces the writer which Textual creates."""
 
         writer: TerminalWriter | None = None
 
@@ -131,14 +131,14 @@ def patient(driver: type[Driver]) -> type[Driver]:
             return self.writer
 
         @_writer_thread.setter
-        def _writer_thread(self, made: Any) -> None:
-            self.writer = None if made is None else TerminalWriter(made._file)
+        def _writer_thread(self, original: Any) -> None:
+            self.writer = None if original is None else TerminalWriter(original._file)
 
         def run_input_thread(self) -> None:
-            """Read keys; a terminal that was closed is the session's to notice."""
+            """Read keys; the application detects a closed terminal."""
             try:
                 super().run_input_thread()
             except OSError:
                 return
 
-    return PatientDriver
+    return NonblockingDriver

@@ -1,9 +1,7 @@
-"""The timeline in the terminal: its friction, its events, the finger, the disk and its cursor.
+"""View of the timeline in the terminal: friction, events, input, disk and axis.
 
-The finger is where the hand is, the cursor where the disk is: it sticks where friction is high, and
-the spring between the two is drawn (the paper's pseudo-haptic effect).
-
-Where the disk is, in words, and which mark stands for which kind of event.
+The disk sticks where friction is high, so its cursor lags behind the input. The shaft between the
+two is drawn (the paper's pseudo-haptic effect).
 """
 
 from __future__ import annotations
@@ -27,28 +25,27 @@ BLOCKS = " ▁▂▃▄▅▆▇█"
 MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 NOW = "┊"
-"""Up to where a timeline that grows has happened."""
+"""Mark of the time up to which a live timeline has data."""
 
 STRETCHED = "═"
-"""On the axis, where time is stretched so that close events lie apart."""
+"""Mark on the axis where the angle map separates close events."""
 
-AXIS, FINGER, EVENTS = 1, 1, 1
+AXIS, INPUT, EVENTS = 1, 1, 1
 MARK_EVERY = 2
-"""Looks: the disk's column is marked less often than the disk moves. A part of a line is written
-from its start on, and this one has many colours: much for a terminal far away."""
+"""Updates between two marks of the disk's column, a colourful line that is slow to send."""
 
 
 class TimelineView(Widget):
-    """The part of the timeline under the hand; the mouse is a finger on it."""
+    """Window of the timeline, which the mouse touches."""
 
     DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
 
     def __init__(self, player: Player) -> None:
         super().__init__()
         self._player = player
-        self._cursor = self._finger = 0.0
+        self._cursor = self._input = 0.0
         self._touching = False
-        self._mark = self._looks = 0
+        self._mark = self._updates = 0
         self._now: int | None = None
         self._stretched: list[tuple[int, int]] = []
         self._drawn: tuple[object, int, int] | None = None
@@ -60,7 +57,7 @@ class TimelineView(Widget):
         return min(max(x / max(1, self.size.width - 1), 0.0), 1.0)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
-        """The finger comes down."""
+        """Touch at the mouse's position."""
         if event.button != 1:
             return
         self.capture_mouse()
@@ -68,13 +65,13 @@ class TimelineView(Widget):
         self._player.touch(self._pressed)
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """The finger moves."""
+        """Move the touch to the mouse's position."""
         if self._pressed is not None and self._position(event.x) != self._pressed:
             self._pressed = self._position(event.x)
             self._player.touch(self._pressed)
 
     def on_mouse_up(self, event: events.MouseUp) -> None:
-        """The finger releases."""
+        """Release."""
         if self._pressed is None:
             return
         self.release_mouse()
@@ -84,52 +81,50 @@ class TimelineView(Widget):
     # --- the picture ----------------------------------------------------------------------------
 
     def show(self, status: Status) -> None:
-        """Draw again what has changed."""
+        """Draw the parts that have changed."""
         width = self.size.width
-        seen = (column(status.cursor, width), column(status.finger, width), status.touching)
+        now = (column(status.cursor, width), column(status.pointer, width), status.touching)
         surface = (self._player.engine.surface, self.size.width, self.size.height)
-        before = (column(self._cursor, width), column(self._finger, width), self._touching)
-        self._cursor, self._finger = status.cursor, status.finger
+        before = (column(self._cursor, width), column(self._input, width), self._touching)
+        self._cursor, self._input = status.cursor, status.pointer
         self._touching = status.touching
-        self._looks += 1
+        self._updates += 1
         if self._drawn is None or surface != self._drawn:
             self._measure()
-            self._mark = seen[0]
+            self._mark = now[0]
             self._drawn = surface
             self.refresh()
             return
-        # only what has changed
-        if self._mark != seen[0] and self._looks % MARK_EVERY == 0:
-            self._refresh_line(3, self._mark, seen[0])
-            self._mark = seen[0]
-        if seen != before:
-            self._refresh_line(2, *seen[:2], *before[:2])
+        if self._mark != now[0] and self._updates % MARK_EVERY == 0:
+            self._refresh_line(3, self._mark, now[0])
+            self._mark = now[0]
+        if now != before:
+            self._refresh_line(2, *now[:2], *before[:2])
 
-    def _refresh_line(self, below: int, *columns: int) -> None:
-        """Draw again what of a line, counted from below, lies between the outermost columns."""
+    def _refresh_line(self, from_bottom: int, *columns: int) -> None:
+        """Draw a line, counted from the bottom, from the first to the last of the columns."""
         first, last = min(columns), max(columns)
-        self.refresh(Region(first, max(0, self.size.height - below), last - first + 1, 1))
+        self.refresh(Region(first, max(0, self.size.height - from_bottom), last - first + 1, 1))
 
     def _measure(self) -> None:
-        """How high each column of the surface is, and which event marks it."""
+        """Find the height of each column of the surface, and its event mark."""
         width = max(1, self.size.width)
         surface = self._player.engine.surface
-        # a column stands for the positions that the mouse in it rounds to
+        # a column covers the positions that the mouse in it is rounded from
         positions = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
         friction = surface.resistance
         edges = (positions * (len(friction) - 1)).astype(int)
         columns = np.array(
             [friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
         )
-        # heights by their logarithm: a goal is a hundred times the bare surface
+        # logarithmic heights: the friction of a goal is a hundred times that of the base surface
         low, high = math.log(friction.min()), math.log(friction.max())
         self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
         self._marks: dict[int, tuple[str, str]] = {}
-        for where, kind in zip(surface.position, surface.kind, strict=True):
+        for position, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
-            self._marks[column(float(where), width)] = mark
-        shown = self._player.shown
-        until = shown.known_until_s
+            self._marks[column(float(position), width)] = mark
+        until = self._player.window_timeline.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [
@@ -137,17 +132,17 @@ class TimelineView(Widget):
         ]
 
     def render_line(self, y: int) -> Strip:
-        """One line: events, the friction's columns, the finger, the axis."""
+        """Return a line: events, friction columns, input and disk, or axis."""
         width, height = self.size.width, self.size.height
         if self._drawn is None or len(self._heights) != width:
             return Strip.blank(width)
-        rows = height - AXIS - FINGER - EVENTS
+        rows = height - AXIS - INPUT - EVENTS
         if y == 0:
             return Strip(self._event_line(width)).simplify()
         if y == height - 1:
             return Strip([Segment(self._axis(width), Style(dim=True))])
         if y == height - 2:
-            return Strip(self._hand_line(width))
+            return Strip(self._input_line(width))
         return Strip(self._column_line(width, rows, rows - y)).simplify()
 
     def _event_line(self, width: int) -> list[Segment]:
@@ -159,7 +154,7 @@ class TimelineView(Widget):
         ]
 
     def _column_line(self, width: int, rows: int, row: int) -> list[Segment]:
-        """Row `row` (0 is the lowest) of the friction's columns; there the disk's is marked."""
+        """Return row `row` of the friction columns; row 0, the lowest, marks the disk's column."""
         parts = np.clip(self._heights * rows - row, 0.0, 1.0)
         line = []
         for x in range(width):
@@ -173,14 +168,14 @@ class TimelineView(Widget):
                 line.append(Segment(block, Style(color=colour)))
         return line
 
-    def _hand_line(self, width: int) -> list[Segment]:
-        """The disk, the spring and the finger."""
-        cursor, finger = column(self._cursor, width), column(self._finger, width)
+    def _input_line(self, width: int) -> list[Segment]:
+        """Return the line of disk, shaft and input."""
+        cursor, pointer = column(self._cursor, width), column(self._input, width)
         cells = [" "] * width
         if self._touching:
-            for x in range(min(cursor, finger), max(cursor, finger) + 1):
+            for x in range(min(cursor, pointer), max(cursor, pointer) + 1):
                 cells[x] = "~"
-            cells[finger] = "▼"
+            cells[pointer] = "▼"
         cells[cursor] = "◉"
         return [Segment("".join(cells), Style(color="bright_white", bold=True))]
 
@@ -194,9 +189,9 @@ class TimelineView(Widget):
         count = max(1, width // 16)
         for i in range(count + 1):
             time_s = (end - start) * i / count
-            text = axis_text(self._player, start + time_s)
-            place = float(angle_map.position_of(time_s))
-            at = min(round(place * (width - 1)), width - len(text))
+            text = time_text(self._player, start + time_s)
+            position = float(angle_map.position_of(time_s))
+            at = min(round(position * (width - 1)), width - len(text))
             at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
             if not "".join(cells[max(0, at - 1) : at + len(text) + 1]).strip():
                 cells[at : at + len(text)] = text
@@ -207,12 +202,12 @@ class TimelineView(Widget):
 
 
 def column(position: float, width: int) -> int:
-    """The column of a position (0 to 1); a disk that swings past an end is drawn at the end."""
+    """Return the column of a position (0 to 1); positions beyond an end are drawn at the end."""
     return min(max(round(position * (width - 1)), 0), max(width - 1, 0))
 
 
-def axis_text(player: Player, time_s: float) -> str:
-    """A moment, as a clock or, where the timeline has a calendar, a date."""
+def time_text(player: Player, time_s: float) -> str:
+    """Return a time as clock time, or as a date if the timeline has a start date."""
     from datetime import timedelta
 
     start = player.timeline.start
@@ -223,24 +218,25 @@ def axis_text(player: Player, time_s: float) -> str:
     return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
 
 
-def place_words(player: Player, cursor: float) -> str:
-    """The moment under the cursor (0 to 1), and the event whose surface it is on."""
-    words = axis_text(player, player.moment_s(cursor))
+def position_text(player: Player, cursor: float) -> str:
+    """Return the time at the cursor (0 to 1), and the event whose surface it is on."""
+    text = time_text(player, player.time_at(cursor))
     surface = player.engine.surface
-    for span, event in zip(surface.span, surface.event, strict=True):
+    for span, index in zip(surface.span, surface.event, strict=True):
         if span[0] <= cursor <= span[1]:
-            there = player.shown.events[event]
-            return f"{words}  {there.kind} {there.display_label}".rstrip()
-    return words
+            event = player.window_timeline.events[index]
+            return f"{text}  {event.kind} {event.display_label}".rstrip()
+    return text
 
 
 def marks(player: Player) -> list[tuple[str, str, str]]:
-    """Mark, colour and kind of the events that are shown, in the order of the marks."""
+    """Return mark, colour and kind of the visible events, in the order of the marks."""
     surface = player.engine.surface
+    events = player.window_timeline.events
     kinds = {
-        int(kind): player.shown.events[event].kind
+        int(kind): events[event].kind
         for kind, event in zip(surface.kind, surface.event, strict=True)
-        if event < len(player.shown.events)
+        if event < len(events)
     }
     return [
         (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)], kinds[kind].replace("_", " "))

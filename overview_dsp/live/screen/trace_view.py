@@ -1,7 +1,4 @@
-"""What is felt, as it goes by: torque, the tactor's envelope and strikes of the last seconds.
-
-What sounds and how the output is: torque, levels, callbacks.
-"""
+"""Views of the last seconds (torque, tactor envelope, strikes) and of the meters."""
 
 from __future__ import annotations
 
@@ -21,7 +18,7 @@ from overview_dsp.units import gain_to_db
 
 COLUMN_S = 0.1
 DRAWN_EVERY = 3
-"""Columns: a terminal far away gets a third of a second at a time."""
+"""Number of new columns per update, for slow terminal connections."""
 
 FLOOR_DB = -60.0
 NAMES = ("torque ", "tactor ", "strikes")
@@ -30,7 +27,7 @@ WIDEST = 400
 
 
 class TraceView(Widget):
-    """Three lines that move to the left; the present is on the right."""
+    """Three lines that scroll to the left, with the present on the right."""
 
     DEFAULT_CSS = "TraceView { height: 3; }"
 
@@ -43,17 +40,17 @@ class TraceView(Widget):
         self._new = 0
 
     def show(self, status: Status) -> None:
-        """Take in how it stands; draw what is new."""
+        """Add a status to the present column; draw completed columns."""
         self._torque = max(self._torque, abs(status.torque) / status.full_torque)
         self._tactor = max(self._tactor, status.envelope)
         if status.time_s < self._until and self._until - status.time_s <= COLUMN_S:
             return
         self._until = status.time_s + COLUMN_S
         before = status.strikes if self._strikes is None else self._strikes
-        struck = max(0, status.strikes - before)  # fewer: the engine has begun anew
+        strikes = max(0, status.strikes - before)  # a restarted engine counts from 0
         self._rows[0].append(_block(self._torque))
         self._rows[1].append(_block(self._tactor))
-        self._rows[2].append(" " if not struck else "│" if struck == 1 else "┃")
+        self._rows[2].append(" " if not strikes else "│" if strikes == 1 else "┃")
         self._strikes, self._torque, self._tactor = status.strikes, 0.0, 0.0
         self._new += 1
         if self._new >= DRAWN_EVERY:
@@ -63,7 +60,7 @@ class TraceView(Widget):
                 self.refresh()
 
     def render_line(self, y: int) -> Strip:
-        """The name and the latest columns of one line."""
+        """Return the name and the latest columns of one line."""
         width = self.size.width
         room = max(0, width - len(NAMES[y]) - 1)
         marks = "".join(list(self._rows[y])[-room:]) if room else ""
@@ -78,7 +75,7 @@ class TraceView(Widget):
 
 
 def _block(part: float) -> str:
-    """A column's height: a part of the most, by its level in dB, as it is felt."""
+    """Return a block whose height is the level in dB of a fraction of full scale."""
     level = 1.0 - max(gain_to_db(part), FLOOR_DB) / FLOOR_DB if part > 0.0 else 0.0
     return BLOCKS[round(min(level, 1.0) * (len(BLOCKS) - 1))]
 
@@ -86,11 +83,11 @@ def _block(part: float) -> str:
 BAR = 24
 METERS_FLOOR_DB = -60.0
 HOLD_FALL_DB = 6.0
-"""How much a held peak falls at each poll."""
+"""Fall of a held peak per update."""
 
 
 class MetersView(Static):
-    """Three bars (torque, click, tactor) and a line about the output."""
+    """Three bars (torque, click, tactor) and lines on the output and the input."""
 
     DEFAULT_CSS = "MetersView { height: auto; min-height: 5; }"
 
@@ -99,12 +96,12 @@ class MetersView(Static):
         self._held = [METERS_FLOOR_DB, METERS_FLOOR_DB]
         self._shown = ""
 
-    def show(self, status: Status, here: str, source: str = "") -> None:
-        """Write the meters; `here` names what is under the cursor, `source` is the input's line."""
+    def show(self, status: Status, position: str, source: str = "") -> None:
+        """Write the meters, the text of the position and the status of the input."""
         text, stream = Text(), status.stream
         part = min(abs(status.torque) / status.full_torque, 1.0)
         text.append("torque ").append(bar(part), "yellow")
-        text.append(f" {status.torque * 1e3:+7.3f} mN·m   ").append(here, "bold")
+        text.append(f" {status.torque * 1e3:+7.3f} mN·m   ").append(position, "bold")
         click, tactor = status.settings.signals
         peaks = ((status.peak_click, click.mute), (status.peak_tactor, tactor.mute))
         for index, (name, (peak, muted)) in enumerate(
@@ -119,7 +116,9 @@ class MetersView(Static):
             f"{status.block_size} frames, latency {stream.latency_s * 1e3:.1f} ms"
         )
         if status.settings.actuator is not None and status.protected is not None:
-            text.append(f", {status.settings.actuator.name} {-status.protected.taken_db:.1f} dB")
+            text.append(
+                f", {status.settings.actuator.name} {-status.protected.reduction_db:.1f} dB"
+            )
         faults = stream.late + stream.underflows + status.dropped
         text.append(
             f"\nDSP load {100.0 * stream.load:.1f} %, p99 {1e6 * stream.p99_s:.0f} µs, "
@@ -135,11 +134,11 @@ class MetersView(Static):
 
 
 def bar(part: float) -> str:
-    """A bar of `BAR` cells, `part` (0 to 1) of it filled."""
+    """Return a bar of `BAR` cells, of which the fraction `part` (0 to 1) is filled."""
     filled = round(part * BAR)
     return "█" * filled + "·" * (BAR - filled)
 
 
 def level_text(db: float) -> str:
-    """A level, or silence at the meter's floor."""
+    """Return the text of a level, or of silence at the meter's floor."""
     return "  silent" if db <= METERS_FLOOR_DB or math.isinf(db) else f"{db:6.1f} dBFS"

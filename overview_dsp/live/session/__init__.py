@@ -1,1 +1,1 @@
-"""A session: the player, its view of the timeline, its loop and its commands."""
+"""Live session: player, window and presets, loop, live updates, commands, status."""

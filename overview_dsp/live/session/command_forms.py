@@ -1,4 +1,4 @@
-"""Names and forms of the commands of a session, which `commands` does; this imports nothing."""
+"""Names and syntax of a session's commands, which `commands` executes; this imports nothing."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ FORMS = {
     "actuator": "actuator NAME|none",
     "gain": "gain click|tactor DB",
     "mute": "mute click|tactor [0|1]",
-    "map": "map whole|so-far",
-    "expect": "expect LENGTH",
+    "layout": "layout whole|so-far",
+    "expected-duration": "expected-duration LENGTH",
 }
 KEYS = {"R": ("record",), "P": ("replay",), "1": ("preset", "1"), "2": ("preset", "2")}
-"""Commands of single keys."""
+"""Commands that are one key on the screen."""
 
 
 def parse_command(line: str) -> tuple[str, ...] | None:
-    """Return the command that a line asks for: R, P, 1, 2 or the words of a form; else None."""
+    """Return the command of a line, split into words; None if the line isn't a command."""
     words = line.split()
     if line.strip().upper() in KEYS:
         return KEYS[line.strip().upper()]

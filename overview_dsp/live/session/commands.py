@@ -1,4 +1,4 @@
-"""Commands of a session besides moving, asked for by keys, lines of text, OSC or the palette."""
+"""Commands of a session other than movements, given by keys, text lines, OSC or the palette."""
 
 from __future__ import annotations
 
@@ -10,67 +10,67 @@ from dataclasses import replace
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
-from overview_dsp.live.inputs.feeds import expected_s, map_named
+from overview_dsp.live.inputs.feeds import parse_duration, parse_layout
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.output.settings import channels_in
+from overview_dsp.live.output.settings import parse_channels
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
-from overview_dsp.signal.actuators.calibration import calibrated_actuator
+from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.stage import warn_of_carrier
 
 
 def poll(player: Player, source: Input | None = None) -> Status:
-    """Poll the input, do the commands that were asked for, and poll the player.
+    """Poll the input, execute the queued commands, and poll the player.
 
-    Return the player's status, with the messages of the input after its own.
+    Return the player's status. Its messages are those of the player, then those of the input.
     """
     if source is not None:
         source.poll(player.engine)
-    while player.asked:
-        do(player, *player.asked.popleft())
+    while player.queued_commands:
+        execute(player, *player.queued_commands.popleft())
     status = player.poll()
     if source is None:
         return status
     return replace(status, messages=(*status.messages, *source.take_messages()))
 
 
-def do(player: Player, name: str, *words: str) -> None:
-    """Do one of `COMMANDS`; the user is shown what is wrong with it."""
-    asked = " ".join((name, *words))
+def execute(player: Player, name: str, *arguments: str) -> None:
+    """Execute one of `COMMANDS`; an error is shown to the user."""
+    command = " ".join((name, *arguments))
     if name not in COMMANDS:
-        player.say(f"{asked}: no such command; there are {', '.join(FORMS.values())}")
+        player.say(f"{command}: unknown command; must be one of {', '.join(FORMS.values())}")
         return
     try:
-        inspect.signature(COMMANDS[name]).bind(player, *words)
+        inspect.signature(COMMANDS[name]).bind(player, *arguments)
     except TypeError:
-        player.say(f"{asked}: it is {FORMS[name]}")
+        player.say(f"{command}: wrong number of arguments; must be {FORMS[name]}")
         return
-    with warnings.catch_warnings(record=True) as noted:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            COMMANDS[name](player, *words)
+            COMMANDS[name](player, *arguments)
         except OverviewError as error:
-            player.say(f"{asked}: {error}")
-    for one in noted:
+            player.say(f"{command}: {error}")
+    for one in caught:
         if issubclass(one.category, OverviewWarning):
             player.say(str(one.message))
 
 
-def _switched(word: str, now: bool) -> bool:
-    """Whether a command without a word, or with 0 or 1, changes what is on `now`."""
+def _is_toggle(word: str, is_on: bool) -> bool:
+    """Return whether the word of a command (0, 1 or none) changes a state that is `is_on`."""
     if word not in ("", "0", "1"):
-        raise InputError("it takes 0 or 1, or nothing")
-    return word == "" or (word == "1") != now
+        raise InputError(f"{word!r} must be 0, 1 or left out")
+    return word == "" or (word == "1") != is_on
 
 
 def _record(player: Player, on: str = "") -> None:
-    if _switched(on, player.takes.growing is not None):
+    if _is_toggle(on, player.takes.recording_path is not None):
         player.toggle_take()
 
 
 def _replay(player: Player, on: str = "") -> None:
-    if _switched(on, player.loop.playing):
+    if _is_toggle(on, player.loop.playing):
         player.toggle_replay()
 
 
@@ -82,20 +82,16 @@ def _preset(player: Player, name: str) -> None:
 
 
 def _window(player: Player, start: str, end: str) -> None:
-    try:
-        part = float(start), float(end)
-    except ValueError:
-        raise InputError("a window is two numbers, s") from None
-    player.show(*part)
+    player.show(_number(start, "window start"), _number(end, "window end"))
 
 
-def _number(word: str, what: str) -> float:
+def _number(word: str, quantity: str) -> float:
     try:
         value = float(word)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InputError(f"{what} is a number")
+        raise InputError(f"{quantity} {word!r} must be a number")
     return value
 
 
@@ -105,55 +101,55 @@ def _device(player: Player, *name: str) -> None:
 
 
 def _block_size(player: Player, frames: str) -> None:
-    size = int(_number(frames, "a block size"))
+    size = int(_number(frames, "block size"))
     player.reopen(replace(player.output.opener, block_size=size, rescans=True))
 
 
 def _rate(player: Player, rate: str) -> None:
-    player.reopen(sample_rate=_number(rate, "a sample rate"))
+    player.reopen(sample_rate=_number(rate, "sample rate"))
 
 
 def _channels(player: Player, click: str, tactor: str) -> None:
-    wanted = [{"channel": channels_in(one)} for one in (click, tactor)]
-    player.reopen(settings=player.output.settings.changed(*wanted))
+    changes = [{"channel": parse_channels(one)} for one in (click, tactor)]
+    player.reopen(settings=player.output.settings.changed(*changes))
 
 
 def _actuator(player: Player, name: str) -> None:
-    driven = None if name == "none" else calibrated_actuator(name)
-    if driven is not None:
-        warn_of_carrier(driven, player.engine.preset.number("tactor.frequency_hz"))
-    player.reopen(settings=replace(player.output.settings, actuator=driven))
+    actuator = None if name == "none" else apply_calibration(name)
+    if actuator is not None:
+        warn_of_carrier(actuator, player.engine.preset.number("tactor.frequency_hz"))
+    player.reopen(settings=replace(player.output.settings, actuator=actuator))
 
 
 def _gain(player: Player, signal: str, gain_db: str) -> None:
-    change = {"gain_db": _number(gain_db, "a gain")}
+    change = {"gain_db": _number(gain_db, "gain")}
     player.output.set(player.output.settings.changed(**{_signal(signal): change}))
 
 
 def _mute(player: Player, signal: str, on: str = "") -> None:
     muted = getattr(player.output.settings, _signal(signal)).mute
-    if _switched(on, muted):
+    if _is_toggle(on, muted):
         player.output.mute(signal, not muted)
 
 
 def _signal(word: str) -> str:
     if word not in ("click", "tactor"):
-        raise InputError("it is click or tactor")
+        raise InputError(f"{word!r} must be click or tactor")
     return word
 
 
 def _live(player: Player) -> LiveTimeline:
-    if player.growing is None:
-        raise InputError("this timeline is finished; --follow follows one that grows")
-    return player.growing.live
+    if player.live_updates is None:
+        raise InputError("this timeline is complete; this command needs a live one (--follow)")
+    return player.live_updates.live
 
 
-def _map(player: Player, *name: str) -> None:
-    _live(player).map = map_named(" ".join(name))
+def _layout(player: Player, *name: str) -> None:
+    _live(player).layout = parse_layout(" ".join(name))
 
 
-def _expect(player: Player, length: str) -> None:
-    _live(player).expect_s = expected_s(length)
+def _expected_duration(player: Player, length: str) -> None:
+    _live(player).expected_duration_s = parse_duration(length)
 
 
 COMMANDS: dict[str, Callable[..., None]] = {
@@ -168,6 +164,6 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "actuator": _actuator,
     "gain": _gain,
     "mute": _mute,
-    "map": _map,
-    "expect": _expect,
+    "layout": _layout,
+    "expected-duration": _expected_duration,
 }

@@ -1,4 +1,4 @@
-"""A session without a terminal: a line of JSON a second, and a summary."""
+"""Session without a terminal: one JSON line per second, and a summary."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.status import Status
-from overview_dsp.signal.actuators.stage import protected_report
+from overview_dsp.signal.actuators.stage import protection_json
 from overview_dsp.units import gain_to_db
 
-LOOK_EVERY_S = 0.02
+POLL_EVERY_S = 0.02
 LINE_EVERY_S = 1.0
 Passed = tuple[float, Event, float]
-"""When an event was passed, s; which; the amplitude of its click."""
+"""Time (s) at which an event was passed, within `POLL_EVERY_S`; the event; its click amplitude."""
 
-MOST_PASSED = 10_000
-"""Events that a summary tells, the last ones; each to within `LOOK_EVERY_S`."""
+MAX_PASSED = 10_000
+"""Maximum number of passed events in a summary; the oldest are discarded."""
 
 
 def run(
@@ -31,11 +31,11 @@ def run(
     seconds: float | None = None,
     describe: Callable[[list[Passed]], dict[str, Any]] | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Play until source or replay is over and the disk at rest, `seconds` are over, or `stopped()`.
+    """Play until the source or replay ends and the disk rests, `seconds` pass, or `stopped()`.
 
-    Yields a report a second and a summary at the end, with what `describe` makes of the events that
-    were passed (without it, the engine's log of them is left to its other reader); `note` receives
-    messages as they come.
+    Yields one report per second, then a summary that includes `describe` of the passed events.
+    Without `describe` the engine's log of passed events isn't read, so that another reader gets it.
+    `note` receives each message at once.
     """
     started = last = time.monotonic()
     replayed = player.loop.playing
@@ -46,9 +46,9 @@ def run(
         for message in status.messages:
             note(message)
         if describe is not None:
-            struck = player.engine.take_struck_events()
+            struck = player.engine.pop_strike_events()
             passed += [(status.time_s, event, level) for event, level in struck]
-            del passed[:-MOST_PASSED]
+            del passed[:-MAX_PASSED]
         click, tactor = max(click, status.peak_click), max(tactor, status.peak_tactor)
         now = time.monotonic()
         if now - last >= LINE_EVERY_S:
@@ -59,14 +59,24 @@ def run(
         over |= source is None and replayed and not player.loop.playing
         if over or stopped() or (seconds is not None and now - started >= seconds):
             break
-        time.sleep(LOOK_EVERY_S)
-    told = describe(passed) if describe is not None else {}
-    yield {"summary": {**_summary(poll(player)), **_input(source), **told}}
+        time.sleep(POLL_EVERY_S)
+    described = describe(passed) if describe is not None else {}
+    yield {"summary": {**_summary(poll(player)), **_input(source), **described}}
 
 
 def _input(source: Input | None) -> dict[str, Any]:
     report = {} if source is None else dict(source.report())
     return {"input": report} if report else {}
+
+
+def _counts(status: Status) -> dict[str, Any]:
+    return {
+        "blocks": status.stream.callbacks,
+        "late_callbacks": status.stream.late,
+        "underflows": status.stream.underflows,
+        "frames_lost": status.frames_lost,
+        "dropped_events": status.dropped,
+    }
 
 
 def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
@@ -77,11 +87,7 @@ def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
         "torque_nm": status.torque,
         "peak_click_dbfs": _db(click),
         "peak_tactor_dbfs": _db(tactor),
-        "blocks": status.stream.callbacks,
-        "late_callbacks": status.stream.late,
-        "underflows": status.stream.underflows,
-        "frames_lost": status.frames_lost,
-        "dropped_events": status.dropped,
+        **_counts(status),
         **({} if status.following is None else {"following": status.following}),
     }
 
@@ -94,17 +100,13 @@ def _summary(status: Status) -> dict[str, Any]:
         "block_size": status.block_size,
         "latency_ms": round(status.stream.latency_s * 1e3, 3),
         "time_s": round(status.time_s, 3),
-        "blocks": status.stream.callbacks,
-        "late_callbacks": status.stream.late,
-        "underflows": status.stream.underflows,
+        **_counts(status),
         "frames": status.stream.frames,
-        "frames_lost": status.frames_lost,
-        "dropped_events": status.dropped,
         "dsp_load_percent": round(100.0 * status.stream.load, 2),
         "callback_p50_us": round(status.stream.median_s * 1e6, 2),
         "callback_p99_us": round(status.stream.p99_s * 1e6, 2),
         "callback_max_us": round(status.stream.longest_s * 1e6, 2),
-        "actuator": protected_report(status.settings.actuator, status.protected),
+        "actuator": protection_json(status.settings.actuator, status.protected),
         "recording": status.recording,
     }
 

@@ -1,6 +1,6 @@
-"""Loop: a gesture that is replayed pass after pass, each from the first sample of an engine as new.
+"""Loop: repeated replay of a gesture, each time with a restarted engine.
 
-So each pass is bit-identical to the same gesture rendered offline, whatever was felt before it.
+Each pass is therefore bit-identical to an offline render of the gesture.
 """
 
 from __future__ import annotations
@@ -12,29 +12,29 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.live.inputs.lines import TakeInput
+from overview_dsp.live.inputs.takes_and_lines import TakeInput
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 from overview_dsp.live.session.active_window import ActiveWindow
 from overview_dsp.live.session.session import Session
 from overview_dsp.signal.engine.coefficients import check_carrier
 from overview_dsp.signal.surface.build import build_surface
 
-KEPT = {"window", "timeline", "pattern"}
-"""Changes of a take that are replayed; parameters and presets are chosen anew."""
+REPLAYED = {"window", "timeline", "pattern"}
+"""Changes of a take that are replayed. Its parameters and presets are replaced by present ones."""
 
 LONGEST_TAIL_S = 5.0
-"""A disk that isn't at rest so long after the gesture's end doesn't keep the loop."""
+"""Time after the gesture's end at which a pass ends even if the disk still moves."""
 
 
 class Loop:
-    """Begins the session's engine again, for a pass of a gesture or for anything else.
+    """Restarts the session's engine for each pass of a gesture, and for other callers.
 
     Thread: control.
 
     Attributes
     ----------
     passes : int
-        Begun so far of the present gesture.
+        Number of passes of the present gesture that have started.
     """
 
     def __init__(
@@ -44,7 +44,7 @@ class Loop:
         window: ActiveWindow,
         end_others: Callable[[], None],
     ) -> None:
-        """`end_others` ends what can't go on with an engine as new: a take, a finger."""
+        """Use `end_others` to end a take and a touch before the engine restarts."""
         self._session, self._output, self._window = session, output, window
         self._end_others = end_others
         self._gesture: Gesture | None = None
@@ -52,12 +52,12 @@ class Loop:
 
     @property
     def playing(self) -> bool:
-        """Whether a gesture is replayed."""
+        """State of the loop: True while it replays a gesture."""
         return self._gesture is not None
 
     @property
-    def words(self) -> str | None:
-        """Text for the user on what is replayed; None for nothing."""
+    def status_text(self) -> str | None:
+        """Name and pass of the replayed gesture, for display; None without a replay."""
         return f"{self._name}, pass {self.passes}" if self.playing else None
 
     def begin(
@@ -65,39 +65,40 @@ class Loop:
     ) -> None:
         """Replay a gesture with the present preset, each pass from the engine's first sample.
 
-        A take's windows are shown again, and a timeline that grew grows again, from `whole` on
-        (None: the present one); its parameters and presets are left out. Each pass in which nothing
-        is changed is bit-identical to its offline render.
+        The windows of a take are replayed, and so are the updates of a live timeline. `whole` is
+        the timeline that they start from (None: the present one). Parameters and presets of the
+        take are ignored. A pass is bit-identical to its offline render unless the user changes
+        something during it.
         """
-        kept = tuple(change for change in gesture.changes if KEPT & change.what.keys())
-        if left_out := len(gesture.changes) - len(kept):
-            self._session.say(f"{name}: {left_out} changes of parameters and presets are left out")
+        kept = tuple(change for change in gesture.changes if REPLAYED & change.what.keys())
+        if ignored := len(gesture.changes) - len(kept):
+            self._session.say(f"{name}: {ignored} changes of parameters and presets are ignored")
         self._gesture = replace(gesture, changes=kept)
         self._name, self._repeats, self.passes = name, repeats, 0
         self._whole = whole or self._window.timeline
         self._input = TakeInput(self._gesture)
-        self._begin_pass(self._gesture)
+        self._start_pass(self._gesture)
 
-    def _begin_pass(self, gesture: Gesture) -> None:
+    def _start_pass(self, gesture: Gesture) -> None:
         window, whole = self._window, self._whole
-        preset, waiting = window.take_wish(), window.presets.waiting
-        if waiting is not None:
-            preset = window.presets.choose(waiting)
+        preset, next_choice = window.pop_requested_preset(), window.presets.next_choice
+        if next_choice is not None:
+            preset = window.presets.choose(next_choice)
 
         def first() -> None:
             self.passes += 1
             if gesture.changes:
                 window.timeline = whole
-            self._input = TakeInput(gesture, window.change_at)
+            self._input = TakeInput(gesture, window.apply_take_change)
             self._input.begin(self._session.engine, 0, whole)
 
-        if gesture.changes:  # they say themselves what is shown
+        if gesture.changes:  # the window is one of the changes
             self.restart(whole, (0.0, whole.duration_s), preset, first)
         else:
-            self.restart(window.shown, window.window, preset, first)
+            self.restart(window.window_timeline, window.window, preset, first)
 
     def poll(self, at_rest: bool) -> None:
-        """Hand over what is due; begin the next pass, or end, once the disk is at rest."""
+        """Send events that are due; start the next pass, or end, once the disk is at rest."""
         gesture, engine = self._gesture, self._session.engine
         if gesture is None:
             return
@@ -106,18 +107,19 @@ class Loop:
         if not self._input.is_over(engine) or not (at_rest or engine.sample_time > latest):
             return
         if self._repeats:
-            self._begin_pass(gesture)
+            self._start_pass(gesture)
         else:
             self._gesture = None
 
     def stop(self) -> None:
-        """End the replay, with the engine as new."""
+        """End the replay and restart the engine."""
         if self.playing:
             self._gesture = None
-            self.restart(self._window.shown, self._window.window, self._window.take_wish())
+            window = self._window
+            self.restart(window.window_timeline, window.window, window.pop_requested_preset())
 
-    def forget(self) -> None:
-        """End the replay: the engine is about to begin again."""
+    def cancel(self) -> None:
+        """End the replay without a restart of the engine, which the caller restarts."""
         self._gesture = None
 
     def restart(
@@ -127,25 +129,25 @@ class Loop:
         preset: Preset,
         first: Callable[[], None] = lambda: None,
     ) -> None:
-        """Begin the engine again while its output plays; `first` is called before its first sample.
+        """Restart the engine while its output plays; call `first` before its first sample.
 
-        Without an output nothing is done, nor if that doesn't answer: then a message is shown.
+        Without an output this does nothing. An output that doesn't respond causes a message.
         """
         if not self._output.playing:
             return
         engine = self._session.engine
         try:
             check_carrier(preset, engine.sample_rate)
-            surface = build_surface(timeline, preset)  # while it still sounds
+            surface = build_surface(timeline, preset)  # before the fade, which it would prolong
         except InputError as error:
-            self._session.say(f"{error}; the last good one plays on")
+            self._session.say(f"{error}; the previous preset stays active")
             preset = engine.preset
             surface = build_surface(timeline, preset)
 
         def begin() -> None:
             self._session.keep_counts()
             engine.restart(preset, timeline, seed=engine.seed, surface=surface)
-            self._window.put(timeline, window)
+            self._window.set_current(timeline, window)
             first()
 
         self._end_others()

@@ -1,8 +1,8 @@
-"""Player: an engine, its output, a window of a timeline, a finger, takes and a loop.
+"""Player: an engine, its output, a window of a timeline, a pointer, takes and a loop.
 
-Whoever shows it (a terminal application, lines of JSON) polls it often by `commands.poll`, and
-calls `touch`, `release` and `tap` as the finger moves. The output may vanish and come back: the
-disk is released, and the session goes on.
+The user interface (terminal application or JSON lines) polls it often by `commands.poll`, and calls
+`touch`, `release` and `tap` as the pointer moves. The output may disconnect and return: the disk is
+released, and the session continues.
 
 Thread: control.
 """
@@ -19,7 +19,7 @@ from typing import Any
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import load_gesture
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
@@ -27,39 +27,39 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
 from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.active_window import NEAR, ActiveWindow
-from overview_dsp.live.session.finger import Finger
-from overview_dsp.live.session.growing import Growing, Growth
+from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
 from overview_dsp.live.session.loop import Loop
+from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Session
 from overview_dsp.live.session.status import Status
-from overview_dsp.live.takes.takes import Takes, timeline_beside
-from overview_dsp.signal.actuators.stage import read_protected
+from overview_dsp.live.takes.takes import Takes, timeline_path
+from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.angle_map import SHARE
 
 
 class Player:
-    """A timeline that is played live.
+    """Live player of a timeline.
 
     Attributes
     ----------
     engine : Engine
-        Prepared.
+        Prepared engine.
     output : ReconnectingStream
-        What runs it.
+        Output that runs the engine.
     active_window : ActiveWindow
-        The part of the timeline that is felt, and the presets.
-    finger : Finger
-        Of mouse and keys.
+        Window of the timeline, and the presets.
+    pointer : Pointer
+        Input of mouse and keys.
     takes : Takes
-        The one that is recorded, and those that were ended.
+        Take that is recorded, and takes that have ended.
     loop : Loop
-        The gesture that is replayed.
-    growing : Growing or None
-        What brings a timeline that grows; None for one that is finished.
-    asked : deque of tuple of str
-        Commands that are waiting for `commands.poll`.
+        Replay of a gesture.
+    live_updates : LiveUpdates or None
+        Updates of a live timeline; None for a complete one.
+    queued_commands : deque of tuple of str
+        Commands that wait for `commands.poll`.
     """
 
     def __init__(
@@ -75,20 +75,20 @@ class Player:
         record: str | os.PathLike[str] | None = None,
         seed: int = 0,
         other: PresetWatch | None = None,
-        growth: Growth | None = None,
+        follow: FollowSettings | None = None,
     ) -> None:
-        """Open the output and begin to play; `opener` is called again if that is lost.
+        """Open the output and start to play; `opener` is called again if the output is lost.
 
-        `record` is where the takes go; with it, the first one begins at once. `other` is the second
-        preset to switch to. With `growth` the timeline, which is its snapshot, grows.
+        `record` is the path of takes; with it, the first take starts at once. `other` is the second
+        preset to switch to. With `follow`, `timeline` is the present snapshot of a live timeline.
 
         Raises
         ------
         OverviewError
-            The output can't be opened, or the take not written.
+            The output can't be opened, or the take can't be written.
         """
         self._callback, self._max_block_size = callback, max_block_size
-        self.asked: deque[tuple[str, ...]] = deque()
+        self.queued_commands: deque[tuple[str, ...]] = deque()
         self.engine = Engine(watch.preset, timeline, seed=seed)
         self.engine.prepare(sample_rate, max_block_size)
         session = self._session = Session(self.engine)
@@ -96,97 +96,94 @@ class Player:
         self._presets = PresetPair(watch, other)
         window = self.active_window = ActiveWindow(session, timeline, self._presets)
         self.takes = Takes(session, record)
-        self.growing = None if growth is None else Growing(session, growth, window)
+        self.live_updates = None if follow is None else LiveUpdates(session, follow, window)
         self.output = ReconnectingStream(session, opener, settings)
-        self.finger = Finger(session, self.output)
+        self.pointer = Pointer(session, self.output)
         self.loop = Loop(session, self.output, window, self._end_before_restart)
         try:
-            self.output.open((lambda: None) if record is None else self._begin_first_take)
+            self.output.open((lambda: None) if record is None else self._start_first_take)
         except BaseException:
             self.takes.end()
             raise
 
-    # --- the finger -----------------------------------------------------------------------------
+    # --- the pointer ----------------------------------------------------------------------------
 
     def touch(self, position: float) -> None:
-        """Hold at `position` (0 to 1): a tap if it wasn't down, else it moves there.
-
-        It ends a replay: one input at a time.
-        """
+        """Touch at `position` (0 to 1), or move there during a touch; this ends a replay."""
         self.loop.stop()
-        self.finger.touch(position)
+        self.pointer.touch(position)
 
     def release(self) -> None:
-        """Release: the disk arrives where it was pulled, then it recoils."""
-        self.finger.release()
+        """Release: the disk arrives at the pointer's position, then it recoils."""
+        self.pointer.release()
 
     def tap(self, position: float) -> None:
         """Step to `position` and release at once (paper, figure 6)."""
         self.loop.stop()
-        self.finger.tap(position)
+        self.pointer.tap(position)
 
     # --- the window and the presets -------------------------------------------------------------
 
     @property
     def timeline(self) -> Timeline:
-        """The whole."""
+        """Whole timeline."""
         return self.active_window.timeline
 
     @property
     def window(self) -> tuple[float, float]:
-        """The part of it that is felt, start and end, s."""
+        """Start and end of the window, s."""
         return self.active_window.window
 
     @property
-    def shown(self) -> Timeline:
-        """That part, from 0."""
-        return self.active_window.shown
+    def window_timeline(self) -> Timeline:
+        """Timeline of the window, whose times start at 0."""
+        return self.active_window.window_timeline
 
-    def moment_s(self, position: float) -> float:
-        """Return the moment of the whole, s, at a position of the window, 0 to 1."""
-        return self.active_window.moment_s(position)
+    def time_at(self, position: float) -> float:
+        """Return the time in the whole timeline, s, at a position of the window (0 to 1)."""
+        return self.active_window.time_at(position)
 
     def show(self, start_s: float, end_s: float) -> None:
-        """Make a part of the timeline the window; InputError if it isn't one."""
+        """Change the window; InputError if it isn't part of the timeline."""
         self.active_window.show(start_s, end_s)
 
     def zoom(self, factor: float, about: float) -> None:
-        """Show `factor` times as much detail about the moment under `about` (0 to 1).
+        """Show `factor` times as much detail about the time at position `about` (0 to 1).
 
-        A finger that holds stays on that moment: it goes along where no window has it at `about`.
+        During a touch the pointer follows that time where `about` can't be kept.
         """
         position = self.active_window.zoom(factor, about)
-        if self.finger.holding and abs(position - about) > NEAR:
-            self._set_down(position)
+        if self.pointer.touching and abs(position - about) > NEAR:
+            self._touch_again(position)
 
     def go_to_event(self, direction: int, position: float) -> None:
-        """Touch the event after (1) or before (-1) a position of the window, in it or beyond."""
-        beside = self.active_window.event_beside(direction, position)
-        if beside is not None:
-            self._set_down(beside)
+        """Touch the event after (1) or before (-1) a position, inside or outside the window."""
+        found = self.active_window.neighbour_event_position(direction, position)
+        if found is not None:
+            self._touch_again(found)
 
-    def _set_down(self, position: float) -> None:
-        """Touch again, so that the disk arrives: it isn't held back by the backlash."""
+    def _touch_again(self, position: float) -> None:
+        """Release and touch, so that the backlash doesn't stop the disk before `position`."""
         self.release()
         self.touch(position)
 
     def use_preset(self, name: str) -> None:
-        """Change to another preset, by name or path, and watch its file; InputError."""
+        """Change to another preset by name or path, and watch its file; InputError."""
         preset = self._presets.replace(PresetWatch(name, self._presets.linear))
         self.active_window.use(preset)
 
-    def choose_preset(self, which: int) -> None:
-        """Change to the first (0) or the second (1) preset: at the loop's start, else at once.
+    def choose_preset(self, index: int) -> None:
+        """Change to the first (0) or the second (1) preset.
 
-        Chosen twice, it is at once also within a loop.
+        During a replay the change waits for the next pass. A second request applies it at once.
         """
-        again = self._presets.waiting == which
+        again = self._presets.next_choice == index
         if self.loop.playing and not again:
-            self._presets.waiting = which
-            self.say(f"{self._presets.words(which)}: from the loop's start on; again: at once")
+            self._presets.next_choice = index
+            self.say(f"next pass: {self._presets.label(index)}; press again to change at once")
             return
-        self.say(f"now {self._presets.words(which)}")
-        self.active_window.use(self._presets.choose(which))
+        self.say(f"now {self._presets.label(index)}")
+        self.active_window.use(self._presets.choose(index))
 
     # --- the output -----------------------------------------------------------------------------
 
@@ -196,12 +193,12 @@ class Player:
         settings: OutputSettings | None = None,
         sample_rate: float | None = None,
     ) -> None:
-        """Change to another output, other settings of it, another rate (which ends a take).
+        """Change the output, its settings or the sample rate; a new rate ends a take.
 
         Raises
         ------
         OverviewError
-            It can't be opened; the present one plays on.
+            The new output can't be opened. The present one continues.
         """
         output, engine = self.output, self.engine
         before = output.opener, output.settings, engine.sample_rate
@@ -210,19 +207,19 @@ class Player:
         try:
             self._open_another(opener or output.opener, settings or output.settings, sample_rate)
         except OverviewError:
-            with contextlib.suppress(OverviewError):  # it is tried again at every poll
+            with contextlib.suppress(OverviewError):  # every poll tries again
                 self._open_another(*before)
             raise
         self.say(
             f"output {output.name}, {engine.sample_rate:g} Hz, {output.block_size} frames, "
-            f"{output.settings.placed}"
+            f"{output.settings.channels_text}"
         )
 
     def _open_another(
         self, opener: StreamOpener, settings: OutputSettings, sample_rate: float | None
     ) -> None:
         output = self.output
-        output.give_back()
+        output.disconnect()
         output.opener, output.settings = opener, settings
         if sample_rate is not None and sample_rate != self.engine.sample_rate:
             self.takes.end()
@@ -232,15 +229,15 @@ class Player:
 
     # --- the session ----------------------------------------------------------------------------
 
-    def ask(self, *words: str) -> None:
-        """Have a command done at the next `commands.poll`; from any thread."""
-        self.asked.append(words)
+    def queue_command(self, *arguments: str) -> None:
+        """Queue a command, which the next `commands.poll` executes; from any thread."""
+        self.queued_commands.append(arguments)
 
     def poll(self) -> Status:
-        """Do everything that is due; return the status of the session."""
+        """Update all parts of the session; return its status."""
         playing = self.output.playing
-        if self.growing is not None and not self.loop.playing and playing:
-            self.growing.poll(self.finger.holding)
+        if self.live_updates is not None and not self.loop.playing and playing:
+            self.live_updates.poll(self.pointer.touching)
         self.active_window.poll()
         self.output.poll()
         if self.output.playing:
@@ -253,14 +250,15 @@ class Player:
         engine, output = self.engine, self.output
         meters = engine.meters
         click, tactor = take_peaks(engine.memory)
-        driven = output.settings.actuator
+        has_actuator = output.settings.actuator is not None
+        recording, updates = self.takes.recording_path, self.live_updates
         return Status(
             time_s=self._session.played_s,
             cursor=meters.cursor,
-            finger=self.finger.position,
+            pointer=self.pointer.position,
             touching=meters.touching and output.playing,
             torque=meters.torque,
-            full_torque=engine.preset.number("tactor.full_torque_mnm") * 1e-3,
+            full_torque=engine.preset.number("tactor.reference_torque_mnm") * 1e-3,
             envelope=meters.envelope,
             strikes=meters.strikes,
             peak_click=click,
@@ -273,22 +271,22 @@ class Player:
             sample_rate=engine.sample_rate,
             block_size=output.block_size,
             settings=output.settings,
-            protected=None if driven is None else read_protected(engine.memory, layout.L_ACTUATOR),
-            recording=None if self.takes.growing is None else str(self.takes.growing),
-            replay=self.loop.words,
-            following=None if self.growing is None else self.growing.words,
+            protected=read_protection(engine.memory, layout.L_ACTUATOR) if has_actuator else None,
+            recording=None if recording is None else str(recording),
+            replay=self.loop.status_text,
+            following=None if updates is None else updates.status_text,
             messages=self.take_messages(),
         )
 
     @property
     def at_rest(self) -> bool:
-        """Whether the disk lies still and nothing sounds, for a twentieth of a second."""
+        """State of the disk and the output: True after 0.05 s without movement and sound."""
         meters = self.engine.meters
         quiet = 0.05 * self.engine.sample_rate
         return min(meters.silent_samples, meters.still_samples) >= quiet
 
     def close(self) -> None:
-        """Release, fade out, close the output and save the take; may be called twice.
+        """Release, fade out, close the output and save the take; repeated calls do nothing.
 
         Raises
         ------
@@ -308,84 +306,80 @@ class Player:
         return 0.0, self.timeline.duration_s
 
     @property
-    def _grown(self) -> Timeline | None:
-        """The timeline as it is now, if no file holds it."""
-        return None if self.growing is None else self.timeline
-
-    @property
-    def _about(self) -> dict[str, Any]:
-        """Notes in the head of a take."""
+    def _take_header(self) -> tuple[dict[str, Any], Timeline | None]:
+        """Header of a take, and the timeline to save with it if that is live."""
         preset = self._presets.preset
-        return {
+        header = {
             "title": self.timeline.title,
             "preset": preset.name,
             "angle_map": preset.number(SHARE),
         }
+        return header, None if self.live_updates is None else self.timeline
 
-    def _begin_first_take(self) -> None:
-        self.takes.begin(self._about, self._grown)
+    def _start_first_take(self) -> None:
+        self.takes.start_first(*self._take_header)
 
     def toggle_take(self) -> None:
-        """Begin a take, or end the one that is recorded."""
-        path = self.takes.growing
+        """Start a take, or end the present one."""
+        path = self.takes.recording_path
         if path is not None:
             try:
                 self.takes.end()
             except OverviewError as error:
                 self.say(str(error))
             else:
-                self.say(f"{path}: the take; P plays it again")
+                self.say(f"take saved as {path}; P replays it")
             return
-        if self.loop.playing or (self.at_rest and self.engine.holder is None):
-            self.loop.forget()
-            self._begin_exact_take()
-        if self.takes.growing is None:
-            # what holds at its first sample, and isn't in the timeline and the preset as named
+        if self.loop.playing or (self.at_rest and self.engine.active_input is None):
+            self.loop.cancel()
+            self._start_exact_take()
+        if self.takes.recording_path is None:
+            # differences from the named timeline and preset at the first sample
             before: list[Mapping[str, Any]] = []
             if self.window != self._whole:
                 before.append({"window": list(self.window)})
             if self.engine.preset != self._presets.preset:
                 before.append({"preset": preset_to_dict(self.engine.preset)})
-            self.takes.begin_later(self._about, before, self._grown)
+            self.takes.start(before, *self._take_header)
 
-    def _begin_exact_take(self) -> None:
-        """Begin a take with an engine that begins again, which nobody notices while it rests.
+    def _start_exact_take(self) -> None:
+        """Restart the engine and start a take at its first sample, which is inaudible at rest.
 
-        It begins on what is named, and what differs from that changes in its first sample.
+        The engine restarts with the named timeline and preset. Differences are applied at once.
         """
-        window, preset = self.window, self.active_window.take_wish()
+        window, preset = self.window, self.active_window.pop_requested_preset()
 
         def begin() -> None:
-            self.takes.begin_later(self._about, [], self._grown)
+            self.takes.start([], *self._take_header)
             if window != self._whole:
-                self.active_window.put_at(window, 0)
+                self.active_window.apply_window(window, 0)
             if preset != self.engine.preset:
                 self.engine.set_preset(preset, 0)
 
         self.loop.restart(self.timeline, self._whole, self._presets.preset, begin)
 
     def _end_before_restart(self) -> None:
-        """End what can't go on with an engine that begins again."""
+        """End the take, the touch and the announcement before the engine restarts."""
         self.takes.end()
-        self.finger.holding = False
-        if self.growing is not None:
-            self.growing.restarted()
+        self.pointer.touching = False
+        if self.live_updates is not None:
+            self.live_updates.end_announcement()
 
     def toggle_replay(self) -> None:
-        """Replay the last take again and again, or stop that."""
+        """Replay the last take in a loop, or stop the replay."""
         if self.loop.playing:
             self.loop.stop()
             return
-        if self.takes.growing is not None:
+        if self.takes.recording_path is not None:
             self.toggle_take()
         if not self.takes.ended:
-            self.say("nothing to replay yet: R begins a take, and ends it")
+            self.say("no take to replay; R starts a take and ends it")
             return
         path = Path(self.takes.ended[-1])
-        beside = timeline_beside(path)
+        saved_timeline = timeline_path(path)
         try:
             gesture = load_gesture(path)
-            whole = load_timeline(beside) if beside.exists() else None
+            whole = load_timeline(saved_timeline) if saved_timeline.exists() else None
         except InputError as error:
             self.say(str(error))
         else:

@@ -1,4 +1,4 @@
-"""Presets of a session: watched files, and the pair of which one is chosen."""
+"""Presets of a session: watched files, and a pair of which one is active."""
 
 from __future__ import annotations
 
@@ -12,35 +12,35 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import OverviewError
 from overview_dsp.signal.surface.angle_map import SHARE, without_map
 
-LOOK_EVERY_S = 0.2
+CHECK_EVERY_S = 0.2
 
 
 class PresetWatch:
-    """A preset whose file is watched.
+    """Preset whose file is checked for changes.
 
     Thread: control.
 
     Attributes
     ----------
     preset : Preset
-        As its file was when it was last read whole.
+        Preset of the last valid version of the file.
     """
 
     def __init__(self, name: str, linear: bool = False) -> None:
-        """Watch a preset by name or path; InputError if there is none or it isn't valid.
+        """Watch a preset by name or path; InputError if it doesn't exist or isn't valid.
 
-        `linear` leaves its angle map out.
+        `linear` removes its angle map.
         """
         self.path: Path = preset_path(name)
         self.linear = linear
         self.fixed = False
-        self._signature = self._look()
+        self._signature = self._read_signature()
         self._name = name
         self.preset: Preset = self._load()
         self._next = 0.0
 
-    def as_it_is(self) -> PresetWatch:
-        """Return the preset as it is now, whose file isn't watched."""
+    def snapshot(self) -> PresetWatch:
+        """Return the present version of the preset, whose file isn't watched."""
         fixed = copy.copy(self)
         fixed.fixed = True
         return fixed
@@ -48,32 +48,32 @@ class PresetWatch:
     @property
     def name(self) -> str:
         """Name for the user."""
-        return f"{self.preset.name} as it was" if self.fixed else self.path.name
+        return f"{self.preset.name}, earlier version" if self.fixed else self.path.name
 
     def _load(self) -> Preset:
         preset = load_preset(self._name)
         return without_map(preset) if self.linear else preset
 
-    def _look(self) -> tuple[int, int, int] | None:
+    def _read_signature(self) -> tuple[int, int, int] | None:
         try:
             status = os.stat(self.path)
         except OSError:  # between an editor's delete and rename
             return None
         return status.st_mtime_ns, status.st_size, status.st_ino
 
-    def changed(self) -> Preset | None:
-        """The preset if its file has changed since the last call, else None.
+    def pop_changed(self) -> Preset | None:
+        """Return the preset if its file has changed since the last call; otherwise None.
 
         Raises
         ------
         InputError
-            It has changed, and isn't valid now: the last good one goes on.
+            The changed file isn't valid. `preset` stays the last valid version.
         """
         now = time.monotonic()
         if self.fixed or now < self._next:
             return None
-        self._next = now + LOOK_EVERY_S
-        signature = self._look()
+        self._next = now + CHECK_EVERY_S
+        signature = self._read_signature()
         if signature is None or signature == self._signature:
             return None
         self._signature = signature
@@ -85,9 +85,10 @@ class PresetWatch:
 
 
 class PresetPair:
-    """A and B, one of them chosen: two watched files, or one file as it was and as it is now.
+    """Presets A and B, one of which is active.
 
-    Two files are compared on one map between time and angle, A's.
+    They are two watched files, or an earlier and the present version of one file. Two files use
+    one angle map, that of A.
 
     Thread: control.
 
@@ -95,21 +96,21 @@ class PresetPair:
     ----------
     linear : bool
         Whether presets are used without their angle map.
-    waiting : int or None
-        The one (0 or 1) that is to be chosen when a loop begins.
+    next_choice : int or None
+        Preset (0 or 1) that becomes active at the start of the next loop pass.
     """
 
     def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:
-        """`watch` is chosen first. Without `other`, A is its file as it is now."""
+        """Make `watch` active. Without `other`, A is the present version of its file."""
         self.linear = watch.linear
-        self.waiting: int | None = None
+        self.next_choice: int | None = None
         self._compares = other is not None
-        self._watches = [watch.as_it_is(), watch] if other is None else [watch, other]
+        self._watches = [watch.snapshot(), watch] if other is None else [watch, other]
         self._chosen = 1 if other is None else 0
         self._changed: Preset | None = None
 
-    def fitted(self, preset: Preset) -> Preset:
-        """Return a preset with the map of this session, where that is one for all presets."""
+    def with_session_map(self, preset: Preset) -> Preset:
+        """Return a preset with the angle map that all presets of this session use, if any."""
         if self.linear:
             return without_map(preset)
         if not self._compares:
@@ -118,48 +119,48 @@ class PresetPair:
 
     @property
     def preset(self) -> Preset:
-        """The chosen one, as its file is."""
-        return self.fitted(self._watches[self._chosen].preset)
+        """Active preset, in the last valid version of its file."""
+        return self.with_session_map(self._watches[self._chosen].preset)
 
     @property
     def name(self) -> str:
-        """Name of the chosen one for the user."""
+        """Name of the active preset for the user."""
         return self._watches[self._chosen].name
 
-    def words(self, which: int) -> str:
-        """Return letter and name of one of them for the user."""
-        return f"{'AB'[which]}, {self._watches[which].name}"
+    def label(self, index: int) -> str:
+        """Return letter and name of a preset (0 or 1) for the user."""
+        return f"{'AB'[index]}, {self._watches[index].name}"
 
-    def choose(self, which: int) -> Preset:
-        """Choose one; return it."""
-        self._chosen, self.waiting = which, None
+    def choose(self, index: int) -> Preset:
+        """Make a preset (0 or 1) active; return it."""
+        self._chosen, self.next_choice = index, None
         return self.preset
 
     def replace(self, watch: PresetWatch) -> Preset:
-        """Put another preset in the chosen one's place; return it."""
-        if self._watches[0].fixed:  # A stays what B is compared with: the one until now
-            self._watches = [self._watches[self._chosen].as_it_is(), watch]
+        """Replace the active preset by another one; return that."""
+        if self._watches[0].fixed:  # A becomes the preset that was active until now
+            self._watches = [self._watches[self._chosen].snapshot(), watch]
             self._chosen = 1
         else:
             self._watches[self._chosen] = watch
         return watch.preset
 
-    def look(self) -> list[str]:
+    def check_files(self) -> list[str]:
         """Read files that were saved; return messages for the user."""
-        said = []
-        for which, watch in enumerate(self._watches):
+        messages = []
+        for index, watch in enumerate(self._watches):
             try:
-                changed = watch.changed()
+                changed = watch.pop_changed()
             except OverviewError as error:
-                said.append(f"{error}; the last good one plays on")
+                messages.append(f"{error}; the previous version stays active")
                 continue
             if changed is not None:
-                said.append(f"{watch.name}: read again")
-                if which == self._chosen:
+                messages.append(f"{watch.name}: read again")
+                if index == self._chosen:
                     self._changed = changed
-        return said
+        return messages
 
-    def take_changed(self) -> Preset | None:
-        """Return the chosen preset, if its file was saved since the last call."""
+    def pop_changed(self) -> Preset | None:
+        """Return the active preset if its file was saved since the last call; otherwise None."""
         changed, self._changed = self._changed, None
-        return None if changed is None else self.fitted(changed)
+        return None if changed is None else self.with_session_map(changed)

@@ -1,4 +1,4 @@
-"""Session: an engine, what it has counted so far, and the messages for the user."""
+"""Session: an engine, its counters across restarts, and the messages for the user."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from overview_dsp.signal.engine.engine import Engine
 
 
 class Session:
-    """An engine and the messages of a live session, which all parts of its player share.
+    """Engine and messages of a live session, which all parts of its player share.
 
-    Thread: control; `say` from any.
+    Thread: control; any thread may call `say`.
 
     Attributes
     ----------
     engine : Engine
-        Prepared; it may begin again while the session goes on.
+        Prepared engine; it may be restarted during the session.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -25,7 +25,7 @@ class Session:
         self._dropped_before = 0
 
     def say(self, line: str) -> None:
-        """Show the user a message; from any thread."""
+        """Add a message for the user."""
         self._messages.append(line)
 
     def take_messages(self) -> tuple[str, ...]:
@@ -34,14 +34,14 @@ class Session:
 
     @property
     def played_s(self) -> float:
-        """Time played since the session began, s."""
+        """Time played since the start of the session, s."""
         return self._played_before_s + self.engine.sample_time / self.engine.sample_rate
 
     @property
     def dropped_events(self) -> int:
-        """Control events dropped since the session began."""
+        """Control events dropped since the start of the session."""
         return self._dropped_before + self.engine.meters.dropped_events
 
     def keep_counts(self) -> None:
-        """Add up what the engine has counted: it is about to count from 0 again."""
+        """Keep the engine's counts; call this before the engine restarts and counts from 0."""
         self._played_before_s, self._dropped_before = self.played_s, self.dropped_events

@@ -1,4 +1,4 @@
-"""Status of a session, for whoever shows it."""
+"""Status of a session, for display."""
 
 from __future__ import annotations
 
@@ -6,25 +6,42 @@ from dataclasses import dataclass
 
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
-from overview_dsp.signal.actuators.stage import Protected
+from overview_dsp.signal.actuators.stage import ProtectionReport
 
 
 @dataclass(frozen=True)
 class Status:
-    """Status of a session, as of a poll.
+    """Status of a session at a poll.
 
-    `time_s` played; `cursor` and `finger` 0 to 1; `torque` and the preset's `full_torque`, N m; the
-    tactor's `envelope` (linear) and the `strikes` so far; `peak_click` and `peak_tactor` (linear,
-    as the device got them) since the last poll; the meters of its `stream` and the `frames_lost`
-    (gaps of a block and more); control events `dropped`; name, callback and `settings` of the
-    `output`; what the actuator's protection did (`protected`); the take that grows (`recording`)
-    and the one that plays (`replay`); how far a timeline that grows has come (`following`);
-    `messages` for the user, new since the last poll.
+    Parameters
+    ----------
+    time_s
+        Time played, s.
+    cursor, pointer
+        Positions of the disk and of the pointer, 0 to 1.
+    touching
+        Whether an input touches the disk.
+    torque, full_torque
+        Torque, and the preset's reference torque, N·m.
+    envelope, strikes
+        Amplitude of the tactor (linear), and the number of strikes so far.
+    peak_click, peak_tactor
+        Highest output samples (linear) since the last poll.
+    stream, frames_lost, dropped
+        Meters of the stream, frames lost in gaps, and control events dropped.
+    output, callback, sample_rate, block_size, settings
+        Name of the output, its callback, Hz, frames, and its settings.
+    protected
+        Report of the actuator's protection.
+    recording, replay, following
+        Take that is recorded, gesture that is replayed, state of a live timeline.
+    messages
+        Messages for the user since the last poll.
     """
 
     time_s: float
     cursor: float
-    finger: float
+    pointer: float
     touching: bool
     torque: float
     full_torque: float
@@ -40,7 +57,7 @@ class Status:
     sample_rate: float
     block_size: int
     settings: OutputSettings
-    protected: Protected | None
+    protected: ProtectionReport | None
     recording: str | None
     replay: str | None
     following: str | None

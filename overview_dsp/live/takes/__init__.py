@@ -1,1 +1,1 @@
-"""Recordings of a session, written as it runs, and their recovery."""
+"""Recording of takes during a session, and recovery of interrupted ones."""

@@ -1,7 +1,7 @@
-"""Where takes go that their own place can't hold, and which ones were cut short.
+"""Fallback folders for takes, and recovery of interrupted takes.
 
-A take that grows is noted in the user's state folder until it is closed in order; what is noted
-there and grows no more was cut short, and the next session says so.
+While a take is recorded, a marker file in the user's state folder holds its path. A marker whose
+process has ended belongs to an interrupted take, which the next session reports.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ _numbers = itertools.count()
 
 
 def state_folder() -> Path:
-    """Where takes go that their own place can't hold."""
+    """Return the folder for takes that can't be written to their own folder."""
     return platformdirs.user_state_path("overview-dsp", appauthor=False) / "takes"
 
 
-def other_places(path: Path) -> Iterator[Path]:
-    """Names for a take that can't stay at `path`, the best first; their folders are there."""
+def fallback_paths(path: Path) -> Iterator[Path]:
+    """Yield other paths for a take that can't be written to `path`; create their folders."""
     name = f"{path.stem}-{time.strftime('%Y%m%d-%H%M%S')}{path.suffix}"
     for folder in (state_folder(), Path(tempfile.gettempdir())):
         with contextlib.suppress(OSError):
@@ -34,10 +34,10 @@ def other_places(path: Path) -> Iterator[Path]:
             yield folder / name
 
 
-class GrowingNote:
-    """The note that a take grows; where it can't be written, there is none.
+class RecordingMarker:
+    """Marker file of a take that is being recorded; a file that can't be written is left out.
 
-    Thread: one, whichever.
+    Thread: any one thread.
     """
 
     def __init__(self, take: Path) -> None:
@@ -47,17 +47,17 @@ class GrowingNote:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o600)
             _lock(self._file)
-        self.moved(take)
+        self.write(take)
 
-    def moved(self, take: Path) -> None:
-        """The take grows there now."""
+    def write(self, take: Path) -> None:
+        """Write the present path of the take to the marker."""
         with contextlib.suppress(OSError):
             os.ftruncate(self._file, 0)
             os.lseek(self._file, 0, os.SEEK_SET)
             os.write(self._file, json.dumps(str(take.absolute())).encode())
 
     def close(self) -> None:
-        """The take is whole; may be called twice."""
+        """Remove the marker after the take was saved; repeated calls do nothing."""
         if self._file >= 0:
             with contextlib.suppress(OSError):
                 self._path.unlink()
@@ -65,27 +65,27 @@ class GrowingNote:
             self._file = -1
 
 
-def take_cut_short() -> list[Path]:
-    """The takes that were cut short since this was asked last, where they are still there."""
+def pop_interrupted_takes() -> list[Path]:
+    """Return interrupted takes that still exist, and remove their markers."""
     found = []
-    for note in sorted(state_folder().glob("*.growing")):
+    for marker in sorted(state_folder().glob("*.growing")):
         with contextlib.suppress(OSError, ValueError):
-            file = os.open(note, os.O_RDWR)
+            file = os.open(marker, os.O_RDWR)
             try:
-                _lock(file)  # OSError: whoever wrote it is alive
+                _lock(file)  # OSError: the process that records the take is running
                 take = Path(json.loads(os.read(file, 65_536)))
             finally:
                 os.close(file)
-            note.unlink()
+            marker.unlink()
             if take.is_file():
                 found.append(take)
     return found
 
 
 def _lock(file: int) -> None:
-    """Lock an open file for as long as this process lives; OSError if another one has."""
+    """Lock an open file until this process ends; OSError if another process has locked it."""
     try:
         import fcntl
-    except ImportError:  # a file that is open can't be deleted there
+    except ImportError:  # Windows, where an open file can't be deleted
         return
     fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,4 +1,4 @@
-"""The takes of a session: the one that grows, and those that were ended."""
+"""Takes of a session: the one that is recorded, and those that have ended."""
 
 from __future__ import annotations
 
@@ -10,69 +10,70 @@ from typing import Any
 
 from overview_dsp.data.readers.native import save_timeline
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.gestures.growing_take import free_name
+from overview_dsp.design.gestures.take_writer import free_name
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.session.session import Session
 from overview_dsp.live.takes.recorder import Recorder
-from overview_dsp.live.takes.recovery import other_places
+from overview_dsp.live.takes.recovery import fallback_paths
 
 
-def timeline_beside(path: Path) -> Path:
-    """Where the timeline is that a take begins on, if it was growing."""
+def timeline_path(path: Path) -> Path:
+    """Return the path of the timeline that is saved with a take of a live timeline."""
     return path.with_suffix(".timeline.json")
 
 
 class Takes:
-    """Begins takes of an engine and ends them.
+    """Starts and ends the takes of an engine.
 
-    Thread: control; `end` from any.
+    Thread: control; any thread may call `end`.
 
     Attributes
     ----------
     ended : list of str
-        The files of those that were ended.
-    words : list of str
-        A line for the person on each of them.
+        Paths of the takes that have ended.
+    summaries : list of str
+        Line for the user on each of them.
     """
 
     def __init__(self, session: Session, path: str | os.PathLike[str] | None) -> None:
-        """`path` is where they go (None: a name by the clock)."""
+        """Record to `path`; None makes a name of the present date and time."""
         self._engine, self._say = session.engine, session.say
         self._path = Path(time.strftime("take-%Y%m%d-%H%M%S.csv") if path is None else path)
         self._recorder: Recorder | None = None
         self.ended: list[str] = []
-        self.words: list[str] = []
+        self.summaries: list[str] = []
 
     @property
-    def growing(self) -> Path | None:
-        """Where the one is that grows."""
+    def recording_path(self) -> Path | None:
+        """Path of the take that is recorded; None without one."""
         return None if self._recorder is None else self._recorder.path
 
-    def begin(self, about: Mapping[str, Any], timeline: Timeline | None = None) -> None:
-        """Begin one at its very place, from the engine's first sample on; errors as `Recorder`.
+    def start_first(self, header: Mapping[str, Any], timeline: Timeline | None) -> None:
+        """Record to exactly the given path from the first sample on; errors as `Recorder`.
 
-        `timeline` is what it begins on where no file holds that: it is written beside the take.
+        `timeline` is the present version of a live timeline, which is saved with the take.
         """
-        self._recorder = Recorder(self._engine, self._path, about, None, self._say)
+        self._recorder = Recorder(self._engine, self._path, header, None, self._say)
         self._recorder.start()
         if timeline is not None:
-            save_timeline(timeline, timeline_beside(self._path))
+            save_timeline(timeline, timeline_path(self._path))
 
-    def begin_later(
+    def start(
         self,
-        about: Mapping[str, Any],
         before: list[Mapping[str, Any]],
-        timeline: Timeline | None = None,
+        header: Mapping[str, Any],
+        timeline: Timeline | None,
     ) -> None:
-        """Begin one that replaces none, where there is a place for it.
+        """Record to a new file, in a fallback folder if necessary.
 
-        `before` are changes that hold at its first sample; `timeline` as `begin`.
+        `before` are changes that were applied before the first sample; `timeline` is as in
+        `start_first`.
         """
-        for path in (self._path, *other_places(self._path)):
+        for path in (self._path, *fallback_paths(self._path)):
             try:
-                recorder = Recorder(self._engine, free_name(path), about, before, self._say)
+                recorder = Recorder(self._engine, free_name(path), header, before, self._say)
                 if timeline is not None:
-                    save_timeline(timeline, timeline_beside(recorder.path))
+                    save_timeline(timeline, timeline_path(recorder.path))
             except OverviewError as error:
                 self._say(str(error))
                 continue
@@ -82,12 +83,12 @@ class Takes:
             return
 
     def end(self) -> None:
-        """Save the one that grows; may be called twice.
+        """Save the take that is recorded; without one this does nothing.
 
         Raises
         ------
         OutputError
-            A part of it can't be written.
+            A part of the take can't be written.
         """
         recorder, self._recorder = self._recorder, None
         if recorder is not None:
@@ -95,7 +96,11 @@ class Takes:
                 recorder.close()
             finally:
                 self.ended.append(str(recorder.path))
-                what = f"its hands; {recorder.differs}" if recorder.differs else "to the bit"
-                beside = timeline_beside(recorder.path)
-                on = f", on {beside}" if beside.exists() else ""
-                self.words.append(f"{recorder.path}: the take, {what}{on}")
+                saved = timeline_path(recorder.path)
+                with_timeline = f" with {saved}" if saved.exists() else ""
+                exactness = (
+                    f"its render differs: {recorder.differs}"
+                    if recorder.differs
+                    else "its render is bit-identical"
+                )
+                self.summaries.append(f"take saved as {recorder.path}{with_timeline}; {exactness}")

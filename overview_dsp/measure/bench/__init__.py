@@ -1,1 +1,1 @@
-"""How fast the engine runs on this machine, beside other ways to do the same work."""
+"""Benchmarks of the engine on this machine, compared with alternatives."""

@@ -1,6 +1,6 @@
-"""An observer says which kind of event was met at each onset, from what a stroke gives alone.
+"""Observer: a classifier with human limits that names the event kind of each onset in a stroke.
 
-`noticed` finds what is noticed and how it feels or sounds, `human_limits` blurs that as a person
-does, `trees` learns which kind it was, `scoring` compares what it says with what was there
-(`passages`), `strokes` says which movements it is asked about, `observing` does it all in order.
+`features` finds the onsets of a stroke and how each feels and sounds. `observing` adds sensory
+noise, trains a forest (`trees`) and evaluates it on other timelines. `scoring` compares its
+answers with the events that the disk passed (`strokes`). `report` writes tables and warnings.
 """

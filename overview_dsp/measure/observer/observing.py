@@ -1,10 +1,9 @@
-"""Renders, teaches an observer on random timelines, and asks it on others.
+"""Training of an observer on random timelines and its evaluation on others.
 
-What a person can't know better: features blurred by normal noise, as large as its own limits.
-
-Felt level 1.6 dB (a step is 2.3), slope 30 %, duration 18 % (Weber fraction 25 %), times between
-pulses 5 ms; click level 0.8 dB, centroid 7 % (a step is 10 %), decay 18 %, delay 8 ms; the pace of
-the own hand 15 %. Standard deviations. Pulses less than 30 ms apart are one already (`noticed`).
+Human limits are modelled by normal noise in the features. Its standard deviations are, for touch:
+felt level 1.6 dB (one JND is 2.3 dB), slope 30 %, duration 18 % (Weber fraction 25 %), times
+between pulses 5 ms; for sound: click level 0.8 dB, centroid 7 % (one JND is 10 %), decay 18 %,
+delay 8 ms; for the pace of the own movement: 15 %. `features` merges pulses within 30 ms.
 """
 
 from __future__ import annotations
@@ -17,19 +16,19 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.measure.observer.noticed import MODALITIES, PACE, Modality
+from overview_dsp.measure.observer.features import MODALITIES, PACE, Modality
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import Tally, groups_of
 from overview_dsp.measure.observer.strokes import (
     GESTURES,
-    HANDS,
-    Hands,
-    StrokeMet,
+    MOVEMENTS,
+    Movement,
+    ObservedStroke,
     rendered_strokes,
     stroke_names,
 )
-from overview_dsp.measure.observer.trees import Forest, grown
-from overview_dsp.measure.random_data import random_timelines
+from overview_dsp.measure.observer.trees import Forest, fit_forest
+from overview_dsp.measure.synthetic_data import random_timelines
 
 NOISE: Mapping[str, float] = {
     **dict.fromkeys(("level_db", "over_surroundings_db", "rise_db", "fall_db"), 1.6),
@@ -43,13 +42,13 @@ NOISE: Mapping[str, float] = {
     PACE: 0.15,
 }
 RELATIVE = ("slope_db", "duration_ms", "centroid_hz", "click_decay_ms")
-"""Features whose logarithm has that noise."""
+"""Features whose logarithm has the noise."""
 
 
-def blurred(
+def add_sensory_noise(
     features: NDArray[np.float64], names: tuple[str, ...], rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """The features (onsets, features) of `noticed` as one person has them, once."""
+    """Return features (onsets, features) with one draw of a human's sensory noise."""
     found = features.copy()
     for column, name in enumerate(names):
         if name not in NOISE:
@@ -58,7 +57,7 @@ def blurred(
         if name in RELATIVE:
             found[:, column] *= np.exp(noise)
         elif name.startswith(("next_", "last_")):
-            # only where there is a neighbour, which its time says
+            # only where there is a neighbouring pulse, which has a time
             found[:, column] += noise * (features[:, names.index(f"{name[:4]}_ms")] > 0.0)
         else:
             found[:, column] += noise
@@ -66,19 +65,19 @@ def blurred(
 
 
 LEARNED, HELD_OUT = 120, 40
-"""Random timelines that it learns from, and others that it is asked about."""
+"""Numbers of random timelines for training and for evaluation."""
 
 DRAWS = 5
-"""Draws of a person's noise for each stroke that is asked about."""
+"""Draws of the sensory noise for each stroke of the evaluation."""
 
-LESSONS = 2
-"""Draws of that noise in what it learns from."""
+TRAINING_DRAWS = 2
+"""Draws of the sensory noise in the training data."""
 
-_LESSON = 15
-"""Teaching and asking one observer takes about as long as so many renders."""
+_RENDERS_PER_MODEL = 15
+"""Renders that take about as long as training and evaluating one observer."""
 
 _HELD_OUT_SEED = 1_000_000
-"""How far the seeds of held-out timelines and hands are from those it learns from."""
+"""Offset of the seeds of held-out timelines and movements from those of the training data."""
 
 
 def observe(
@@ -86,35 +85,35 @@ def observe(
     timelines: Sequence[Timeline] = (),
     *,
     modalities: Sequence[Modality] = MODALITIES,
-    hands: Hands = "all",
+    movement: Movement = "all",
     learned: int = LEARNED,
     held_out: int = HELD_OUT,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> ObserverReport:
-    """Find out which kinds of events can be told apart, from what a hand and an ear get alone.
+    """Measure which kinds of events can be distinguished by touch and sound alone.
 
-    An observer with human limits learns on random timelines of the preset's kinds what each feels
-    and sounds like in each stroke, and says of each onset in other timelines which kind it was.
+    An observer with human limits learns how each of the preset's kinds feels and sounds in each
+    stroke, on random timelines. It then names the kind of each onset in other timelines.
 
     Parameters
     ----------
     preset : Preset
-        What is to be told apart.
+        Preset whose kinds are distinguished.
     timelines : sequence of Timeline
-        What it is asked about besides random timelines that it hasn't met.
+        Further timelines for the evaluation, beside held-out random ones.
     modalities : sequence of {"touch", "sound", "both"}
-        What it gets.
-    hands : {"all", "steady", "arm", "mixed"}
+        Modalities, each with an observer of its own.
+    movement : {"all", "steady", "arm", "mixed"}
         `steady`: sweeps of 1 to 30 s, the recoil and a tap. `arm`: an arm's movements of 1 to 6 s,
-        which release without waiting for the disk. `all`: both. `mixed`: hands that speed up,
+        which release without waiting for the disk. `all`: both. `mixed`: movement that speed up,
         hesitate and turn back.
     learned, held_out : int
-        How many random timelines it learns from, and is asked about.
+        Numbers of random timelines for training and for evaluation.
     seed : int
-        The same seed, the same report.
+        Random seed; the same seed gives the same report.
     progress : callable or None
-        Called with the part done, 0 to 1.
+        Called with the completed share, 0 to 1.
 
     Returns
     -------
@@ -124,22 +123,24 @@ def observe(
     Raises
     ------
     InputError
-        Nothing to learn from or to be asked about, an unknown modality or hand; as `render`.
+        No timelines for training or evaluation, an unknown modality or movement; as `render`.
 
     Examples
     --------
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], movement="mixed", learned=2, held_out=1
     ... )
     >>> [name for name in report.sets[0].strokes]
     ['mixed']
     """
-    _check(modalities, hands, learned, held_out, seed)
+    _check(modalities, movement, learned, held_out, seed)
     if not held_out and not timelines:
-        raise InputError("held_out = 0 and no timelines: there is nothing to ask about")
-    gestures = 1 if hands == "mixed" else len(GESTURES[hands])
+        raise InputError(
+            "held_out is 0 and there are no timelines to evaluate on; give at least one"
+        )
+    gestures = 1 if movement == "mixed" else len(GESTURES[movement])
     work = gestures * (learned + held_out + len(timelines))
-    work += _LESSON * len(stroke_names(hands)) * len(modalities)
+    work += _RENDERS_PER_MODEL * len(stroke_names(movement)) * len(modalities)
     done = 0
 
     def step(more: int) -> None:
@@ -148,98 +149,102 @@ def observe(
         if progress is not None:
             progress(done / work)
 
-    def strokes_of(made: Sequence[Timeline], first: int) -> dict[str, list[StrokeMet]]:
-        return rendered_strokes(preset, made, hands, modalities, first, step)
+    def strokes_of(made: Sequence[Timeline], first: int) -> dict[str, list[ObservedStroke]]:
+        return rendered_strokes(preset, made, movement, modalities, first, step)
 
-    lessons = strokes_of(random_timelines(preset, learned, seed), seed)
-    asked = {}
+    training = strokes_of(random_timelines(preset, learned, seed), seed)
+    evaluated = {}
     if held_out:
         other = seed + _HELD_OUT_SEED
-        asked["random timelines"] = strokes_of(random_timelines(preset, held_out, other), other)
+        evaluated["random timelines"] = strokes_of(random_timelines(preset, held_out, other), other)
     if timelines:
-        asked["timelines given"] = strokes_of(timelines, seed + 2 * _HELD_OUT_SEED)
-    scores: dict[str, dict[str, dict[Modality, StrokeScores]]] = {name: {} for name in asked}
+        evaluated["timelines given"] = strokes_of(timelines, seed + 2 * _HELD_OUT_SEED)
+    scores: dict[str, dict[str, dict[Modality, StrokeScores]]] = {name: {} for name in evaluated}
     kinds = tuple(preset.kinds)
-    for number, stroke in enumerate(stroke_names(hands)):
+    for number, stroke in enumerate(stroke_names(movement)):
         for modality in modalities:
             rng = np.random.default_rng([seed, number, MODALITIES.index(modality)])
-            forest, names = taught(lessons[stroke], modality, kinds, rng)
-            for name, every in asked.items():
-                told = asked_of(every[stroke], modality, kinds, forest, names, rng)
-                scores[name].setdefault(stroke, {})[modality] = told
-            step(_LESSON)
+            forest, names = train_observer(training[stroke], modality, kinds, rng)
+            for name, every in evaluated.items():
+                result = evaluate_observer(every[stroke], modality, kinds, forest, names, rng)
+                scores[name].setdefault(stroke, {})[modality] = result
+            step(_RENDERS_PER_MODEL)
     counts = {"random timelines": held_out, "timelines given": len(timelines)}
     return ObserverReport(
         preset.name,
-        hands,
+        movement,
         learned,
         tuple(SetScores(name, counts[name], strokes) for name, strokes in scores.items()),
     )
 
 
 def _check(
-    modalities: Sequence[Modality], hands: Hands, learned: int, held_out: int, seed: int
+    modalities: Sequence[Modality], movement: Movement, learned: int, held_out: int, seed: int
 ) -> None:
     if not modalities or not set(modalities) <= set(MODALITIES):
         raise InputError(
-            f"modalities {', '.join(modalities) or 'none'}; they are one or more of "
-            f"{', '.join(MODALITIES)}"
+            f"modalities are {', '.join(modalities) or 'none'}; "
+            f"must be one or more of {', '.join(MODALITIES)}"
         )
-    if hands not in HANDS:
-        raise InputError(f"hands {hands!r} are unknown; they are {', '.join(HANDS)}")
+    if movement not in MOVEMENTS:
+        raise InputError(f"movement is {movement!r}; must be one of {', '.join(MOVEMENTS)}")
     if learned < 1:
-        raise InputError(f"learned = {learned}; an observer learns from 1 timeline or more")
+        raise InputError(f"learned is {learned}; must be at least 1")
     if held_out < 0 or seed < 0:
-        raise InputError(f"held_out = {held_out}, seed = {seed}; neither is below 0")
+        raise InputError(f"held_out is {held_out} and seed is {seed}; both must be at least 0")
 
 
-def _classes(stroke: StrokeMet, modality: Modality, nothing: int) -> NDArray[np.int64]:
-    """What each onset of a stroke truly was."""
-    kinds = np.append(stroke.met.kind, nothing)
+def _classes(stroke: ObservedStroke, modality: Modality, nothing: int) -> NDArray[np.int64]:
+    """Return the true class of each onset of a stroke."""
+    kinds = np.append(stroke.events.kind, nothing)
     return kinds[stroke.owner[modality]]  # -1, the last, is nothing
 
 
-def taught(
-    strokes: Sequence[StrokeMet],
+def train_observer(
+    strokes: Sequence[ObservedStroke],
     modality: Modality,
     kinds: tuple[str, ...],
     rng: np.random.Generator,
 ) -> tuple[Forest | None, tuple[str, ...]]:
-    """An observer of one stroke; None where nothing is noticed in any of them."""
-    features = np.concatenate([stroke.noticed[modality].features for stroke in strokes])
-    names = strokes[0].noticed[modality].names
+    """Train an observer of one stroke; None where no stroke has an onset."""
+    features = np.concatenate([stroke.features[modality].features for stroke in strokes])
+    names = strokes[0].features[modality].names
     classes = np.concatenate([_classes(stroke, modality, len(kinds)) for stroke in strokes])
     if not len(features):
         return None, names
-    lessons = np.concatenate([blurred(features, names, rng) for _ in range(LESSONS)])
-    # rare kinds count by the root of their rarity
+    samples = np.concatenate(
+        [add_sensory_noise(features, names, rng) for _ in range(TRAINING_DRAWS)]
+    )
+    # the weight of a kind is the inverse root of its frequency
     weights = np.bincount(classes)[classes] ** -0.5
-    return grown(lessons, np.tile(classes, LESSONS), np.tile(weights, LESSONS), rng), names
+    return fit_forest(
+        samples, np.tile(classes, TRAINING_DRAWS), np.tile(weights, TRAINING_DRAWS), rng
+    ), names
 
 
-def asked_of(
-    strokes: Sequence[StrokeMet],
+def evaluate_observer(
+    strokes: Sequence[ObservedStroke],
     modality: Modality,
     kinds: tuple[str, ...],
     forest: Forest | None,
     names: tuple[str, ...],
     rng: np.random.Generator,
 ) -> StrokeScores:
-    """What an observer says of strokes, with `DRAWS` draws of its noise each."""
+    """Evaluate an observer on strokes, with `DRAWS` draws of sensory noise each."""
     groups = groups_of(kinds)
     group_names = tuple(dict.fromkeys(groups))
     nothing = len(kinds)
     single = Tally(kinds, np.arange(nothing + 1))
-    place = [*(group_names.index(group) for group in groups), len(group_names)]
-    grouped = Tally(group_names, np.array(place))
-    counts = [len(stroke.noticed[modality].at_ms) for stroke in strokes]
-    features = np.concatenate([stroke.noticed[modality].features for stroke in strokes])
+    groups_of_kinds = [*(group_names.index(group) for group in groups), len(group_names)]
+    grouped = Tally(group_names, np.array(groups_of_kinds))
+    counts = [len(stroke.features[modality].at_ms) for stroke in strokes]
+    features = np.concatenate([stroke.features[modality].features for stroke in strokes])
     for _ in range(DRAWS):
-        said = np.zeros(0, dtype=np.int64)
+        answers = np.zeros(0, dtype=np.int64)
         if forest is not None:
-            said = forest.say(blurred(features, names, rng))
-        for stroke, told in zip(strokes, np.split(said, np.cumsum(counts)[:-1]), strict=True):
-            at, owner = stroke.noticed[modality].at_ms, stroke.owner[modality]
-            single.add(at, told, owner, stroke.met.kind.tolist())
-            grouped.add(at, told, owner, stroke.met.kind.tolist())
+            answers = forest.predict(add_sensory_noise(features, names, rng))
+        for stroke, named in zip(strokes, np.split(answers, np.cumsum(counts)[:-1]), strict=True):
+            at, owner = stroke.features[modality].at_ms, stroke.owner[modality]
+            single.add(at, named, owner, stroke.events.kind.tolist())
+            grouped.add(at, named, owner, stroke.events.kind.tolist())
     return StrokeScores(single.scores(DRAWS), grouped.scores(DRAWS))

@@ -1,4 +1,4 @@
-"""What an observer could tell apart: tables, words, plain data."""
+"""Report of an observer as tables, warnings and plain data."""
 
 from __future__ import annotations
 
@@ -9,33 +9,33 @@ from typing import Any
 
 import numpy as np
 
-from overview_dsp.measure.observer.noticed import Modality
+from overview_dsp.measure.observer.features import Modality
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
 from overview_dsp.measure.report_base import Report
 from overview_dsp.public import counted, short
 
 LEAST_SHARE = 1.0 / 12.5
-"""Confusions as rare as 1 in 12 are told in words."""
+"""Smallest share of confusions that is a warning: about 1 in 12."""
 
 LEAST_EVENTS = 12
-"""Of fewer events nothing is said in words."""
+"""Fewest events for a warning."""
 
 
 @dataclass(frozen=True)
 class StrokeScores:
-    """One stroke by one modality.
+    """Scores of one stroke by one modality.
 
     Attributes
     ----------
     kinds : ObserverScores
-        Of each of the preset's kinds.
+        Scores of the preset's kinds.
     groups : ObserverScores
-        Of kinds taken together (goal, card, minor); the same where kinds have no groups.
+        Scores of groups of kinds (goal, card, minor); equal to `kinds` without groups.
 
     Examples
     --------
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], movement="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].strokes["mixed"]["touch"].groups.kinds
     ('minor', 'goal', 'card')
@@ -47,21 +47,21 @@ class StrokeScores:
 
 @dataclass(frozen=True)
 class SetScores:
-    """What was told of one set of timelines.
+    """Scores of one set of timelines.
 
     Attributes
     ----------
     name : str
         `random timelines` or `timelines given`.
     timelines : int
-        How many.
+        Number of timelines.
     strokes : mapping of str to mapping of str to StrokeScores
         By stroke (`1 s`, ..., `recoil`, `tap`, `arm 1 s`, ..., or `mixed`), then by modality.
 
     Examples
     --------
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], movement="mixed", learned=2, held_out=1
     ... )
     >>> report.sets[0].timelines
     1
@@ -77,45 +77,44 @@ class SetScores:
 
 @dataclass(frozen=True)
 class ObserverReport(Report):
-    """Which kinds of events can be told apart.
+    """Report of the kinds of events that can be distinguished.
 
     Its table has recall and precision of each kind, then each confusion matrix, in hundredths. Its
-    warnings list what is taken for what, and what goes unnoticed, as often as 1 in 12, of groups of
-    kinds of which twelve or more were met.
+    warnings list the confusions of at least 1 in 12 events, for groups of at least twelve events.
 
     Attributes
     ----------
     preset : str
         Its name.
-    hands : str
+    movement : str
         `all`, `steady`, `arm` or `mixed`.
     learned : int
-        From how many random timelines.
+        Number of random timelines of the training.
     sets : tuple of SetScores
-        What it was asked about.
+        Scores by set of timelines.
 
     See Also
     --------
-    observe : Makes one.
+    observe : Makes a report.
 
     Examples
     --------
     >>> report = ov.measure.observe(
-    ...     football, modalities=["touch"], hands="mixed", learned=2, held_out=1
+    ...     football, modalities=["touch"], movement="mixed", learned=2, held_out=1
     ... )
     >>> report
-    <ObserverReport: 'football', mixed hands, 1 set>
+    <ObserverReport: 'football', mixed movement, 1 set>
     """
 
     preset: str
-    hands: str
+    movement: str
     learned: int
     sets: tuple[SetScores, ...]
 
     def _plain(self) -> dict[str, Any]:
         return {
             "preset": self.preset,
-            "hands": self.hands,
+            "movement": self.movement,
             "learned": self.learned,
             "sets": [
                 {
@@ -138,7 +137,7 @@ class ObserverReport(Report):
 
     def _lines(self) -> Iterator[str]:
         yield (
-            f"{self.preset}, {self.hands} hands, an observer that learned from "
+            f"{self.preset}, {self.movement} movement, an observer that learned from "
             f"{self.learned} random timelines"
         )
         for one in self.sets:
@@ -153,15 +152,15 @@ class ObserverReport(Report):
 
     def _faults(self) -> Iterator[str]:
         for one in self.sets:
-            yield from _in_words(one)
+            yield from _warnings_of(one)
 
     def __repr__(self) -> str:
         sets = counted(len(self.sets), "set")
-        return f"<ObserverReport: {short(self.preset)}, {self.hands} hands, {sets}>"
+        return f"<ObserverReport: {short(self.preset)}, {self.movement} movement, {sets}>"
 
 
 def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
-    """Lines: a kind or group each, a stroke a column."""
+    """Yield one line per kind or group, with one column per stroke."""
     yield f"{'':<22}{'events':>8}" + "".join(f"{name:>12}" for name in strokes)
     scores = list(strokes.values())
     for title, tables in (
@@ -180,19 +179,19 @@ def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
 
 
 def _confusion(scores: ObserverScores) -> Iterator[str]:
-    """Lines: what each kind is taken for, of 100 of it."""
+    """Yield the confusions of each kind, in hundredths of its events."""
     names = [*scores.kinds, NOTHING]
-    met = np.flatnonzero(scores.events).tolist()
-    seen = np.flatnonzero(scores.confusion[:-1].sum(axis=0)).tolist()
-    yield f"  {'':<20}" + "".join(f"{names[column][:9]:>10}" for column in seen)
-    for row in met:
+    rows = np.flatnonzero(scores.events).tolist()
+    columns = np.flatnonzero(scores.confusion[:-1].sum(axis=0)).tolist()
+    yield f"  {'':<20}" + "".join(f"{names[column][:9]:>10}" for column in columns)
+    for row in rows:
         counts = scores.confusion[row]
-        parts = [100.0 * counts[column] / counts.sum() for column in seen]
+        parts = [100.0 * counts[column] / counts.sum() for column in columns]
         yield f"  {names[row][:20]:<20}" + "".join(f"{part:>10.0f}" for part in parts)
 
 
 def _confusions(scores: ObserverScores) -> Iterator[tuple[str, str, float]]:
-    """What each kind is taken for, where that isn't rare."""
+    """Yield the confusions of each kind that are not rare."""
     names = [*scores.kinds, NOTHING]
     for row, kind in enumerate(scores.kinds):
         events = int(scores.events[row])
@@ -204,20 +203,20 @@ def _confusions(scores: ObserverScores) -> Iterator[tuple[str, str, float]]:
                 yield kind, taken, share
 
 
-def _in_words(one: SetScores) -> Iterator[str]:
-    """A line for each confusion of a set, by each modality, with every stroke where it happens."""
+def _warnings_of(one: SetScores) -> Iterator[str]:
+    """Yield a line for each confusion of a set and modality, with its strokes."""
     for modality in next(iter(one.strokes.values())):
         found: dict[tuple[str, str], list[tuple[int, int, str]]] = {}
         for stroke, by_modality in one.strokes.items():
             for kind, taken, share in _confusions(by_modality[modality].groups):
                 found.setdefault((kind, taken), []).append((*_ratio(share), _where(stroke)))
-        for (kind, taken), places in found.items():
-            some, of, where = places[0]
+        for (kind, taken), cases in found.items():
+            some, of, where = cases[0]
             fate = "unnoticed" if taken == NOTHING else f"taken for {_a(taken)}"
             name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
-            more = "".join(f", {some} in {of} {where}" for some, of, where in places[1:])
+            more = "".join(f", {some} in {of} {where}" for some, of, where in cases[1:])
             yield (
-                f"{some} {_spoken(name)} in {of} {verb} {fate} {where}{more} "
+                f"{some} {_kind_text(name)} in {of} {verb} {fate} {where}{more} "
                 f"(by {modality}, {one.name})"
             )
 
@@ -226,7 +225,7 @@ _RATIOS = [*((1, of) for of in range(12, 1, -1)), (2, 3), (3, 4), (9, 10)]
 
 
 def _ratio(share: float) -> tuple[int, int]:
-    """A share as a person says it: 1 in 12 to 1 in 2, 2 in 3, 3 in 4, 9 in 10."""
+    """Return a share as a simple ratio: 1 in 12 to 1 in 2, 2 in 3, 3 in 4, 9 in 10."""
     return min(_RATIOS, key=lambda ratio: abs(math.log(ratio[0] / ratio[1] / share)))
 
 
@@ -235,15 +234,15 @@ def _where(stroke: str) -> str:
         return f"in the {stroke}"
     if stroke.startswith("arm "):
         return f"by an arm in {stroke.removeprefix('arm ')}"
-    return "by a hand of mixed pace" if stroke == "mixed" else f"at {stroke}"
+    return "in mixed movement" if stroke == "mixed" else f"at {stroke}"
 
 
-def _spoken(kind: str) -> str:
+def _kind_text(kind: str) -> str:
     return kind.replace("_", " ")
 
 
 def _a(kind: str) -> str:
-    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {_spoken(kind)}"
+    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {_kind_text(kind)}"
 
 
 def _plural(kind: str) -> str:

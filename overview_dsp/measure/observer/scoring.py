@@ -1,4 +1,4 @@
-"""How right an observer is: recall over the events met, precision over its reports, confusions."""
+"""Scores of an observer: recall over the events passed, precision over its reports, confusions."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.measure.observer.noticed import RHYTHM_MS
+from overview_dsp.measure.observer.features import RHYTHM_MS
 
 NOTHING = "nothing"
-"""What an observer says where it takes what it notices for the curve; what an event without an
-onset is taken for."""
+"""Answer of an observer that takes an onset for the intensity curve, and class of an event without
+an onset."""
 
 
 @dataclass(frozen=True, eq=False)
 class ObserverScores:
-    """What an observer said in one stroke, summed over timelines and draws of its noise.
+    """Answers of an observer in one stroke, summed over timelines and draws of its noise.
 
     Attributes
     ----------
     kinds : tuple of str
-        What it chose from, besides nothing.
+        Classes of its answers, without "nothing".
     confusion : int64 (kinds + 1, kinds + 1)
-        Rows: the events met, by kind; the last: reports where nothing was. Columns: what they were
-        taken for; the last: nothing, or not noticed at all. An event that brought several onsets
-        counts as told right if one of them was.
+        Rows: true kind of the events passed; the last row: reports without an event. Columns:
+        answer; the last column: nothing, or no onset. An event with several onsets counts as
+        recognised if one of them was.
     reports, right : int64 (kinds,)
-        How often it named each kind, once in 120 ms for one event; how often with reason.
+        Number of reports of each kind, at most one in 120 ms for one event; number of true ones.
     draws : int
-        How often the same strokes are counted, each time with other noise.
+        Number of times that each stroke is counted, each time with different noise.
 
     Examples
     --------
@@ -51,17 +51,17 @@ class ObserverScores:
 
     @property
     def events(self) -> NDArray[np.int64]:
-        """How many events of each kind were met, each counted once a draw."""
+        """Number of passed events of each kind, each counted once per draw."""
         return np.asarray(self.confusion[:-1].sum(axis=1), dtype=np.int64)
 
     @property
     def recall(self) -> NDArray[np.float64]:
-        """The part of each kind's events that was told for what it is; NaN without events."""
+        """Share of each kind's events that was recognised; NaN without events."""
         return _parts(np.diagonal(self.confusion)[:-1], self.events)
 
     @property
     def precision(self) -> NDArray[np.float64]:
-        """The part of each kind's reports that was true; NaN without reports."""
+        """Share of each kind's reports that was true; NaN without reports."""
         return _parts(self.right, self.reports)
 
     @property
@@ -73,18 +73,18 @@ class ObserverScores:
 
     @property
     def balanced(self) -> float:
-        """Mean recall of the kinds that were met; NaN if none was."""
+        """Mean recall of the kinds that were passed; NaN if none was."""
         known = self.recall[self.events > 0]
         return float(known.mean()) if len(known) else float("nan")
 
     def to_json(self) -> dict[str, Any]:
-        """Make plain data of it: of the kinds that were met or named.
+        """Return plain data of the kinds that were passed or reported.
 
         Returns
         -------
         dict
-            Of texts, numbers and lists, for JSON; the confusion's rows and columns are those
-            kinds, and nothing.
+            Texts, numbers and lists, for JSON. The rows and columns of the confusion matrix are
+            these kinds and "nothing".
 
         Examples
         --------
@@ -94,12 +94,12 @@ class ObserverScores:
         {'events': 10, 'recall': 0.9, 'precision': 1.0, 'f1': 0.9474}
         """
         rows = np.flatnonzero((self.events > 0) | (self.reports > 0))
-        shown = np.append(rows, len(self.kinds))
+        columns = np.append(rows, len(self.kinds))
         return {
             "balanced": _rounded(self.balanced),
             "kinds": {
                 self.kinds[row]: {
-                    # each event counts once for a draw
+                    # each event counts once per draw
                     "events": int(self.events[row]) // self.draws,
                     "recall": _rounded(self.recall[row]),
                     "precision": _rounded(self.precision[row]),
@@ -108,12 +108,12 @@ class ObserverScores:
                 for row in rows.tolist()
             },
             "draws": self.draws,
-            "confusion": self.confusion[np.ix_(shown, shown)].tolist(),
+            "confusion": self.confusion[np.ix_(columns, columns)].tolist(),
         }
 
     def __repr__(self) -> str:
         return (
-            f"<ObserverScores: {len(self.kinds)} kinds, {int(self.events.sum())} events met, "
+            f"<ObserverScores: {len(self.kinds)} kinds, {int(self.events.sum())} events passed, "
             f"balanced recall {self.balanced:.2f}>"
         )
 
@@ -129,9 +129,9 @@ def _rounded(value: float) -> float | None:
 
 @dataclass(eq=False)
 class Tally:
-    """Counts what was said, stroke by stroke; `group` maps each class to one of `kinds`.
+    """Counter of an observer's answers; `group` maps each class to one of `kinds`.
 
-    Classes are the preset's kinds by index, and one more for nothing, which stays the last.
+    Classes are the preset's kinds by index. The last class is "nothing".
     """
 
     kinds: tuple[str, ...]
@@ -149,19 +149,19 @@ class Tally:
     def add(
         self,
         at_ms: NDArray[np.int64],
-        said: NDArray[np.int64],
+        answers: NDArray[np.int64],
         owner: NDArray[np.int64],
         kinds: Iterable[int],
     ) -> None:
-        """Count a stroke: onsets (when, the class said, whose they are) and its events."""
+        """Count the onsets of a stroke (time, answer, row of its event) and its events."""
         nothing = len(self.kinds)
-        told: dict[int, list[int]] = {}
+        named: dict[int, list[int]] = {}
         true = self.group[np.asarray(list(kinds), dtype=np.int64)].tolist()
         last: dict[int, tuple[int, int]] = {}
         for at, name, row in zip(
-            at_ms.tolist(), self.group[said].tolist(), owner.tolist(), strict=True
+            at_ms.tolist(), self.group[answers].tolist(), owner.tolist(), strict=True
         ):
-            told.setdefault(row, []).append(name)
+            named.setdefault(row, []).append(name)
             if name == nothing:
                 continue
             before, of = last.get(name, (-(2**60), -1))
@@ -173,13 +173,13 @@ class Tally:
             if row < 0:
                 self.confusion[nothing, name] += 1
         for row, kind in enumerate(true):
-            names = told.get(row, [])
+            names = named.get(row, [])
             others = [name for name in names if name != nothing]
             taken = kind if kind in names else others[0] if others else nothing
             self.confusion[kind, taken] += 1
 
     def scores(self, draws: int) -> ObserverScores:
-        """What was counted."""
+        """Return the scores so far."""
         return ObserverScores(self.kinds, self.confusion, self.reports, self.right, draws)
 
 
@@ -197,13 +197,13 @@ GROUPS = {
     "missed_beat": "missed beat",
     "flutter": "flutter",
 }
-"""Kinds that are one to whoever asks what mainly happened."""
+"""Kinds that count as one in the scores of groups."""
 
 MINOR = "minor"
 
 
 def groups_of(kinds: Sequence[str]) -> tuple[str, ...]:
-    """The group of each kind; of kinds that know none, each its own."""
+    """Return the group of each kind; without any known kind, each is a group."""
     if not any(kind in GROUPS for kind in kinds):
         return tuple(kinds)
     return tuple(GROUPS.get(kind, MINOR) for kind in kinds)

@@ -1,14 +1,12 @@
-"""The strokes that an observer is asked about: rendered, cut, and what is noticed in each.
+"""Rendered strokes of an observer: their features and the events that the disk passes.
 
-One model per stroke: who moves knows how fast, and whether it is an arm's movement, a tap or a
-recoil. Hands of mixed pace share one model, which is told the pace of the hand (`noticed.PACE`).
+There is one model per stroke, since users know how fast they move, and whether a movement is a
+sweep, an arm's movement, a tap or a recoil. Movements of mixed pace share one model, which has the
+pace as a feature (`features.PACE`).
 
-Which event each onset belongs to: an observer's teacher and examiner knows it, by the trace.
-
-The disk is *on* an event from where it enters its span until it leaves it. An onset belongs to an
-event if it comes from `BEFORE_MS` before that to `AFTER_MS` after it; of several, to the one whose
-own profile lets go the most friction (not the friction that surrounds it: a foul beside a goal
-would take the goal's).
+The trace says which event each onset belongs to. The disk is *on* an event from entering its span
+until it leaves it. An onset belongs to an event from `BEFORE_MS` before that time to `AFTER_MS`
+after it. Of several events, it belongs to the one whose own profile releases the most friction.
 """
 
 from __future__ import annotations
@@ -25,29 +23,33 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, sweep, tap
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.measure.felt import passages, strokes
-from overview_dsp.measure.observer.noticed import Modality, Noticed, notice
-from overview_dsp.measure.random_hands import random_hand
+from overview_dsp.measure.observer.features import Modality, StrokeFeatures, stroke_features
+from overview_dsp.measure.perceived_level import (
+    AFTER_MS,
+    BEFORE_MS,
+    TRAILING_S,
+    passages,
+    strokes,
+)
+from overview_dsp.measure.random_movements import random_movement
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import HALF_TURN
 
-BEFORE_MS, AFTER_MS = 15.0, 40.0
-
 TURN = 0.01
-"""A disk turns back where it goes so far the other way, as a part of the timeline."""
+"""Distance in the other direction at which a disk has turned back, as a share of the timeline."""
 
 LOOK_S = 0.004
-"""How often it is looked at for that."""
+"""Time between the positions that are checked for a turn, s."""
 
 
 @dataclass(frozen=True, eq=False)
-class Met:
-    """Events of a stroke, once for each time that the disk passes them; row by row.
+class PassedEvents:
+    """Events of a stroke, one row for each time that the disk passes one.
 
-    Events that the input disk passes and the disk never meets are rows too, with infinite times.
+    Events that the input disk passes and the disk never reaches are rows with infinite times.
 
     Attributes
     ----------
@@ -56,7 +58,7 @@ class Met:
     enters_ms, leaves_ms : float64 (events,)
         From the stroke's start.
     strength : float64 (events,)
-        Friction that lets go, N m s/rad.
+        Friction released by the event, N m s/rad.
     """
 
     kind: NDArray[np.int64]
@@ -68,16 +70,16 @@ class Met:
         return len(self.kind)
 
 
-def met(
+def passed_events(
     surface: Surface, cursor: NDArray[np.float64], sample_rate: float, furthest: float = -math.inf
-) -> Met:
-    """Find the events that a stroke meets, and those that it misses.
+) -> PassedEvents:
+    """Find the events that a stroke passes, and those that it misses.
 
     Parameters
     ----------
     surface : Surface
     cursor : float64 (frames,)
-        Of the stroke.
+        Cursor of the stroke.
     sample_rate : float
         Hz.
     furthest : float
@@ -97,7 +99,7 @@ def met(
     event = np.append(event, missed)
     frames = np.hstack([frames, np.full((2, len(missed)), math.inf)])
     enters_ms, leaves_ms = frames * (1000.0 / sample_rate)
-    return Met(
+    return PassedEvents(
         surface.kind[event],
         enters_ms,
         leaves_ms,
@@ -105,20 +107,20 @@ def met(
     )
 
 
-def owners(at_ms: NDArray[np.int64], there: Met) -> NDArray[np.int64]:
-    """The row of `there` that each onset belongs to; -1 for none."""
-    if not len(there):
+def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np.int64]:
+    """Return the row of `passed` that each onset belongs to; -1 for none."""
+    if not len(passed):
         return np.full(len(at_ms), -1)
     at = at_ms[:, None]
-    near = (there.enters_ms - BEFORE_MS <= at) & (at <= there.leaves_ms + AFTER_MS)
-    strength = np.where(near, there.strength, -1.0)
-    # of equal ones the last, as of an event passed twice
-    row = len(there) - 1 - strength[:, ::-1].argmax(axis=1)
+    near = (passed.enters_ms - BEFORE_MS <= at) & (at <= passed.leaves_ms + AFTER_MS)
+    strength = np.where(near, passed.strength, -1.0)
+    # the last of equal ones: an event may be passed twice
+    row = len(passed) - 1 - strength[:, ::-1].argmax(axis=1)
     return np.where(near.any(axis=1), row, -1)
 
 
 def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
-    """Frames at which the disk turns back, with the first and the one behind the last."""
+    """Return the frames at which the disk turns back, from 0 to the number of frames."""
     coarse = cursor[::step]
     bounds, extreme, way = [0], 0, 0
     for i, place in enumerate(coarse.tolist()):
@@ -134,11 +136,11 @@ def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
     return [*dict.fromkeys(bounds), len(cursor)]
 
 
-Hands = Literal["all", "steady", "arm", "mixed"]
-HANDS: tuple[Hands, ...] = ("all", "steady", "arm", "mixed")
+Movement = Literal["all", "steady", "arm", "mixed"]
+MOVEMENTS: tuple[Movement, ...] = ("all", "steady", "arm", "mixed")
 
 RECOIL_OF = "2 s"
-"""A recoil is much the same after any sweep: this one's is looked at."""
+"""Sweep whose recoil is observed; the recoils of all sweeps are similar."""
 
 STEADY: Mapping[str, Gesture] = {
     "1 s": sweep(1.0),
@@ -149,59 +151,56 @@ STEADY: Mapping[str, Gesture] = {
     "30 s": sweep(30.0),
     "tap": tap(1.0, 3.0),
 }
-"""The tap is held until a slow one has unfolded."""
+"""Steady movements. The tap is held until a slow disk has arrived."""
 
 ARMS: Mapping[str, Gesture] = {f"arm {seconds} s": arm(seconds) for seconds in (1, 2, 4, 6)}
-"""An arm's movements: the disk arrives after their release, as after any."""
+"""Movements of an arm; the disk arrives after their release."""
 
-GESTURES: Mapping[Hands, Mapping[str, Gesture]] = {
+GESTURES: Mapping[Movement, Mapping[str, Gesture]] = {
     "all": {**STEADY, **ARMS},
     "steady": STEADY,
     "arm": ARMS,
 }
 
 ARRIVAL_S = 3.0
-"""Rendered after a release: the disk arrives first."""
-
-TRAILING_S = 0.15
-"""Output that still belongs to an outward stroke after the disk turns back: its last pulse ends."""
+"""Time rendered after a release, s, in which the disk arrives."""
 
 RECOIL, MIXED = "recoil", "mixed"
 
 TOUCH_RATE, SOUND_RATE = 16_000.0, 48_000.0
-"""Hz. The disk and its vibration are the same at both; clicks are told apart less well below."""
+"""Sample rates, Hz. The vibration is the same at both; clicks need the higher one."""
 
 _SLOWEST = 0.02
-"""Timelines a second: a hand slower than this rests."""
+"""Lowest pace, in timelines per second; a slower input rests."""
 
 _PACE_OVER_S = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class StrokeMet:
+class ObservedStroke:
     """One stroke over one timeline.
 
     Attributes
     ----------
     name : str
         `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
-    noticed : dict of Modality to Noticed
+    features : dict of Modality to StrokeFeatures
     owner : dict of Modality to int64 (onsets,)
-        The row of `met` that each onset belongs to, or -1.
-    met : Met
+        The row of `events` that each onset belongs to, or -1.
+    events : PassedEvents
     """
 
     name: str
-    noticed: dict[Modality, Noticed]
+    features: dict[Modality, StrokeFeatures]
     owner: dict[Modality, NDArray[np.int64]]
-    met: Met
+    events: PassedEvents
 
 
-def stroke_names(hands: Hands) -> tuple[str, ...]:
-    """The strokes of a sort of hands, in the order of a report."""
-    if hands == "mixed":
+def stroke_names(movement: Movement) -> tuple[str, ...]:
+    """Return the names of a movement's strokes, in the order of a report."""
+    if movement == "mixed":
         return (MIXED,)
-    names = list(GESTURES[hands])
+    names = list(GESTURES[movement])
     if RECOIL_OF in names:
         names.insert(names.index("tap"), RECOIL)
     return tuple(names)
@@ -210,41 +209,43 @@ def stroke_names(hands: Hands) -> tuple[str, ...]:
 def rendered_strokes(
     preset: Preset,
     timelines: Sequence[Timeline],
-    hands: Hands,
+    movement: Movement,
     modalities: Sequence[Modality],
     seed: int,
     progress: Callable[[int], None],
     sample_rate: float | None = None,
-) -> dict[str, list[StrokeMet]]:
-    """Render every stroke over every timeline, on all cores.
+) -> dict[str, list[ObservedStroke]]:
+    """Render every stroke over every timeline on all cores.
 
     Parameters
     ----------
     preset, timelines
-        What is felt.
-    hands
-        Which strokes; `mixed` is one of mixed pace for each timeline.
+        Preset and timelines that are rendered.
+    movement
+        Movement; `mixed` renders one movement of mixed pace for each timeline.
     modalities
-        What is noticed by.
+        Modalities of the features.
     seed
-        Of the hands: timeline i gets that of `seed + i`.
+        Seed of the mixed movements: timeline i gets that of `seed + i`.
     progress
-        Called after each render with how many it was (1).
+        Called after each render with the number of renders (1).
     sample_rate
-        Hz; None is what the modalities need.
+        Sample rate, Hz; None: the lowest rate that the modalities need.
 
     Returns
     -------
-    dict of str to list of StrokeMet
-        By the stroke's name, those over each timeline.
+    dict of str to list of ObservedStroke
+        Strokes by name, one per timeline.
     """
     if sample_rate is None:
         sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE
-    found: dict[str, list[StrokeMet]] = {name: [] for name in stroke_names(hands)}
-    for name in (MIXED,) if hands == "mixed" else GESTURES[hands]:
+    found: dict[str, list[ObservedStroke]] = {name: [] for name in stroke_names(movement)}
+    for name in (MIXED,) if movement == "mixed" else GESTURES[movement]:
         jobs = [
             RenderJob(
-                each, preset, random_hand(seed + i) if name == MIXED else GESTURES[hands][name]
+                each,
+                preset,
+                random_movement(seed + i) if name == MIXED else GESTURES[movement][name],
             )
             for i, each in enumerate(timelines)
         ]
@@ -258,31 +259,33 @@ def rendered_strokes(
 
 def _cut(
     name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
-) -> Iterator[StrokeMet]:
+) -> Iterator[ObservedStroke]:
     for stroke in strokes(result.trace.engaged, result.trace.cursor):
         outward = stroke.name == "out"
         if not outward and name != RECOIL_OF:
             continue
         frames = slice(stroke.start, stroke.stop)
         furthest = float(result.job.gesture.theta2.max()) / HALF_TURN if outward else -math.inf
-        there = met(result.surface, result.trace.cursor[frames], result.sample_rate, furthest)
+        passed = passed_events(
+            result.surface, result.trace.cursor[frames], result.sample_rate, furthest
+        )
         if outward:
             frames = slice(stroke.start, stroke.stop + round(TRAILING_S * result.sample_rate))
         pace = log_pace(result.job.gesture) if name == MIXED else None
-        found = notice(result.samples[frames], result.sample_rate, modalities, pace)
-        yield StrokeMet(
+        found = stroke_features(result.samples[frames], result.sample_rate, modalities, pace)
+        yield ObservedStroke(
             name if outward else RECOIL,
             found,
-            {modality: owners(one.at_ms, there) for modality, one in found.items()},
-            there,
+            {modality: rows_of_onsets(one.at_ms, passed) for modality, one in found.items()},
+            passed,
         )
 
 
-def log_pace(hand: Gesture) -> NDArray[np.float64]:
-    """Log of a hand's pace at each millisecond, timelines a second."""
-    at = np.arange(0.0, hand.duration_s, 0.001)
+def log_pace(gesture: Gesture) -> NDArray[np.float64]:
+    """Return the logarithm of the pace at each millisecond, in timelines per second."""
+    at = np.arange(0.0, gesture.duration_s, 0.001)
     place = np.interp(
-        np.stack([at, at + _PACE_OVER_S]) - _PACE_OVER_S / 2.0, hand.time_s, hand.theta2
+        np.stack([at, at + _PACE_OVER_S]) - _PACE_OVER_S / 2.0, gesture.time_s, gesture.theta2
     )
     pace = np.abs(place[1] - place[0]) / _PACE_OVER_S / HALF_TURN
     return np.asarray(np.log(np.maximum(pace, _SLOWEST)))

@@ -1,9 +1,10 @@
-"""A classifier: extremely randomised trees (Geurts, Ernst and Wehenkel 2006), on numpy alone.
+"""Classifier of extremely randomised trees (Geurts, Ernst and Wehenkel 2006) in plain numpy.
 
-Each tree splits all samples again and again: at each node the best of some random questions ("is
-feature f below the value that a random sample of this node has?") by weighted Gini impurity, until
-a node is pure or as small as `LEAST` on a side. A forest says the class with the largest mean share
-in its trees' leaves. All nodes of a depth are split at once.
+Each node of a tree is split by the best of several random candidates, by weighted Gini impurity. A
+candidate compares one feature with its value in a random sample of the node. A node is a leaf if it
+is pure, or if each side of a split has fewer than `MIN_SAMPLES` samples. A forest predicts the
+class with the largest mean share in the leaves of its trees. All nodes of a depth are split at
+once.
 """
 
 from __future__ import annotations
@@ -15,39 +16,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 TREES = 40
-QUESTIONS = 8
-"""At each node."""
+CANDIDATES = 8
+"""Random splits that are compared at each node."""
 
-LEAST = 5
-"""Samples of the smaller side of a split."""
+MIN_SAMPLES = 5
+"""Fewest samples on each side of a split."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """Nodes in order of depth; a leaf's `below` is 0."""
+    """Nodes in order of depth; `below` is 0 for a leaf."""
 
     feature: NDArray[np.int64]
     threshold: NDArray[np.float64]
     below: NDArray[np.int64]
-    """The node for what is below the threshold; the next one is for the rest."""
+    """Node of samples below the threshold; the next node has the others."""
     share: NDArray[np.float64]  # (nodes, classes)
 
 
 @dataclass(frozen=True, eq=False)
 class Forest:
-    """Trees that have learned; see `grown`.
+    """Trained trees; see `fit_forest`.
 
     Attributes
     ----------
     classes : int
-        How many there are.
+        Number of classes.
     """
 
     classes: int
     trees: tuple[_Tree, ...]
 
-    def shares(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far each sample is each class: float64 (samples, classes), rows of sum 1."""
+    def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the probability of each class: float64 (samples, classes)."""
         total = np.zeros((len(features), self.classes))
         rows = np.arange(len(features))
         for tree in self.trees:
@@ -61,28 +62,28 @@ class Forest:
             total += tree.share[node]
         return total / len(self.trees)
 
-    def say(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
-        """The likeliest class of each sample; features float64 (samples, features)."""
-        return np.asarray(self.shares(features).argmax(axis=1), dtype=np.int64)
+    def predict(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the most probable class of each sample of (samples, features)."""
+        return np.asarray(self.probabilities(features).argmax(axis=1), dtype=np.int64)
 
 
-def grown(
+def fit_forest(
     features: NDArray[np.float64],
     classes: NDArray[np.int64],
     weights: NDArray[np.float64],
     rng: np.random.Generator,
     trees: int = TREES,
 ) -> Forest:
-    """Grow a forest.
+    """Train a forest.
 
     Parameters
     ----------
     features : float64 (samples, features)
         One sample or more.
     classes : int64 (samples,)
-        From 0 on.
+        Class numbers from 0.
     weights : float64 (samples,)
-        What each sample counts, > 0.
+        Weight of each sample, > 0.
     rng : Generator
     trees : int
     """
@@ -93,7 +94,7 @@ def grown(
 
 @dataclass(frozen=True, eq=False)
 class _Grower:
-    """Grows trees on one set of samples."""
+    """Trainer of trees on one set of samples."""
 
     features: NDArray[np.float64]
     classes: NDArray[np.int64]
@@ -110,7 +111,7 @@ class _Grower:
         nodes, made = 1, 1
         while nodes:
             sums = self._sums(rows, local, nodes)
-            feature, threshold, splits = self._best_questions(rows, local, sums)
+            feature, threshold, splits = self._best_splits(rows, local, sums)
             splits &= (sums > 0.0).sum(axis=1) > 1
             # the nodes of the next depth, two for each that is split
             below = np.zeros(nodes, dtype=np.int64)
@@ -125,18 +126,18 @@ class _Grower:
             made += nodes
         return _Tree(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
-    def _best_questions(
+    def _best_splits(
         self, rows: NDArray[np.int64], local: NDArray[np.int64], sums: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Find the best of `QUESTIONS` at each node: feature, threshold, and whether it splits."""
+        """Find the best of `CANDIDATES` at each node: feature, threshold, and whether it splits."""
         nodes = len(sums)
         size = np.bincount(local, minlength=nodes)
         first = np.concatenate([[0], np.cumsum(size)[:-1]])
         found, threshold = np.zeros(nodes, dtype=np.int64), np.zeros(nodes)
-        # what a node is worth without a split
+        # the purity of a node without a split
         best = (sums**2).sum(axis=1) / sums.sum(axis=1) + 1e-9
         splits = np.zeros(nodes, dtype=bool)
-        for _ in range(QUESTIONS):
+        for _ in range(CANDIDATES):
             feature = np.asarray(self.rng.integers(self.features.shape[1], size=nodes))
             drawn = rows[first + (self.rng.random(nodes) * size).astype(np.int64)]
             value = self.features[drawn, feature]
@@ -147,7 +148,7 @@ class _Grower:
                 worth = sum(
                     (part**2).sum(axis=1) / part.sum(axis=1) for part in (under, sums - under)
                 )
-            better = (many >= LEAST) & (size - many >= LEAST) & (worth > best)
+            better = (many >= MIN_SAMPLES) & (size - many >= MIN_SAMPLES) & (worth > best)
             best = np.where(better, worth, best)
             found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
             splits |= better

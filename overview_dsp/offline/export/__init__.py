@@ -1,6 +1,6 @@
-"""Bake a gesture to the haptic formats of phones and controllers; an engine for a browser, or in C.
+"""Export of gestures to haptic formats, and of engines to browsers, C and plugins.
 
-`ov.export` writes what was rendered for other devices, and reads haptic clips. Each name is
+`ov.export` writes renders for other devices, and reads haptic clips. Each name is
 imported when it is first used.
 
 Examples
@@ -21,15 +21,15 @@ from overview_dsp.public import lazy_names
 if TYPE_CHECKING:
     from overview_dsp.offline.export.browser_memory import encode_engine
     from overview_dsp.offline.export.c_code import export_c
-    from overview_dsp.offline.export.clip import FeltError, Transient
+    from overview_dsp.offline.export.clip import PerceptualError, Transient
     from overview_dsp.offline.export.plugins import build_plugin
-    from overview_dsp.offline.export.reading import PlayedClip, check_clip, read_clip
-    from overview_dsp.offline.export.writing import Exported, export, formats
+    from overview_dsp.offline.export.reading import DecodedClip, check_clip, read_clip
+    from overview_dsp.offline.export.writing import ExportResult, export, formats
 
 __all__ = [
-    "Exported",
-    "FeltError",
-    "PlayedClip",
+    "DecodedClip",
+    "ExportResult",
+    "PerceptualError",
     "Transient",
     "build_plugin",
     "check_clip",
@@ -44,9 +44,9 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
     __getattr__, __dir__ = lazy_names(
         __name__,
         {
-            "Exported": "writing",
-            "FeltError": "clip",
-            "PlayedClip": "reading",
+            "ExportResult": "writing",
+            "PerceptualError": "clip",
+            "DecodedClip": "reading",
             "Transient": "clip",
             "build_plugin": "plugins",
             "check_clip": "reading",

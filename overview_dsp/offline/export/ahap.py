@@ -1,17 +1,17 @@
-"""AHAP, Apple's haptic pattern (Core Haptics): JSON, two files that play together.
+"""AHAP, Apple's haptic pattern (Core Haptics): JSON in two files that are played together.
 
-One holds the vibration (continuous events of up to 30 s with an intensity curve), one the strikes
-(transient events): a pattern's curves also modulate its transients, so they are kept apart. The
-vibration is silent while a transient is taken to last (`TRANSIENTS_MS`).
+One file has the vibration (continuous events of up to 30 s with an intensity curve), one the
+strikes (transient events). They are separate, since a pattern's curves also modulate its
+transients. The vibration is silent during a transient (`TRANSIENTS_MS`).
 
-Laws: intensity = sqrt(amplitude), as Meta's exporter has it (perceived strength); sharpness =
-(frequency - 65 Hz)/235 Hz, as the MPEG encoder reads it. A control point's time counts from its
-curve's own. `HapticIntensityControl` multiplies.
+Conversions: intensity = sqrt(amplitude), as in Meta's exporter (perceived strength); sharpness =
+(frequency - 65 Hz)/235 Hz, as in the MPEG encoder. A control point's time is relative to its
+curve. `HapticIntensityControl` multiplies.
 
-Apple publishes no waveform of a transient. It is taken as a burst of constant amplitude of 6 to 22
-ms (12 ms in between: Meta's sharpest emphasis; 22 ms: the MPEG reference's transient), that adds to
-the continuous vibration in energy. Amplitude is intensity squared, the inverse of what exporters
-write.
+Apple does not publish the waveform of a transient. It is modelled as a burst of constant amplitude
+of 6 to 22 ms (12 ms: Meta's sharpest emphasis; 22 ms: the MPEG reference's transient), whose energy
+adds to that of the continuous vibration. Amplitude is intensity squared, the inverse of the
+exporters' conversion.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from overview_dsp.offline.export.document import (
 )
 
 TRANSIENTS_MS = (12, 6, 22)
-"""Lengths a transient may have; the first is what exports are made for."""
+"""Assumed lengths of a transient; exports are optimised for the first."""
 
 LONGEST_EVENT_S = 30.0
 DULLEST_HZ, SHARPEST_HZ = 65.0, 300.0
@@ -64,7 +64,7 @@ _FROM_ZERO = (INTENSITY, SHARPNESS, CONTROL, "Sustained", "AudioVolume")
 
 
 def _known(*names: str) -> AfterValidator:
-    """Make a check of a name; a reader passes over what has another one."""
+    """Return a validator of a name; a reader ignores objects with other names."""
 
     def check(name: str, info: ValidationInfo) -> str:
         if info.context == CHECKING and name not in names:
@@ -75,7 +75,7 @@ def _known(*names: str) -> AfterValidator:
 
 
 def _range_by_id(info: ValidationInfo) -> tuple[float, float]:
-    """Return the range of values of the `ParameterID` beside; a reader minds only what it plays."""
+    """Validate a value by its `ParameterID`; a reader checks only parameters that it uses."""
     id = info.data.get("ParameterID")
     if info.context != CHECKING and id not in (INTENSITY, SHARPNESS, CONTROL):
         return -math.inf, math.inf
@@ -94,14 +94,14 @@ Value = Annotated[float, AfterValidator(_in_range)]
 
 
 class EventParameter(Part):
-    """A value that holds for an event."""
+    """Parameter of an event."""
 
     ParameterID: Annotated[str, _known(*_EVENT_IDS)]
     ParameterValue: Value
 
 
 class PatternEvent(Part):
-    """A vibration, a strike or a sound."""
+    """Event: a vibration, a strike or a sound."""
 
     defaults = {"EventType": "", "EventParameters": []}  # noqa: RUF012
     ignored = _WAVEFORM_KEYS
@@ -128,18 +128,18 @@ class PatternEvent(Part):
         return self
 
     def value(self, id: str, default: float) -> float:
-        """Return the value of a parameter, the default where there is none."""
+        """Return the value of a parameter, or its default."""
         values = {one.ParameterID: one.ParameterValue for one in self.EventParameters}
         return values.get(id, default)
 
     @property
     def end_s(self) -> float:
-        """Time of the end, s."""
+        """End time, s."""
         return self.Time + (self.EventDuration or 0.0)
 
 
 class ControlStep(Part):
-    """A value that holds for the whole pattern from a time on."""
+    """Parameter of the whole pattern from a time on."""
 
     ParameterID: ControlId
     Time: Seconds
@@ -147,14 +147,14 @@ class ControlStep(Part):
 
 
 class ControlPoint(Part):
-    """A point of a curve; its time counts from the curve's."""
+    """Point of a curve, with a time relative to the curve."""
 
     Time: Seconds
     ParameterValue: float
 
 
 class ControlCurve(Part):
-    """Values that hold for the whole pattern, linear between points."""
+    """Curve of a parameter of the whole pattern, linear between points."""
 
     ParameterID: ControlId
     Time: Seconds
@@ -164,16 +164,16 @@ class ControlCurve(Part):
     @classmethod
     def _points(cls, points: list[ControlPoint], info: ValidationInfo) -> list[ControlPoint]:
         if info.context == CHECKING and not points:
-            raise ValueError("is empty; a curve has a point or more")
+            raise ValueError("is empty; must have at least one point")
         low, high = _range_by_id(info)
         for k, point in enumerate(points):
             if not low <= (value := point.ParameterValue) <= high:
-                raise ValueError(f"[{k}] has a value of {value:g}; it is {low:g} to {high:g}")
+                raise ValueError(f"[{k}] has a value of {value:g}; must be {low:g} to {high:g}")
         return points
 
 
 class Entry(Part):
-    """An event, a curve or a step."""
+    """Entry of a pattern: an event, a curve or a parameter."""
 
     Event: PatternEvent | None = None
     ParameterCurve: ControlCurve | None = None
@@ -182,12 +182,12 @@ class Entry(Part):
     @pydantic.model_validator(mode="after")
     def _one(self, info: ValidationInfo) -> Entry:
         if info.context == CHECKING and len(self.model_fields_set) != 1:
-            raise ValueError(f"is an object with one of {', '.join(Entry.model_fields)}")
+            raise ValueError(f"must be an object with one of {', '.join(Entry.model_fields)}")
         return self
 
 
 class About(Part):
-    """Texts about a pattern."""
+    """Metadata of a pattern."""
 
     Project: str | None = None
     Created: str | None = None
@@ -195,7 +195,7 @@ class About(Part):
 
 
 class Ahap(Part):
-    """An AHAP document."""
+    """AHAP document."""
 
     defaults = {"Version": 1.0}  # noqa: RUF012
     ignored = ("Version", "Metadata")
@@ -206,16 +206,16 @@ class Ahap(Part):
 
     @property
     def events(self) -> list[PatternEvent]:
-        """All events, in the order of the document."""
+        """Return all events in the order of the document."""
         return [entry.Event for entry in self.Pattern if entry.Event is not None]
 
     @property
     def curves(self) -> list[ControlCurve]:
-        """All curves, in the order of the document."""
+        """Return all curves in the order of the document."""
         return [entry.ParameterCurve for entry in self.Pattern if entry.ParameterCurve is not None]
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values."""
+        """Yield contradictions between values."""
         if not self.events:
             yield "Pattern has no event: it plays nothing"
             return
@@ -237,8 +237,8 @@ class Ahap(Part):
         for event in sorted(vibrations, key=lambda event: event.Time):
             if not 0.0 < event.end_s - event.Time <= LONGEST_EVENT_S:
                 yield (
-                    f"EventDuration = {event.EventDuration:g} at {event.Time:g} s is out of range; "
-                    f"it is more than 0 and up to {LONGEST_EVENT_S:g} s"
+                    f"EventDuration at {event.Time:g} s is {event.EventDuration:g}; "
+                    f"must be more than 0 and at most {LONGEST_EVENT_S:g} s"
                 )
             if event.Time < covered - _TOLERANCE_S:
                 yield f"a continuous event at {event.Time:g} s begins before the last one's end"
@@ -254,7 +254,7 @@ def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
         if one.EventType == TRANSIENT
     ]
     if not spans and not strikes:
-        raise InputError("Pattern: vibrates at no time")
+        raise InputError("Pattern: has no vibration")
     end = max([*(span.end_s for span in spans), *(strike.time_s for strike in strikes)])
     times = np.arange(round(end * LEVELS_PER_S) + 1) / LEVELS_PER_S
     intensity = np.zeros(len(times))
@@ -275,10 +275,10 @@ def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
     if points:
         points.sort(key=lambda point: point[0])  # stable: equal times keep their order
         at, value = np.array(points).T
-        # before the first point, intensity is as the events have it
+        # before the first point, the events define the intensity
         control = np.where(times < at[0], 1.0, np.interp(times, at, value))
         intensity *= control
-        # a pattern's curves modulate its transients too
+        # a pattern's curves also modulate its transients
         strikes = [
             replace(one, amplitude=one.amplitude * float(control[round(one.time_s * 1000)]) ** 2)
             for one in strikes
@@ -287,25 +287,25 @@ def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
 
 
 def with_transients(
-    level: NDArray[np.float64], struck: Sequence[Transient], length_ms: int
+    level: NDArray[np.float64], strikes: Sequence[Transient], length_ms: int
 ) -> NDArray[np.float64]:
-    """Return a continuous level with transients in it."""
-    starts = [round(strike.time_s * LEVELS_PER_S) for strike in struck]
+    """Return a continuous level with added transients."""
+    starts = [round(strike.time_s * LEVELS_PER_S) for strike in strikes]
     count = max([len(level), *(start + length_ms for start in starts)])
     energy = np.pad(level, (0, count - len(level))) ** 2
-    for start, strike in zip(starts, struck, strict=True):
+    for start, strike in zip(starts, strikes, strict=True):
         energy[start : start + length_ms] += strike.amplitude**2
     return np.asarray(np.sqrt(energy))
 
 
 def sharpness_of(frequency_hz: float) -> float:
-    """Return the sharpness of a vibration, 0..1; beyond the range its end."""
+    """Return the sharpness of a vibration, clamped to 0..1."""
     part = (frequency_hz - DULLEST_HZ) / (SHARPEST_HZ - DULLEST_HZ)
     return round(min(max(part, 0.0), 1.0), 4)
 
 
 def vibration_pattern(clip: Clip, budget: int) -> Ahap:
-    """Return the continuous part: an event and a curve for each 30 s."""
+    """Return the continuous part, with one event and one curve per 30 s."""
     joints = list(range(0, len(clip.level) - 1, round(LONGEST_EVENT_S * LEVELS_PER_S)))
     level, corners = clip.under_strikes(lambda strike: TRANSIENTS_MS[0])
     places = breakpoints(level, budget + len(corners), [*joints, *corners])
@@ -328,7 +328,7 @@ def vibration_pattern(clip: Clip, budget: int) -> Ahap:
 
 
 def strikes_pattern(clip: Clip) -> Ahap:
-    """Return the transients."""
+    """Return the pattern of the transients."""
     events = [
         _event(
             TRANSIENT,

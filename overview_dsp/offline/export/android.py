@@ -1,10 +1,11 @@
-"""Android: a waveform of amplitudes (JSON and the platform's XML) and envelope effects.
+"""Android export: a waveform of amplitudes (JSON and the platform's XML) and envelope effects.
 
-- `createWaveform(timings, amplitudes, -1)`: 10 ms a step, 1..255 inside the clip (0 would switch
-  the motor off and click), equal steps joined, the last one cut at the clip's end.
-- Envelope effects (API 36, `WaveformEnvelopeBuilder`): every device takes 16 control points, 20 ms
-  to 1 s apart, and starts from amplitude 0. A clip becomes a row of them to be played one after the
-  other, each from a moment of little vibration to the next, with its points where they are felt.
+- `createWaveform(timings, amplitudes, -1)`: steps of 10 ms, 1..255 inside the clip (0 would switch
+  the motor off and cause a click). Equal steps are merged, and the last one ends with the clip.
+- Envelope effects (API 36, `WaveformEnvelopeBuilder`): every device supports 16 control points, 20
+ms
+  to 1 s apart, starting at amplitude 0. A clip becomes a sequence of effects. Each ends at a moment
+  of low vibration, and its points minimise the perceptible error.
   An effect ramps from one control point to the next.
 """
 
@@ -23,17 +24,17 @@ from pydantic import Field
 from overview_dsp.files.schema import Allowed
 from overview_dsp.offline.export.breakpoints import control_points
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
-from overview_dsp.offline.export.document import Count, Part, Positive, Unit, faults_of
+from overview_dsp.offline.export.document import Count, Part, Positive, Unit, validate
 
 STEP_MS = 10
 MAX_POINTS = 16
 POINT_MS = (20, 1000)
 PART_MS = 1000
-"""Length of an envelope effect, about: 16 points spread over it are 60 ms apart."""
+"""Approximate length of an envelope effect; its 16 points are about 60 ms apart."""
 
 
 class Waveform(Part):
-    """Amplitudes (of 255), each for its time in ms."""
+    """Amplitudes (0 to 255) and their durations in ms."""
 
     timings: Annotated[
         list[Annotated[int, Field(ge=1), Allowed("1 ms or more")]], Field(min_length=1)
@@ -46,7 +47,7 @@ class Waveform(Part):
 
 
 class ControlPoint(Part):
-    """An amplitude that an effect ramps to."""
+    """Target amplitude of a ramp."""
 
     amplitude: Unit
     frequencyHz: Positive
@@ -54,7 +55,7 @@ class ControlPoint(Part):
 
 
 class EnvelopeEffect(Part):
-    """Control points, from silence on."""
+    """Sequence of control points that starts at amplitude 0."""
 
     startMs: Count
     initialFrequencyHz: Positive
@@ -62,14 +63,14 @@ class EnvelopeEffect(Part):
 
 
 class Android(Part):
-    """A document of both, which an application reads with a JSON parser."""
+    """JSON document with waveform and envelope effects."""
 
     description: str
     waveform: Waveform
     envelopeEffects: list[EnvelopeEffect]
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values."""
+        """Yield contradictions between values."""
         wave = self.waveform
         if len(wave.timings) != len(wave.amplitudes):
             yield f"waveform: {len(wave.timings)} timings and {len(wave.amplitudes)} amplitudes"
@@ -93,14 +94,14 @@ def waveform(clip: Clip) -> Waveform:
 
 
 def envelopes(clip: Clip) -> list[EnvelopeEffect]:
-    """Return the envelope effects, in order, each within every device's limits."""
+    """Return the envelope effects in order, within the limits of every device."""
     effects = []
     hz = round(clip.frequency_hz, 3)
-    struck = [round(strike.time_s * LEVELS_PER_S) for strike in clip.transients]
+    strikes_ms = [round(strike.time_s * LEVELS_PER_S) for strike in clip.transients]
     for first, end in _parts(clip.level):
         level = np.pad(clip.felt[first : end + 1], (0, max(0, POINT_MS[0] - (end - first))))
         places, amplitudes = control_points(
-            level, [at - first for at in struck if first <= at < end], MAX_POINTS, POINT_MS
+            level, [at - first for at in strikes_ms if first <= at < end], MAX_POINTS, POINT_MS
         )
         points = [
             ControlPoint(
@@ -113,7 +114,7 @@ def envelopes(clip: Clip) -> list[EnvelopeEffect]:
 
 
 def document(clip: Clip) -> Android:
-    """Return both as a document."""
+    """Return a document with waveform and envelope effects."""
     return Android(
         description=f"overView DSP: {clip.title}",
         waveform=waveform(clip),
@@ -135,7 +136,7 @@ def waveform_xml(wave: Waveform) -> bytes:
 
 
 def _parts(level: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """Cut a clip about every `PART_MS`, where it vibrates least."""
+    """Divide a clip about every `PART_MS` at moments of low vibration."""
     last = len(level) - 1
     cuts = [0]
     while last - cuts[-1] > 1.5 * PART_MS:
@@ -146,27 +147,27 @@ def _parts(level: NDArray[np.float64]) -> list[tuple[int, int]]:
     return list(zip(cuts, [*cuts[1:], last], strict=True))
 
 
-def xml_faults_of(root: ElementTree.Element) -> list[str]:
-    """Return every fault of the XML of a waveform, a line each."""
+def validate_xml(root: ElementTree.Element) -> list[str]:
+    """Return all faults of a waveform's XML, one line each."""
     if root.tag != "vibration-effect" or [child.tag for child in root] != ["waveform-effect"]:
-        return ["it isn't a vibration-effect with a waveform-effect"]
+        return ["the root must be a vibration-effect with a waveform-effect"]
     wave: dict[str, Any] = {"timings": [], "amplitudes": [], "repeat": -1}
     for k, entry in enumerate(root[0]):
         if entry.tag != "waveform-entry" or set(entry.keys()) != {"durationMs", "amplitude"}:
-            return [f"waveform-effect[{k}] isn't a waveform-entry with durationMs and amplitude"]
+            return [f"waveform-effect[{k}] must be a waveform-entry with durationMs and amplitude"]
         for key, values in (("durationMs", wave["timings"]), ("amplitude", wave["amplitudes"])):
             text = entry.get(key, "")
             values.append(int(text) if re.fullmatch("[0-9]{1,12}", text) else text)
-    return faults_of(Waveform, wave)
+    return validate(Waveform, wave)
 
 
 def waveform_played(wave: Waveform) -> NDArray[np.float64]:
-    """Return the amplitude that a waveform gives at each millisecond."""
+    """Return the amplitude of a waveform at each millisecond."""
     return np.append(np.repeat(np.array(wave.amplitudes) / 255.0, wave.timings), 0.0)
 
 
 def envelopes_played(effects: Sequence[EnvelopeEffect]) -> NDArray[np.float64]:
-    """Return the amplitude that envelope effects give, each begun at its `startMs`."""
+    """Return the amplitude of envelope effects at each millisecond."""
     times, values = [0], [0.0]
     for effect in effects:
         points = effect.controlPoints

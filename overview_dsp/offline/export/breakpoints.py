@@ -1,11 +1,11 @@
-"""An amplitude curve as few straight pieces, the points spent where they are felt.
+"""Piecewise linear approximation of amplitude curves with the least perceptible error.
 
-A step in amplitude is felt by its ratio, so the error is measured in dB. `breakpoints` adds points
-one by one, in the piece where most is wrong for longest and there at the worst point (Ramer,
-Douglas and Peucker's split, with a queue), until the budget is spent or no error is a third of a
-step. `control_points` takes the best of all ways to lay a limited number of pieces over a part of a
-clip, by dynamic programming: the one with the fewest windows of 10 ms that are more than a step
-off; strikes count more than what is between them.
+Amplitudes are perceived by ratio, so the error is measured in dB. `breakpoints` adds points
+one by one, at the worst point of the piece with the largest total error (Ramer,
+Douglas and Peucker, with a queue), until the budget is spent or no error exceeds a third of a
+JND. `control_points` finds the best pieces of a limited number for a part of a
+clip by dynamic programming: those with the fewest windows of 10 ms with an error above a JND.
+Windows with strikes have a higher weight.
 """
 
 from __future__ import annotations
@@ -23,30 +23,30 @@ from overview_dsp.units import JUST_NOTICEABLE_DB
 GOOD_ENOUGH_DB = JUST_NOTICEABLE_DB / 3.0
 
 GRID_MS = 10
-"""Points lie on this grid: a window of the felt level."""
+"""Grid of the points: a window of the felt level."""
 
 STRIKE_WEIGHT = 4.0
-"""A window in which something strikes counts as so many."""
+"""Weight of a window with a strike."""
 
 _LARGEST_DB = 10.0
 _PER_DB = 0.02
-"""Besides windows that are off, so much is an error of 1 dB: of two ways, the nearer one."""
+"""Cost of an error of 1 dB, which selects the better of otherwise equal solutions."""
 
 
 def breakpoints(
     level: NDArray[np.float64],
     budget: int,
-    kept: Iterable[int] = (),
+    required: Iterable[int] = (),
 ) -> NDArray[np.int64]:
-    """The positions to join by straight lines, both ends among them.
+    """Return the positions of a piecewise linear approximation, including both ends.
 
     Parameters
     ----------
     level : float64 (n,), n >= 2
     budget
-        How many positions, 2 or more; those that must be are there even if they are more.
-    kept
-        Places that must be there.
+        Number of positions, 2 or more; exceeded only by required positions.
+    required
+        Positions that must be included.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def breakpoints(
     last = len(level) - 1
     target = felt_db(level)
     positions = {0, last}
-    positions.update(position for position in kept if 0 < position < last)
+    positions.update(position for position in required if 0 < position < last)
     queue: list[tuple[float, int, int, int]] = []
 
     def measure(first: int, end: int) -> None:
@@ -82,40 +82,40 @@ def breakpoints(
 
 def control_points(
     level: NDArray[np.float64],
-    struck: Sequence[int],
+    strikes_ms: Sequence[int],
     most: int,
-    apart_ms: tuple[int, int],
+    spacing_ms: tuple[int, int],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Points to join by straight lines, from silence to silence.
+    """Return the points of a piecewise linear approximation that starts and ends in silence.
 
     Parameters
     ----------
     level : float64 (n,)
-        Amplitude at each millisecond, the shortest distance or longer.
-    struck
-        Places of strikes, ms.
+        Amplitude at each millisecond, at least as long as the shortest distance.
+    strikes_ms
+        Positions of strikes, ms.
     most
-        How many points after the first, 2 or more.
-    apart_ms
-        The shortest and the longest distance between neighbours, ms.
+        Highest number of points after the first, 2 or more.
+    spacing_ms
+        Shortest and longest distance between neighbours, ms.
 
     Returns
     -------
-    places : int64 (m,)
-        The first and the last place are the part's ends.
+    positions_ms : int64 (m,)
+        Positions; the first and the last are the ends of the part.
     amplitudes : float64 (m,)
     """
     count = (len(level) - 1) // GRID_MS
-    places = np.arange(count + 1) * GRID_MS
-    node = level[places].copy()
-    places[-1] = len(level) - 1
+    positions_ms = np.arange(count + 1) * GRID_MS
+    node = level[positions_ms].copy()
+    positions_ms[-1] = len(level) - 1
     node[0] = node[-1] = 0.0
     windows = level[: count * GRID_MS].reshape(count, GRID_MS)
     target = felt_db(np.sqrt(np.mean(windows**2, axis=1)))
     weight = np.ones(count)
-    for place in struck:
-        weight[place // GRID_MS : place // GRID_MS + 2] = STRIKE_WEIGHT
-    cost = _costs(places, node, target, weight, apart_ms)
+    for at in strikes_ms:
+        weight[at // GRID_MS : at // GRID_MS + 2] = STRIKE_WEIGHT
+    cost = _costs(positions_ms, node, target, weight, spacing_ms)
     best = np.full(count + 1, np.inf)
     best[0] = 0.0
     totals, origins = [best], [np.zeros(count + 1, np.int64)]
@@ -128,24 +128,24 @@ def control_points(
     for origin in origins[pieces:0:-1]:
         chosen.append(int(origin[chosen[-1]]))
     order = np.array(chosen[::-1])
-    return places[order], node[order]
+    return positions_ms[order], node[order]
 
 
 def _costs(
-    places: NDArray[np.int64],
+    positions_ms: NDArray[np.int64],
     node: NDArray[np.float64],
     target: NDArray[np.float64],
     weight: NDArray[np.float64],
-    apart_ms: tuple[int, int],
+    spacing_ms: tuple[int, int],
 ) -> NDArray[np.float64]:
-    """What a straight piece from one node to another costs, (nodes, nodes); infinite if barred."""
+    """Return the cost of each linear piece between nodes, (nodes, nodes); inf if not allowed."""
     count = len(target)
     cost = np.full((count + 1, count + 1), np.inf)
     middle = np.arange(count) + 0.5
     for first in range(count):
         for end in range(
-            int(np.searchsorted(places, places[first] + apart_ms[0])),
-            int(np.searchsorted(places, places[first] + apart_ms[1], side="right")),
+            int(np.searchsorted(positions_ms, positions_ms[first] + spacing_ms[0])),
+            int(np.searchsorted(positions_ms, positions_ms[first] + spacing_ms[1], side="right")),
         ):
             part = (middle[first:end] - first) / (end - first)
             line = node[first] + (node[end] - node[first]) * part

@@ -1,21 +1,21 @@
-"""Python's side of the page's sound: the memory it starts from, and what changes it later.
+"""Memory images for the browser: initial memory of the page's kernel, and later changes.
 
-Who computes what. Everything that turns a timeline and a preset into numbers is computed here, by
-the code that a native engine runs: coefficients, friction tables, events, modes, the actuator. The
-page computes nothing: its audio thread copies these bytes into the kernel's memory and pushes
-events into the kernel's rings; gliding, crossfading and all sound happen in the kernel. So the
-page's samples are the native ones, bit for bit, and a static folder holds files of these bytes,
-one a preset and sample rate. What only the page can know, the device's gain, mute, delay and
-ceiling (after everything that is recorded), it sets itself in the kernel's memory.
+Python derives all numbers from a timeline and a preset, with
+the code of a native engine: coefficients, friction tables, events, modes, and the actuator. The
+page's audio thread only copies these bytes to the kernel's memory and pushes
+events to the kernel's rings. Smoothing, crossfades and all sound are computed by the kernel. The
+page's samples are thus bit-identical to native ones, and a static folder has one file of these
+bytes per preset and sample rate. The page itself sets the device's gain, mute, delay and
+ceiling, which are not recorded, in the kernel's memory.
 
 The bytes, little-endian, in columns of 8:
 
     digest of the memory layout; int32 kind, int32 n; float64 sample_time (-1 = at once);
     float64 sample_rate; float64 channels (of a `WHOLE`'s output, else 0);
-    n pairs of float64: what to change in the kernel, value;
+    n pairs of float64: target of a change in the kernel, value;
     runs: int32 how, int32 columns, then
-        FILL: the one value; DATA: as many values; TABLE: values, without the slopes between them;
-        INTEGRAL: nothing, it is that of the friction table before it
+        FILL: one value; DATA: as many values; TABLE: values, without the slopes between them;
+        INTEGRAL: nothing, since it is computed from the preceding friction table
 
 The runs of a `WHOLE` cover the memory, those of a `CHANGE` a surface slot or nothing. Slopes are
 differences of neighbours, the integral is a running sum of their means: IEEE arithmetic gives the
@@ -31,25 +31,25 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.kernels import image, layout
-from overview_dsp.kernels.image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
+from overview_dsp.kernels import layout, memory_image
+from overview_dsp.kernels.memory_image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import connect
 from overview_dsp.signal.engine.coefficients import changes, check_carrier
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.queues import stamp_of
-from overview_dsp.signal.engine.surface_slots import struck_events, write_surface
+from overview_dsp.signal.engine.surface_slots import timeline_events, write_surface
 from overview_dsp.signal.surface.model import Surface
 
 LEAST_FILL = 4
-"""Equal columns from which a run of its own is shorter than the values."""
+"""Number of equal columns from which on a separate run is shorter."""
 
 TABLE_COLUMNS = 2 * (layout.CELLS + 1)
 TABLES = (layout.SLOT_TABLE, layout.SLOT_SLIDING_TORQUE, layout.SLOT_PULL)
 
 
 def layout_numbers() -> dict[str, int]:
-    """Every offset, capacity and code of the memory layout, by its name."""
+    """Return all offsets, capacities and codes of the memory layout by name."""
     return {
         name: value
         for name, value in vars(layout).items()
@@ -58,13 +58,13 @@ def layout_numbers() -> dict[str, int]:
 
 
 def encoding_numbers() -> dict[str, int]:
-    """The numbers of the encoding itself, by their names."""
+    """Return the numbers of the encoding by name."""
     names = "HEAD WHOLE CHANGE FILL DATA TABLE INTEGRAL INTEGRAL_FROM_TABLE"
-    return {name: getattr(image, name) for name in names.split()}
+    return {name: getattr(memory_image, name) for name in names.split()}
 
 
 def layout_digest() -> bytes:
-    """8 bytes that differ where the layout, the encoding or the order of the sources does."""
+    """Return an 8-byte digest of the layout, the encoding and the order of the sources."""
     text = f"{layout_numbers()} {encoding_numbers()} {SOURCES}"
     return hashlib.sha256(text.encode()).digest()[:8]
 
@@ -72,27 +72,27 @@ def layout_digest() -> bytes:
 def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> bytes:
     """Encode a prepared engine's memory, for the same kernel in a browser.
 
-    It is connected to an output as `live` connects it; a page that loads it sounds on exactly as
-    the engine would.
+    It is connected to an output as in `live`. A page that loads it continues exactly like
+    the engine.
 
     Parameters
     ----------
     engine : Engine
-        Prepared; it goes on from where it is.
+        Prepared engine with its present state.
     settings : OutputSettings or None
         Channels, gains, delays and ceilings of the page's output, and its actuator.
 
     Returns
     -------
     bytes
-        What `kernel_node.js` starts from, some 0.5 MB.
+        Initial memory of `kernel_node.js`, about 0.5 MB.
 
     Raises
     ------
     NotPreparedError
         Before `prepare`.
     InputError
-        A sample rate too low for the settings' actuator.
+        The sample rate is too low for the settings' actuator.
 
     Examples
     --------
@@ -119,15 +119,15 @@ def encode_change(
     surface: Surface | None = None,
     sample_time: int | None = None,
 ) -> bytes:
-    """From one preset's parameters to another's, and to a new surface if one is given.
+    """Encode a change between two presets' parameters and, optionally, to a new surface.
 
-    What `Engine.set`, `set_preset`, `set_timeline` and `set_surface` do, for a page: parameters
-    glide and the surface is crossfaded from `sample_time` on; None is as soon as possible.
+    It corresponds to `Engine.set`, `set_preset`, `set_timeline` and `set_surface`: parameters
+    are smoothed and the surface is crossfaded from `sample_time` on; None is as soon as possible.
 
     Raises
     ------
     InputError
-        The carrier doesn't fit the sample rate (Hz), or no such sample time.
+        The carrier doesn't fit the sample rate (Hz), or the sample time is invalid.
     """
     check_carrier(after, sample_rate)
     changed = changes(before, after, sample_rate)
@@ -141,11 +141,11 @@ def encode_change(
 
 
 def event_numbers(surface: Surface) -> list[int]:
-    """The timeline's event of each number that a strike in the page may name.
+    """Return the timeline's event for each number of a strike on the page.
 
-    -1 is the bare surface, which is struck as number -1 too.
+    -1 is the base surface, whose strikes also have the number -1.
     """
-    return [int(event) for event in struck_events(surface)[:-1]]
+    return [int(event) for event in timeline_events(surface)[:-1]]
 
 
 def _head(
@@ -166,7 +166,7 @@ def _run(how: int, columns: int, values: NDArray[np.uint64]) -> bytes:
 
 
 def _slot(bits: NDArray[np.uint64]) -> bytes:
-    """The runs of a surface slot."""
+    """Return the runs of a surface slot."""
     parts = []
     at = 0
     for start in TABLES:
@@ -174,7 +174,7 @@ def _slot(bits: NDArray[np.uint64]) -> bytes:
         at = start + TABLE_COLUMNS
         parts.append(_table(bits[start:at]))
         if start == layout.SLOT_TABLE:
-            # which lies behind its table (`layout`)
+            # it follows its table (`layout`)
             at = layout.SLOT_INTEGRAL + layout.CELLS + 1
             parts.append(_integral(bits[layout.SLOT_INTEGRAL : at], bits[start::2]))
     return b"".join([*parts, _runs(bits[at:])])
@@ -197,7 +197,7 @@ def _integral(bits: NDArray[np.uint64], table: NDArray[np.uint64]) -> bytes:
 
 
 def _runs(bits: NDArray[np.uint64]) -> bytes:
-    """Long stretches of one value as fills, what is between them as data."""
+    """Return runs: fills for long sequences of equal values, data otherwise."""
     edges = np.flatnonzero(bits[1:] != bits[:-1]) + 1
     starts = np.concatenate([[0], edges])
     stops = np.concatenate([edges, [len(bits)]])

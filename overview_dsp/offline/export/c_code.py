@@ -1,8 +1,8 @@
-"""The voice as C, for programs without Python: a folder to compile as it is, and a compiler.
+"""C export of a voice for programs without Python, and compilation of plugins.
 
-`kernel.c` and `overview.h` are the Python kernels, translated by `tools/build_c.py`; beside them
-lie an image of the timeline and the preset, an example and two ways to build it. Plugins hold the
-same sources; they are compiled by the system's own compiler, or by PyPI's ziglang for other
+`kernel.c` and `overview.h` are the Python kernels, translated by `tools/build_c.py`. The folder
+also has an image of the timeline and the preset, an example and two build files. Plugins contain
+the same sources. They are compiled by the system's compiler, or by PyPI's ziglang for other
 machines.
 """
 
@@ -23,17 +23,17 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, shown
 from overview_dsp.files.atomic import atomic_file, make_folder
-from overview_dsp.kernels.compiling import sources_digest
+from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.offline.export.browser_memory import encode_engine
 from overview_dsp.signal.engine.engine import Engine
 
 IMAGE = "timeline.image"
 _FILES = ("kernel.c", "operations.h", "overview.h", "example.c", "Makefile", "CMakeLists.txt")
-_IMAGE_RATE = 48_000.0  # of no consequence: a voice goes to its own when it is prepared
+_IMAGE_RATE = 48_000.0  # arbitrary: `overview_prepare` sets the rate of a voice
 
 _FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
 _ZIG = {
-    # an old glibc: what is linked against it runs on newer ones too
+    # an old glibc, for compatibility with newer ones
     "x86_64-linux": "x86_64-linux-gnu.2.17",
     "aarch64-linux": "aarch64-linux-gnu.2.17",
     "x86_64-windows": "x86_64-windows-gnu",
@@ -41,7 +41,7 @@ _ZIG = {
     "aarch64-macos": "aarch64-macos",
 }
 TARGETS = tuple(_ZIG)
-"""Machines that plugins are compiled for, as their names are written."""
+"""Names of the machines for which plugins can be compiled."""
 
 _SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
@@ -50,32 +50,32 @@ _MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 def export_c(
     timeline: Timeline, preset: Preset, folder: str | os.PathLike[str], *, seed: int = 0
 ) -> list[Path]:
-    """Write a timeline and a preset as C source, with the image that it plays.
+    """Write C source with an image of a timeline and a preset.
 
-    Any C99 or C++ compiler makes the samples of `render` of it, bit for bit, at any sample rate.
+    Compiled with any C99 or C++ compiler, it is bit-identical to `render` at any sample rate.
 
     Parameters
     ----------
     timeline : Timeline
-        The data under the hand.
+        Data of the voice.
     preset : Preset
-        How it is felt and heard.
+        Parameters of feel and sound.
     folder : str or path
-        Made, if need be; files of these names in it are overwritten.
+        Folder, created if missing; existing files are overwritten.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
 
     Returns
     -------
     list of Path
-        What was written.
+        Written files.
 
     Raises
     ------
     InputError
-        A folder that can't be written to.
+        The folder can't be written.
     OverviewError
-        `kernel.c` is of other kernels than these: built before the last change.
+        `kernel.c` is older than the kernels.
 
     Examples
     --------
@@ -89,14 +89,14 @@ def export_c(
 
 
 def prepared_engine(timeline: Timeline, preset: Preset, seed: int) -> Engine:
-    """Return an engine whose memory is the image that a voice starts from."""
+    """Return an engine whose memory is the initial image of a voice."""
     engine = Engine(preset, timeline, seed=seed)
     engine.prepare(_IMAGE_RATE)
     return engine
 
 
 def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -> list[Path]:
-    """Write files by their paths in a folder, each whole or absent; return where they are."""
+    """Write files by their paths in a folder, each completely; return the paths."""
     written = [Path(folder, path) for path in contents]
     for path, content in zip(written, contents.values(), strict=True):
         make_folder(path.parent)
@@ -116,36 +116,36 @@ def c_sources(*names: str) -> dict[str, bytes]:
 
 @dataclass(frozen=True)
 class Machine:
-    """What a plugin runs on: `x86_64` or the like, and `linux`, `windows` or `macos`."""
+    """Target of a plugin: processor (such as `x86_64`) and `linux`, `windows` or `macos`."""
 
     processor: str
     system: str
 
 
 def machine_of(target: str | None) -> Machine:
-    """The machine of a target, or this one; InputError if there is no such target."""
+    """Return the machine of a target, or this one; raise InputError if it is unknown."""
     if target is None:
         processor = platform.machine().lower()
         system = _SYSTEMS.get(sys.platform, "linux")
         return Machine(_MACHINES.get(processor, processor), system)
     if target not in _ZIG:
-        raise InputError(f"no target {shown(target)}; it is {', '.join(TARGETS)}")
+        raise InputError(f"target is {shown(target)}; must be one of {', '.join(TARGETS)}")
     return Machine(*target.split("-"))
 
 
 def compiler_of(target: str | None) -> list[str]:
-    """The system's C compiler, or ziglang; for a target always that one."""
+    """Return the command of the system's C compiler, or of ziglang, as always for a target."""
     zig = [sys.executable, "-m", "ziglang", "cc"]
     has_zig = importlib.util.find_spec("ziglang") is not None
     if target is not None:
         if not has_zig:
             raise OverviewError(f"a plugin for {target} needs ziglang: pip install ziglang")
         return [*zig, "-target", _ZIG[target], "-s"]
-    given = os.environ.get("CC", "").split()
-    if given:
-        if shutil.which(given[0]) is None:
-            raise OverviewError(f"there is no compiler {shown(given[0])}, which CC names")
-        return given
+    chosen = os.environ.get("CC", "").split()
+    if chosen:
+        if shutil.which(chosen[0]) is None:
+            raise OverviewError(f"CC is {shown(chosen[0])}, which is not installed")
+        return chosen
     for command in ("cc", "gcc", "clang"):
         if shutil.which(command):
             return [command]
@@ -160,7 +160,7 @@ def compiler_of(target: str | None) -> list[str]:
 def compile_library(
     compiler: Sequence[str], machine: Machine, sources: Sequence[str], folder: Path, name: str
 ) -> None:
-    """Compile a shared library into the folder; OverviewError with the compiler's first error."""
+    """Compile a shared library; raise OverviewError with the compiler's first error."""
     code = [] if machine.system == "windows" else ["-fPIC"]
     command = [*compiler, *_FLAGS, *code, *sources, "-o", name, "-lm"]
     try:

@@ -1,18 +1,18 @@
-"""A rendered gesture as a haptic clip: its vibration by the millisecond, and its strikes.
+"""Haptic clip of a rendered gesture: vibration per millisecond, and strikes.
 
-Phones and controllers play an amplitude over time and short strikes ("transients", "emphasis")
-besides. Both are what the engine rendered, so a clip has the physics in it: the speed of the
-movement, the recoil, the event that lets go late.
+Phones and controllers play an amplitude curve and short strikes ("transients", "emphasis").
+Both come from the engine's output, so a clip includes the physics: the speed of the
+movement, the recoil, and delayed release of events.
 
-A strike is a knock: a peak of the felt level that stands out of its surroundings where the disk
-breaks loose from an event. It is as strong as that peak, with the continuous part silent under it,
-so that a player that adds the two, takes the stronger or ducks one gives the same. An event that is
-felt as a swell, or not at all beside a higher one, is none; it is in the continuous part, like all
-that isn't an event.
+A strike is a prominent peak of the felt level where the disk
+breaks loose from an event. It has the amplitude of that peak, with the continuous part silent,
+so that players that add the two, use the stronger or duck one give the same result. An event that
+rises slowly, or is masked by a higher one, is not a strike but belongs to the continuous part, like
+everything else.
 
-The error of a clip is measured as a finger perceives it. Felt level: RMS over 10 ms in dB, as in
-`measure.felt`; both sides count as silent below 46 dB under full scale. An error of up to one just
-noticeable step is no error to a finger.
+The error of a clip is perceptual. Felt level: RMS over 10 ms in dB, as in
+`measure`; levels more than 46 dB below full scale count as silence. Errors of up to one JND
+are imperceptible.
 """
 
 from __future__ import annotations
@@ -28,64 +28,66 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.offline.rendering.trace import Trace
-from overview_dsp.signal.surface.fields import BARE
+from overview_dsp.signal.surface.fields import BASE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S, JUST_NOTICEABLE_DB
 
 LEVELS_PER_S = 1000
-"""Haptic formats count milliseconds or coarser."""
+"""Resolution of haptic formats: milliseconds or coarser."""
 
 FLOOR = 10.0 ** (-46.0 / 20.0)
-"""Amplitude that counts as silence, of full scale: one step of a motor driven with 8 bits."""
+"""Amplitude that counts as silence relative to full scale: one step of an 8-bit motor drive."""
 
 FELT_MS = 9
-"""What is shorter isn't felt as a course of its own: a window of the felt level is 10 ms."""
+"""Averaging time of the felt level, ms; shorter changes are imperceptible."""
 
 MAX_CLIP_S = 600.0
 
 STANDS_OUT_DB = 12.0
-"""So far a knock's peak is above what lies between it and a higher one (its prominence): five just
-noticeable steps."""
+"""Least prominence of a pulse's peak: its height above the minimum between it and a higher one.
+Five JNDs."""
 
 HIGH, HIGH_STANDS_OUT_DB = 0.25, JUST_NOTICEABLE_DB
-"""An event of this part of the surface's highest friction is what the hand looks for: it strikes
-wherever its knock is felt at all."""
+"""Friction relative to the surface's highest from which on an event is a strike wherever its pulse
+is perceptible."""
 
 QUIETEST = FLOOR / 32.0
-"""A knock may rise from less than counts as a level."""
+"""Lower limit of levels for the detection of pulses."""
 
 KNOCK_MS = (-4, 20)
-"""From an event's strike to its knock's peak: a tactor that rises in some milliseconds is at its
-peak 5 to 10 ms after the disk broke loose."""
+"""Range of delays from an event's strike to its pulse's peak: a tactor with a short rise time
+reaches it 5 to 10 ms after the disk has broken loose."""
 
 ONSET_MS = 4
-"""A knock's onset, before its felt peak: half the window of the felt level."""
+"""Time from a pulse's onset to its felt peak: half the window of the felt level."""
 
 NEAR_MS = 5
-"""A strike is no farther from when the disk broke loose."""
+"""Longest distance of a strike from the moment at which the disk broke loose."""
 
 SEPARATE_MS = 12
-"""Strikes nearer than this would overlap: the sharpest emphasis of Meta's renderer."""
+"""Least distance of strikes, to avoid overlap: the sharpest emphasis of Meta's renderer."""
 
 MUCH_LOWER = 0.05
-"""An event whose friction is so much lower never strikes harder: a foul that is felt as strong as
-the faintest goal, by where both lie in the hand's way, is no strike."""
+"""Ratio of friction below which an event must not strike harder than another one. For example, a
+foul with the felt level of the weakest goal, due to their positions in the gesture, is not a
+strike.
+"""
 
 DULL_HZ, SHARP_HZ = 100.0, 6400.0
 
 NOTICEABLE_DB = 2.3
-"""One step of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+"""JND of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 
 def felt_db(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Amplitude in dB of full scale, silent below `FLOOR`."""
+    """Return an amplitude in dB of full scale, limited to `FLOOR`."""
     return 20.0 * np.log10(np.maximum(amplitude, FLOOR))
 
 
 def felt_level(level: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The level as skin takes it: its RMS over 9 ms around each millisecond, float64 (n,)."""
+    """Return the felt level: RMS over 9 ms around each millisecond, float64 (n,)."""
     energy = np.convolve(level**2, np.ones(FELT_MS) / FELT_MS, "same")
     return np.asarray(np.sqrt(np.maximum(energy, 0.0)))
 
@@ -97,11 +99,11 @@ class Transient:
     Attributes
     ----------
     time_s : float
-        When, s.
+        Time, s.
     amplitude, sharpness : float
-        How strong and how sharp, 0 to 1.
+        Strength and sharpness, 0 to 1.
     kind : str
-        Of the event; empty in a clip that was read.
+        Kind of the event; empty in a clip from a file.
 
     Examples
     --------
@@ -117,7 +119,7 @@ class Transient:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A vibration to be written in a haptic format.
+    """Vibration for export to haptic formats.
 
     Attributes
     ----------
@@ -125,11 +127,11 @@ class Clip:
     level : float64 (n,)
         Amplitude of the vibration at each millisecond, 0..1 of full scale.
     frequency_hz : float
-        Of the carrier.
+        Frequency of the carrier.
     transients : tuple of Transient
         In order of time.
     surface : Surface
-        What the hand moved over.
+        Surface of the render.
     """
 
     title: str
@@ -140,30 +142,30 @@ class Clip:
 
     @cached_property
     def felt(self) -> NDArray[np.float64]:
-        """The level as skin takes it, float64 (n,)."""
+        """Perceived level at each millisecond, float64 (n,)."""
         return felt_level(self.level)
 
     @property
     def duration_s(self) -> float:
-        """Length in s; the last level is at its end."""
+        """Duration in s; the last level is at its end."""
         return (len(self.level) - 1) / LEVELS_PER_S
 
     def under_strikes(
         self, length_ms: Callable[[Transient], int]
     ) -> tuple[NDArray[np.float64], list[int]]:
-        """The continuous part: the felt level, silent while a strike is played.
+        """Return the continuous part: the felt level with silence during strikes.
 
         Parameters
         ----------
         length_ms : callable
-            How long a player plays a strike, ms.
+            Duration of a strike on a player, ms.
 
         Returns
         -------
         level : float64 (n,)
             Amplitude at each millisecond.
         corners : list of int
-            Where it falls silent and comes back: places that a breakpoint should be at.
+            Starts and ends of the silence, which need breakpoints.
         """
         level = self.felt.copy()
         last = len(level) - 1
@@ -178,20 +180,20 @@ class Clip:
         return level, corners
 
 
-def clip_of(result: Result[Trace | None]) -> Clip:
-    """Make a clip of a rendered gesture, up to where its vibration has died away.
+def clip_of(result: RenderResult[Trace | None]) -> Clip:
+    """Make a clip of a rendered gesture up to the end of its vibration.
 
     Raises
     ------
     InputError
-        It was rendered without a trace, nothing vibrates, or it is longer than ten minutes.
+        The result has no trace or no vibration, or is longer than ten minutes.
     """
     if result.trace is None:
-        raise InputError("rendered without a trace: its envelope is needed, render with trace=True")
+        raise InputError("the result has no trace, which is needed; render with trace=True")
     if len(result.samples) > MAX_CLIP_S * result.sample_rate:
         raise InputError(
-            f"{len(result.samples) / result.sample_rate:.0f} s of vibration; a clip holds up to "
-            f"{MAX_CLIP_S:g} s, use a shorter gesture"
+            f"the result has {len(result.samples) / result.sample_rate:.0f} s; a clip holds up to "
+            f"{MAX_CLIP_S:g} s; use a shorter gesture"
         )
     preset = result.engine.preset
     level = np.minimum(_by_millisecond(result.trace.envelope, result.sample_rate), 1.0)
@@ -199,9 +201,7 @@ def clip_of(result: Result[Trace | None]) -> Clip:
         level[:] = 0.0
     felt = np.flatnonzero(level > FLOOR)
     if not len(felt):
-        raise InputError(
-            "nothing vibrates in this gesture; use a longer sweep or unmute the tactor"
-        )
+        raise InputError("the gesture has no vibration; use a longer sweep or unmute the tactor")
     level = np.append(level[: felt[-1] + 1], 0.0)
     return Clip(
         result.engine.timeline.title,
@@ -213,7 +213,7 @@ def clip_of(result: Result[Trace | None]) -> Clip:
 
 
 def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArray[np.float64]:
-    """RMS of the envelope around each millisecond."""
+    """Return the RMS of the envelope around each millisecond."""
     energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
     frames = np.arange(len(energy), dtype=np.float64)
     count = math.ceil(len(envelope) / sample_rate * LEVELS_PER_S) + 1
@@ -226,7 +226,7 @@ def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArra
 
 @dataclass(frozen=True)
 class _Candidate:
-    """An event that broke loose: when, with which friction."""
+    """Event from which the disk broke loose, with time and friction."""
 
     time_ms: int
     release: float
@@ -234,22 +234,24 @@ class _Candidate:
     sharpness: float
 
 
-def strikes_of(result: Result[Trace | None], felt: NDArray[np.float64]) -> tuple[Transient, ...]:
-    """The strikes of a rendered gesture, in order of time.
+def strikes_of(
+    result: RenderResult[Trace | None], felt: NDArray[np.float64]
+) -> tuple[Transient, ...]:
+    """Return the strikes of a rendered gesture in order of time.
 
     Parameters
     ----------
     result
-        Its strikes and surface are used.
+        Render with strikes and surface.
     felt : float64 (n,)
         The felt level at each millisecond.
     """
-    peaks, prominences = _knocks(felt)
+    peaks, prominences = _pulses(felt)
     above_floor = 20.0 * np.log10(felt[peaks] / FLOOR)
     outstanding = peaks[np.minimum(prominences, above_floor) >= STANDS_OUT_DB]
     high = HIGH * result.engine.surface.release.max(initial=0.0)
     found: list[tuple[_Candidate, int, float]] = []
-    # the higher event first: of two at a knock, it is the higher one's
+    # the higher of two events at a pulse gets the strike
     for one in sorted(_candidates(result, len(felt)), key=lambda one: (-one.release, one.time_ms)):
         after = peaks - one.time_ms
         own = peaks[(after >= KNOCK_MS[0]) & (after <= KNOCK_MS[1])]
@@ -272,12 +274,12 @@ def strikes_of(result: Result[Trace | None], felt: NDArray[np.float64]) -> tuple
     )
 
 
-def _knocks(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Where the felt level stands out, ms, ascending, and by how much, dB."""
+def _pulses(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the peaks of the felt level, ms, ascending, and their prominence, dB."""
     from scipy.signal import find_peaks
 
     level = 20.0 * np.log10(np.maximum(felt, QUIETEST))
-    # the clip begins and ends in silence
+    # the clip starts and ends in silence
     padded = np.pad(level, 1, constant_values=20.0 * math.log10(QUIETEST))
     found, facts = find_peaks(
         padded, prominence=HIGH_STANDS_OUT_DB, height=20.0 * math.log10(FLOOR)
@@ -285,7 +287,7 @@ def _knocks(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.fl
     return np.asarray(found - 1, dtype=np.int64), facts["prominences"]
 
 
-def _candidates(result: Result[Trace | None], length_ms: int) -> list[_Candidate]:
+def _candidates(result: RenderResult[Trace | None], length_ms: int) -> list[_Candidate]:
     surface = result.engine.surface
     row_of = {int(event): row for row, event in enumerate(surface.event)}
     found = []
@@ -293,7 +295,7 @@ def _candidates(result: Result[Trace | None], length_ms: int) -> list[_Candidate
         at = round(time_s * LEVELS_PER_S)
         if at >= length_ms:
             continue
-        if event != BARE:
+        if event != BASE:
             row = row_of[int(event)]
             release = float(surface.release[row])
             kind = result.engine.timeline.events[event].kind
@@ -307,7 +309,7 @@ def _candidates(result: Result[Trace | None], length_ms: int) -> list[_Candidate
 
 
 def _sharpness(modes: tuple[ClickMode, ...]) -> float:
-    """Return how sharp a click is, by the mean pitch of its modes: 100 Hz is 0, 6.4 kHz is 1."""
+    """Return the sharpness of a click from the mean pitch of its modes: 100 Hz to 6.4 kHz."""
     if not modes:
         return 0.5
     weight = np.array([10.0 ** (mode.gain_db / 20.0) for mode in modes])
@@ -318,15 +320,15 @@ def _sharpness(modes: tuple[ClickMode, ...]) -> float:
 
 
 @dataclass(frozen=True)
-class FeltError:
-    """How far an exported clip is from what was rendered, as a finger takes it.
+class PerceptualError:
+    """Perceptual difference between an exported clip and the render.
 
     Attributes
     ----------
     median_db, largest_db : float
-        Of the level over 10 ms, dB.
+        Error of the level over 10 ms, dB.
     within_percent : float
-        The part of the clip within one just noticeable step (2.3 dB), %.
+        Part of the clip with an error below one JND (2.3 dB), %.
 
     Examples
     --------
@@ -340,12 +342,12 @@ class FeltError:
     within_percent: float
 
 
-def felt_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> FeltError:
-    """Compare two amplitude curves of one value a millisecond; a missing end is silence."""
+def perceptual_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> PerceptualError:
+    """Compare two amplitude curves with one value per millisecond; a missing end is silence."""
     count = max(len(played), len(rendered))
     sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
     error = np.abs(_windows_db(sides[0]) - _windows_db(sides[1]))
-    return FeltError(
+    return PerceptualError(
         float(np.median(error)),
         float(error.max()),
         float(100.0 * np.mean(error <= NOTICEABLE_DB)),

@@ -1,8 +1,8 @@
-"""JSON documents of clips: the types of their values, and a check with one line per fault.
+"""JSON documents of clips: types of values, and validation with one line per fault.
 
-Each format is a pydantic model, which exports are written from and files are checked by. A reader
-uses the same model and is more lenient (`READING`): it drops unknown keys and takes a default for
-what a player does without.
+Each format is a pydantic model for writing and validating files. A reader
+uses the same model but is more lenient (`READING`): it drops unknown keys and uses defaults for
+keys that players do not need.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from overview_dsp.files.schema import Allowed, Path, Strict, checked, named
 from overview_dsp.offline.export.clip import MAX_CLIP_S
 
 CHECKING, READING = "checking", "reading"
-"""Contexts of a validation; a document that is written has none."""
+"""Contexts of a validation; writing a document has none."""
 
 MAX_ENTRIES = 100_000
 
 
 class Part(Strict):
-    """An object of a document, with the keys of its format and no others."""
+    """Object of a document, with exactly the keys of its format."""
 
     defaults: ClassVar[Mapping[str, Any]] = {}
-    """Values that a reader takes for missing keys."""
+    """Defaults of a reader for missing keys."""
 
     ignored: ClassVar[Collection[str]] = ()
-    """Keys whose value a reader doesn't look at."""
+    """Keys whose values a reader ignores."""
 
     @pydantic.model_validator(mode="before")
     @classmethod
@@ -50,7 +50,7 @@ class Part(Strict):
         return data
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values that are right one by one, a line each."""
+        """Yield contradictions between values that are valid individually, one line each."""
         yield from ()
 
 
@@ -73,7 +73,7 @@ Count = Annotated[int, Field(ge=0), Allowed("a whole number, 0 or more")]
 
 
 def located(path: Path) -> str:
-    """Write where a value is: `Pattern[0].Event.Time`."""
+    """Return the location of a value as text: `Pattern[0].Event.Time`."""
     parts = (f"[{one}]" if isinstance(one, int) else f".{named((one,))}" for one in path)
     return "".join(parts).removeprefix(".") or "the document"
 
@@ -82,18 +82,18 @@ def _validated(model: type[Document], data: Any, context: str) -> Document | lis
     found = checked(model, data, located, context)
     if not isinstance(found, list):
         return found
-    # a table is an object in JSON
+    # tables of TOML are objects in JSON
     return [re.sub("a table$", "an object", fault.message) for fault in found]
 
 
-def faults_of(model: type[Part], data: Any) -> list[str]:
-    """Return every fault of a document, a line each."""
+def validate(model: type[Part], data: Any) -> list[str]:
+    """Return all faults of a document, one line each."""
     found = _validated(model, data, CHECKING)
     return found if isinstance(found, list) else list(found.faults())
 
 
 def read(model: type[Document], data: Any) -> Document:
-    """Return a document as far as a player needs it right; InputError with its first fault."""
+    """Return a leniently validated document; raise InputError with its first fault."""
     found = _validated(model, data, READING)
     if isinstance(found, list):
         raise InputError(found[0])
@@ -101,7 +101,7 @@ def read(model: type[Document], data: Any) -> Document:
 
 
 def descending(values: Collection[float], name: str) -> Iterator[str]:
-    """Yield a line for each number that is below the one before it."""
+    """Yield a fault for each number below the previous one."""
     before = -math.inf
     for k, value in enumerate(values):
         if value < before:

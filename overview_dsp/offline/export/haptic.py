@@ -1,15 +1,15 @@
 """Meta's `.haptic` 1.0: JSON with an amplitude and a frequency envelope and emphasis points.
 
-Amplitude is the signal's own; frequency 0..1 stands for 65..300 Hz, as in AHAP. Both envelopes
-begin at 0 (Meta's renderer refuses a clip that doesn't). The amplitude envelope is silent while
-Meta's renderer plays an emphasis; an emphasis is as strong as the envelope there or stronger.
+Amplitude is that of the signal, and frequency 0..1 is 65..300 Hz, as in AHAP. Both envelopes
+start at 0 (otherwise Meta's renderer rejects a clip). The amplitude envelope is silent while
+Meta's renderer plays an emphasis. An emphasis is at least as strong as the envelope.
 
-A document is checked by the rules of Meta's strict validator and its renderer, and decoded as the
-renderer (MIT, `core/renderer_c`) does, as the Quest's profile sets it. Amplitudes ramp linearly
-from point to point. An emphasis has a constant amplitude for 36.4 ms (frequency 0) to 12.1 ms
-(frequency 1), is added, and ducks the continuous part to a half while it lasts; the next one takes
-its place. This is the renderer's amplitude curve; its sine that becomes a square with an emphasis'
-frequency is up to 3 dB more energy.
+A document is validated by the rules of Meta's strict validator and renderer, and decoded like the
+renderer (MIT, `core/renderer_c`) with the profile of the Quest. Amplitudes ramp linearly
+between points. An emphasis has a constant amplitude for 36.4 ms (frequency 0) to 12.1 ms
+(frequency 1). It is added and halves the continuous part during that time. The next one replaces
+it. This is the renderer's amplitude curve. Its waveform, which changes from sine to square with an
+emphasis' frequency, has up to 3 dB more energy.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ DULL_MS, SHARP_MS = 36.4, 12.1
 
 
 class Emphasis(Part):
-    """A strike at a point."""
+    """Strike at a point."""
 
     amplitude: Unit
     frequency: Unit
 
 
 class AmplitudePoint(Part):
-    """A point of the amplitude envelope."""
+    """Point of the amplitude envelope."""
 
     time: Seconds
     amplitude: Unit
@@ -54,14 +54,14 @@ class AmplitudePoint(Part):
 
 
 class FrequencyPoint(Part):
-    """A point of the frequency envelope."""
+    """Point of the frequency envelope."""
 
     time: Seconds
     frequency: Unit
 
 
 class Envelopes(Part):
-    """Amplitude and frequency over time."""
+    """Envelopes of amplitude and frequency."""
 
     defaults = {"frequency": []}  # noqa: RUF012
 
@@ -70,7 +70,7 @@ class Envelopes(Part):
 
 
 class Continuous(Part):
-    """The one signal of a clip."""
+    """Signal of a clip."""
 
     envelopes: Envelopes
 
@@ -90,7 +90,7 @@ class Version(Part):
 
 
 class Metadata(Part):
-    """Texts about a clip."""
+    """Metadata of a clip."""
 
     editor: str | None = None
     source: str | None = None
@@ -101,7 +101,7 @@ class Metadata(Part):
 
 
 class Haptic(Part):
-    """A `.haptic` document."""
+    """`.haptic` document."""
 
     defaults = {"version": {"major": 1, "minor": 0, "patch": 0}, "metadata": {}}  # noqa: RUF012
     ignored = ("version", "metadata")
@@ -116,13 +116,13 @@ class Haptic(Part):
         return self.signals.continuous.envelopes.amplitude
 
     def unplayable(self) -> Iterator[str]:
-        """Yield what no player can do with: times that go back, a clip without a length."""
+        """Yield faults that prevent playback: descending times, or no duration."""
         yield from descending([point.time for point in self.points], "amplitude times")
         if self.points[-1].time <= 0.0:
             yield "the clip has no length: its last amplitude is at 0"
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values."""
+        """Yield contradictions between values."""
         yield from self.unplayable()
         pitches = self.signals.continuous.envelopes.frequency
         yield from descending([point.time for point in pitches], "frequency times")
@@ -144,14 +144,14 @@ class Haptic(Part):
 
 
 def emphasis_ms(frequency: float) -> int:
-    """Return how long an emphasis of this frequency (0 to 1) lasts."""
+    """Return the duration of an emphasis of this frequency (0 to 1)."""
     return int(DULL_MS + (SHARP_MS - DULL_MS) * frequency)
 
 
-def with_emphasis(level: NDArray[np.float64], struck: Iterable[Transient]) -> NDArray[np.float64]:
-    """Return a continuous level with emphases in it, in order of time."""
+def with_emphasis(level: NDArray[np.float64], strikes: Iterable[Transient]) -> NDArray[np.float64]:
+    """Return a continuous level with added emphases."""
     emphasis = np.zeros(len(level))
-    for strike in struck:
+    for strike in strikes:
         start = round(strike.time_s * LEVELS_PER_S)
         emphasis[start:] = 0.0
         emphasis[start : start + emphasis_ms(strike.sharpness)] = strike.amplitude
@@ -175,11 +175,11 @@ def decoded(document: Haptic) -> tuple[NDArray[np.float64], list[Transient]]:
 
 def document(clip: Clip, budget: int) -> Haptic:
     """Return the clip as a `.haptic` document."""
-    struck = {round(strike.time_s * LEVELS_PER_S): strike for strike in clip.transients}
+    strikes = {round(strike.time_s * LEVELS_PER_S): strike for strike in clip.transients}
     continuous, corners = clip.under_strikes(lambda strike: emphasis_ms(strike.sharpness))
     amplitude: list[AmplitudePoint] = []
     for place in breakpoints(continuous, budget + len(corners), corners).tolist():
-        strike = struck.get(place)
+        strike = strikes.get(place)
         emphasis = None
         if strike is not None:
             emphasis = Emphasis(

@@ -1,19 +1,19 @@
-"""HJIF, the interchange form of MPEG haptics (ISO/IEC 23090-31): JSON with two perceptions.
+"""HJIF, the interchange format of MPEG haptics (ISO/IEC 23090-31): JSON with two perceptions.
 
-- *Vibrotactile*: a channel with the vibration (a wave whose amplitude has keyframes) and one with
+- *Vibrotactile*: one channel with the vibration (a wave with keyframes of amplitude) and one with
   the strikes (short waves), for a C2-like voice coil.
-- *Friction*: B(phi) itself, for a device that can brake: one linear curve over the half turn, a
-  tick a hundredth of a degree, 1 = the surface's highest friction (in the description).
+- *Friction*: B(phi) for devices that can brake: a linear curve over the half turn, with one
+  tick per 0.01 degrees, where 1 is the surface's highest friction (in the description).
 
-The timescale is 1000 and every count a whole number: the reference reader drops others, and takes a
-millisecond a tick whatever the timescale says. A Transient band is 22 ms at 91 Hz there, whatever
-is asked of it; so strikes are waves, under which the vibration's is silent.
+The timescale is 1000 and every count a whole number, since the reference reader drops others and
+assumes one millisecond per tick for any timescale. It always plays a Transient band as 22 ms at 91
+Hz. Strikes are therefore waves, during which the vibration is silent.
 
-A document is checked by the reference parser's rules, and for what it won't play. It is decoded as
-the reference decoder does: channels and effects are summed as signals, so what has one frequency
-adds by its phase, which counts from the effect's position, and different frequencies add in energy.
-A wave's amplitude is linear between keyframes. A transient is 22 ms of 90.9 Hz (two cycles). Gains
-multiply.
+A document is validated by the rules of the reference parser and its limits of playback. It is
+decoded like in the reference decoder: channels and effects are summed as signals. Waves of the same
+frequency add by phase, relative to the effect's position, and waves of different frequencies add in
+energy. A wave's amplitude is linear between keyframes. A transient is 22 ms of 90.9 Hz (two
+cycles). Gains multiply.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ STRIKE_MS = 12
 """Duration of a strike's wave: three cycles of a C-2."""
 
 TICKS_PER_TURN = 18_000
-"""Ticks of the friction curve: half a turn in hundredths of a degree."""
+"""Number of ticks of the friction curve: half a turn in units of 0.01 degrees."""
 
 TRANSIENT_MS, TRANSIENT_HZ = 22, 1000.0 / 11.0
 FRICTION_POINTS = 2000
@@ -55,7 +55,7 @@ Frequency = Annotated[float, Field(ge=0.0), Allowed("a number of Hz, 0 or more")
 
 
 class Keyframe(Part):
-    """An amplitude at a tick of an effect."""
+    """Amplitude at a tick of an effect."""
 
     relative_position: Count
     amplitude_modulation: Signed
@@ -63,7 +63,7 @@ class Keyframe(Part):
 
 
 class Effect(Part):
-    """A wave or a curve from a tick on."""
+    """Effect: a wave or a curve from a tick on."""
 
     id: Count | None = None
     effect_type: Literal["Basis", "Reference", "Composite"]
@@ -74,7 +74,7 @@ class Effect(Part):
 
 
 class Band(Part):
-    """Effects of one kind."""
+    """Band of effects of one kind."""
 
     band_type: Literal["Transient", "Curve", "VectorialWave", "WaveletWave"]
     curve_type: Literal["Linear", "Cubic", "Akima", "Bezier", "Bspline", "Unknown"] | None = None
@@ -83,7 +83,7 @@ class Band(Part):
     effects: Annotated[list[Effect], Field(min_length=1)]
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values; locations count from the band."""
+        """Yield contradictions between values, with locations relative to the band."""
         if self.upper_frequency_limit < self.lower_frequency_limit:
             yield ": its upper frequency limit is below the lower one"
         curve = self.band_type == "Curve"
@@ -94,7 +94,7 @@ class Band(Part):
             here = f".effects[{e}]"
             yield from descending([one.relative_position for one in frames], f"{here}.keyframes")
             if curve and (len(frames) < 3 or effect.position):
-                yield f"{here}: a curve has 3 keyframes or more and begins at 0, or is silent"
+                yield f"{here}: a curve must have 3 or more keyframes and start at 0, or is silent"
             if self.band_type == "VectorialWave":
                 for k, frame in enumerate(frames):
                     if frame.frequency_modulation is None:
@@ -103,7 +103,7 @@ class Band(Part):
 
 
 class Channel(Part):
-    """Bands that are summed."""
+    """Channel: sum of bands."""
 
     id: Count
     description: str
@@ -115,7 +115,7 @@ class Channel(Part):
 
 
 class Device(Part):
-    """An actuator that a perception is made for."""
+    """Actuator for which a perception is intended."""
 
     id: Count
     name: str
@@ -126,7 +126,7 @@ class Device(Part):
 
 
 class Perception(Part):
-    """Channels of one modality."""
+    """Perception: channels of one modality."""
 
     id: Count
     avatar_id: Count
@@ -140,7 +140,7 @@ class Perception(Part):
     effect_library: list[Part]
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values; locations count from the perception."""
+        """Yield contradictions between values, with locations relative to the perception."""
         devices = self.reference_devices or []
         for k, device in enumerate(devices):
             limits = (
@@ -148,8 +148,8 @@ class Perception(Part):
                 device.resonance_frequency,
                 device.maximum_frequency,
             )
-            given = [limit for limit in limits if limit is not None]
-            if given != sorted(given):
+            known = [limit for limit in limits if limit is not None]
+            if known != sorted(known):
                 yield (
                     f".reference_devices[{k}]: minimum, resonance and maximum frequency aren't in "
                     "this order"
@@ -157,14 +157,14 @@ class Perception(Part):
         for c, channel in enumerate(self.channels):
             wanted = channel.reference_device_id
             if wanted is not None and wanted not in [device.id for device in devices]:
-                yield f".channels[{c}].reference_device_id = {wanted} names no device"
+                yield f".channels[{c}].reference_device_id is {wanted}; must be the id of a device"
             for b, band in enumerate(channel.bands):
                 for fault in band.faults():
                     yield f".channels[{c}].bands[{b}]{fault}"
 
 
 class Hjif(Part):
-    """An HJIF document."""
+    """HJIF document."""
 
     version: Annotated[str, Field(pattern=f"^{_VERSIONS}$"), Allowed("2023 or later")]
     profile: Literal["Main", "Simple Parametric"]
@@ -177,12 +177,12 @@ class Hjif(Part):
     syncs: list[Part]
 
     def faults(self) -> Iterator[str]:
-        """Yield what is wrong between values."""
+        """Yield contradictions between values."""
         channels = [channel.id for one in self.perceptions for channel in one.channels]
         perceptions = [one.id for one in self.perceptions]
         for name, ids in (("perceptions", perceptions), ("channels", channels)):
             if len(set(ids)) < len(ids):
-                yield f"{name}: an id is there twice"
+                yield f"{name}: ids must be unique"
         for p, perception in enumerate(self.perceptions):
             for fault in perception.faults():
                 yield f"perceptions[{p}]{fault}"
@@ -259,7 +259,7 @@ def _channel(number: int, name: str, band: Band, device: int | None = None) -> C
         description=name,
         gain=1.0,
         mixing_coefficient=1.0,
-        body_part_mask=0,  # none is asked for
+        body_part_mask=0,  # unspecified
         reference_device_id=device,
         bands=[band],
     )
@@ -278,12 +278,12 @@ def _wave(position: int, points: list[tuple[int, float]], hz: int | None = None)
 def _friction(clip: Clip, highest: float) -> Band:
     table = clip.surface.resistance / highest
     ticks = np.arange(TICKS_PER_TURN + 1)
-    # the highest cell around each tick: no event falls between two
+    # the highest cell around each tick, so that no event is lost
     edges = np.clip(np.rint((ticks - 0.5) / TICKS_PER_TURN * CELLS), 0, CELLS).astype(np.int64)
     curve = np.maximum.reduceat(table, edges)
-    # a goal is hundreds of bare surfaces high: no level is too faint
+    # levels may be very low, since a goal is several hundred times higher than the base surface
     places = breakpoints(curve / curve.min(), FRICTION_POINTS).tolist()
-    if len(places) == 2:  # the reference reader plays a curve of two points as silence
+    if len(places) == 2:  # the reference reader plays curves of two points as silence
         places.insert(1, TICKS_PER_TURN // 2)
     return Band(
         band_type="Curve",
@@ -295,7 +295,7 @@ def _friction(clip: Clip, highest: float) -> Band:
 
 
 def played(hjif: Hjif) -> NDArray[np.float64]:
-    """Return the amplitude of the vibrotactile perceptions; a tick is a millisecond."""
+    """Return the amplitude of the vibrotactile perceptions at each millisecond."""
     parts = [
         part
         for perception in hjif.perceptions

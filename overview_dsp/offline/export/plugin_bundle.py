@@ -1,6 +1,6 @@
-"""What a plugin holds: images of timelines by preset, and what describes them.
+"""Plugin bundle: images of timelines by preset, and their descriptions.
 
-`bundle.c` is compiled with them. An LV2 host reads two files in Turtle before it loads a bundle.
+`bundle.c` is compiled with them. LV2 hosts read two Turtle files before loading a bundle.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from overview_dsp.offline.export.browser_memory import encode_engine
 from overview_dsp.offline.export.c_code import prepared_engine
 
 IMAGES = "images.bin"
-"""The file that `bundle.c` includes: all images, one behind the other."""
+"""File with all images, which `bundle.c` includes."""
 
 _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 
 
 @dataclass(frozen=True)
 class Image:
-    """A timeline in a preset: the bytes, the tail in seconds, the parameters' values, the map.
+    """Image of a timeline in a preset: bytes, tail in seconds, parameter values, and map.
 
-    The map is of times (s) and their positions (0 to 1).
+    The map has times (s) and their positions (0 to 1).
     """
 
     data: bytes
@@ -43,16 +43,16 @@ class Image:
 
     @property
     def digest(self) -> str:
-        """SHA-256, in hexadecimal."""
+        """SHA-256 digest in hexadecimal."""
         return hashlib.sha256(self.data).hexdigest()
 
 
 @dataclass(frozen=True)
 class Bundle:
-    """What a plugin is called, its timelines and presets by name, and an image for each pair.
+    """Bundle: name of the plugin, timelines and presets by name, and an image for each pair.
 
-    The images of a timeline are in the presets' order, those of the next one behind them. The
-    timelines' starts are s since 1970 on their own clock, NaN where there is no calendar.
+    Images are ordered by timeline, then by preset. The
+    timelines' starts are seconds since 1970 in local time, NaN without a calendar.
     """
 
     name: str
@@ -63,22 +63,22 @@ class Bundle:
 
     @property
     def slug(self) -> str:
-        """The name as it is written in ids and files: of plain letters, or by its digest."""
+        """Name for ids and files: ASCII letters, or a digest."""
         plain = unicodedata.normalize("NFKD", self.name).encode("ascii", "ignore").decode()
         digest = hashlib.sha256(self.name.encode()).hexdigest()
         return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{digest[:8]}"
 
     @property
     def id(self) -> str:
-        """What a project finds the plugin by, whatever data it holds."""
+        """Id by which projects find the plugin, independent of its data."""
         return f"org.overview-dsp.{self.slug}"
 
     def of_preset(self, preset: int) -> tuple[Image, ...]:
-        """The images of a preset, by timeline."""
+        """Return the images of a preset, by timeline."""
         return self.images[preset :: len(self.presets)]
 
     def uri(self, preset: int) -> str:
-        """Of a preset's LV2 plugin: of other data it is another plugin."""
+        """Return the URI of a preset's LV2 plugin, which depends on the data."""
         digests = [image.digest for image in self.of_preset(preset)]
         if len(digests) > 1:
             digests = [hashlib.sha256("".join(digests).encode()).hexdigest()]
@@ -86,16 +86,16 @@ class Bundle:
 
     @property
     def data(self) -> bytes:
-        """The content of `images.bin`."""
+        """Content of `images.bin`."""
         return b"".join(image.data for image in self.images)
 
 
 def bundle_of(
     name: str, timelines: Mapping[str, Timeline], presets: Sequence[Preset], seed: int
 ) -> Bundle:
-    """The images of every timeline in every preset.
+    """Return the images of all timelines in all presets.
 
-    What is to be noted of them is warned of once, with the timelines and the preset that it is of.
+    Equal warnings are shown once, with the names of their timelines and preset.
     """
     images: list[Image] = []
     noted: dict[tuple[str, str, type[Warning]], list[str]] = {}
@@ -129,7 +129,7 @@ def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
 
 
 def _quoted(text: bytes) -> str:
-    """A C string of any bytes; always three digits, so that a digit may follow."""
+    """Return a C string of any text, with octal escapes of three digits."""
     return '"' + "".join(_ESCAPED[byte] for byte in text) + '"'
 
 
@@ -140,15 +140,27 @@ _ESCAPED = [
 
 
 def parameter_ids() -> list[str]:
-    """The ids of what isn't the surface's, in the memory's order."""
+    """Return the ids of the kernel's parameters in the order of the memory."""
     columns = [name for name in vars(layout) if name.startswith("PARAM_")]
     columns.sort(key=lambda name: getattr(layout, name))
     ids = {id.upper().replace(".", "_"): id for id in PARAMETERS}
     return [ids[name.removeprefix("PARAM_")] for name in columns]
 
 
+_HOST_IDS = {
+    "tactor.reference_torque_mnm": "tactor.full_torque_mnm",
+    "click.reference_torque_mnm": "click.full_torque_mnm",
+}
+"""The ids of renamed parameters in hosts, whose projects keep the first one."""
+
+
+def host_id(id: str) -> str:
+    """Return the id under which hosts store a parameter; it never changes."""
+    return _HOST_IDS.get(id, id)
+
+
 def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
-    """A parameter's name, its section, and the texts of its choices."""
+    """Return a parameter's name, section, and texts of its choices."""
     section, _, key = id.partition(".")
     known = PARAMETERS[id]
     words = _UNIT_OF_KEY.sub("", key).replace("_", " ")
@@ -174,7 +186,7 @@ __asm__(".pushsection .rodata\\n.globl bundle_data\\n.hidden bundle_data\\n.p2al
 
 
 def bundle_source(bundle: Bundle) -> Iterator[str]:
-    """The text of `bundle.c`, in pieces; it includes the file `images.bin` beside it."""
+    """Yield the text of `bundle.c`, which includes the file `images.bin`."""
 
     def text(value: str) -> str:
         return _quoted(value.encode())
@@ -197,7 +209,8 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
             yield f"static const char *const choices_{number}[] = "
             yield f"{{{', '.join(map(text, choices))}}};\n"
         listed = f"choices_{number}" if choices else "NULL"
-        labels.append(f"    {{{text(name)}, {text(section)}, {listed}}},\n")
+        texts = ", ".join(map(text, (host_id(id), name, section)))
+        labels.append(f"    {{{texts}, {listed}}},\n")
     yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
     yield "".join(labels) + "};\n"
     yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
@@ -251,7 +264,7 @@ _FIXED_PORTS = (
 
 
 def manifest(library: str, bundle: Bundle) -> str:
-    """The text of `manifest.ttl`: a plugin for each preset, all in one library."""
+    """Return the text of `manifest.ttl`: one plugin per preset, all in one library."""
     plugins = "".join(
         f"<{bundle.uri(number)}> a lv2:Plugin ; "
         f"lv2:binary <{library}> ; rdfs:seeAlso <{DESCRIPTIONS}> .\n"
@@ -261,7 +274,7 @@ def manifest(library: str, bundle: Bundle) -> str:
 
 
 def description(bundle: Bundle) -> str:
-    """The text of the file that the manifest points to: names, ports, ranges, units."""
+    """Return the text of the file with names, ports, ranges and units."""
     plugins = []
     for number, preset in enumerate(bundle.presets):
         name = bundle.name if len(bundle.presets) == 1 else f"{bundle.name}, {preset}"
@@ -287,7 +300,7 @@ def description(bundle: Bundle) -> str:
 
 
 def _enumeration(choices: Sequence[str]) -> str:
-    """What makes a control port one of several choices."""
+    """Return the properties of a control port with choices."""
     points = " , ".join(
         f"[ rdfs:label {_text(choice)} ; rdf:value {number}.0 ]"
         for number, choice in enumerate(choices)
@@ -296,13 +309,13 @@ def _enumeration(choices: Sequence[str]) -> str:
 
 
 def _controls(values: Sequence[float]) -> Iterator[str]:
-    """A control port for each parameter that isn't the surface's."""
+    """Return a control port for each kernel parameter."""
     for id, value in zip(parameter_ids(), values, strict=True):
         known = PARAMETERS[id]
         name, _, choices = label_of(id)
         low, high = (0.0, len(choices) - 1.0) if choices else (known.low, known.high)
         port = (
-            f'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "{id.replace(".", "_")}" ; '
+            f'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "{host_id(id).replace(".", "_")}" ; '
             f"lv2:name {_text(name)} ; "
             f"lv2:default {value!r} ; lv2:minimum {low!r} ; lv2:maximum {high!r}"
         )

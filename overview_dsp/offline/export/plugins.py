@@ -1,8 +1,9 @@
-"""Audio plugins: the voice in C with images of timelines, compiled for digital workstations.
+"""Audio plugins: the voice in C with images of timelines, compiled for audio workstations.
 
-`plugin/` holds the sources: `voice.h` is what every format shares, `bundle.h` what is written here.
+`plugin/` has the sources: `voice.h` is shared by all formats, `bundle.h` declares the generated
+data.
 
-Where a format keeps a plugin's library and what hosts read beside it.
+Formats differ in the location of the library and in additional files for hosts.
 """
 
 from __future__ import annotations
@@ -40,9 +41,9 @@ _LIBRARY = {"linux": ".so", "windows": ".dll", "macos": ".dylib"}
 
 
 def contents_of(to: str, bundle: Bundle, machine: Machine, library: bytes) -> dict[str, bytes]:
-    """The files of a plugin by their paths in the folder it is put into; the first is the plugin's.
+    """Return the files of a plugin by their relative paths; the first is the library.
 
-    Of a single file or a folder; a VST3's holds a library for each system, side by side.
+    A VST3 folder has one library per system.
     """
     called = f"{bundle.slug}.{to}"
     if to == "lv2":
@@ -84,7 +85,7 @@ def _property_list(bundle: Bundle) -> bytes:
 
 
 MOST_NAMES = 64
-"""Timelines in a plugin, and presets."""
+"""Highest number of timelines and of presets in a plugin."""
 
 _SOURCES = ("bundle.h", "voice.h")
 _OWN_SOURCES = {
@@ -105,42 +106,42 @@ def build_plugin(
     seed: int = 0,
     target: str | None = None,
 ) -> Path:
-    """Compile timelines to an audio plugin, an instrument that any host of its format plays.
+    """Compile timelines to an audio plugin, an instrument for hosts of its format.
 
-    It needs no Python, and makes the samples of `render`, bit for bit, at any sample rate.
+    It needs no Python and is bit-identical to `render` at any sample rate.
 
     Parameters
     ----------
     timeline : Timeline or mapping of str to Timeline
-        The data under the hand; of several, by name, one is chosen in the host.
+        Data, or several timelines by name, one of which is selected in the host.
     presets : Preset or sequence of Preset
-        How it is felt and heard; of several, up to 64, one is chosen in the host.
+        Parameters of feel and sound; one of up to 64 presets is selected in the host.
     to : str
-        The format: `"clap"`, `"vst3"`, or `"lv2"`: a bundle with a plugin for each preset.
+        Format: `"clap"`, `"vst3"`, or `"lv2"` (a bundle with a plugin for each preset).
     folder : str or path
-        Made, if need be; a plugin of this name in it is replaced, in a VST3 the library of the
-        same system.
+        Folder, created if missing. An existing plugin of this name is replaced, in a VST3 the
+        library of the same system.
     name : str, optional
-        What it is called; the first timeline's title if it isn't given.
+        Name of the plugin; default: the first timeline's title.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
     target : str, optional
-        The machine it is for, with ziglang as the compiler: `"x86_64-linux"`,
-        `"aarch64-linux"`, `"x86_64-windows"`, `"x86_64-macos"` or `"aarch64-macos"`. Else it is
-        this one.
+        Target machine, compiled with ziglang: `"x86_64-linux"`,
+        `"aarch64-linux"`, `"x86_64-windows"`, `"x86_64-macos"` or `"aarch64-macos"`. Default:
+        this machine.
 
     Returns
     -------
     Path
-        The plugin.
+        Path of the plugin.
 
     Raises
     ------
     InputError
-        No such format or target, no or too many presets or timelines, two presets of one name; a
-        folder that can't be written to.
+        The format or target is unknown, there are no or too many presets or timelines, two presets
+        have the same name, or the folder can't be written.
     OverviewError
-        There is no C compiler, or it fails.
+        The C compiler is missing or fails.
 
     Examples
     --------
@@ -148,7 +149,7 @@ def build_plugin(
     'match.clap'
     """
     if to not in PLUGIN_FORMATS:
-        raise InputError(f"no plugin format {shown(to)}; it is {' or '.join(PLUGIN_FORMATS)}")
+        raise InputError(f"to is {shown(to)}; must be {' or '.join(PLUGIN_FORMATS)}")
     chosen = (presets,) if isinstance(presets, Preset) else tuple(presets)
     if isinstance(timeline, Timeline):
         timelines: Mapping[str, Timeline] = {timeline.title or "timeline": timeline}
@@ -156,9 +157,9 @@ def build_plugin(
         timelines = timeline
     for what, count in (("presets", len(chosen)), ("timelines", len(timelines))):
         if not 1 <= count <= MOST_NAMES:
-            raise InputError(f"a plugin holds 1 to {MOST_NAMES} {what}, not {count}")
+            raise InputError(f"there are {count} {what}; must be 1 to {MOST_NAMES}")
     if len({preset.name for preset in chosen}) < len(chosen):
-        raise InputError("two presets of a plugin have the same name: name each once")
+        raise InputError("two presets of the plugin have the same name; names must be unique")
     machine, compiler = machine_of(target), compiler_of(target)
     called = name or next(iter(timelines.values())).title or next(iter(timelines))
     bundle = bundle_of(called.strip(), timelines, chosen, seed)

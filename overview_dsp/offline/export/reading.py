@@ -1,13 +1,13 @@
-"""Haptic clips of others: read to what they make a device do, checked, laid into a preset.
+"""Reader of haptic clips: decode, validate, and convert to events of presets.
 
-What comes back is an amplitude for each millisecond and the strikes, by the same laws as exports
-are written (`ahap`, `haptic`): so a clip that was exported comes back as it was. Of an AHAP clip in
-two files, vibration and strikes, either one names both.
+Decoded clips have an amplitude for each millisecond and strikes, by the conversions of the exports
+(`ahap`, `haptic`). An exported clip is thus decoded without changes. An AHAP clip with
+two files, vibration and strikes, is read from either of them.
 
-As a layer of a preset, a clip's vibration becomes an event's friction, its strikes become modes.
-The amplitude over the clip's length becomes the friction's profile over the event: what was time
-becomes the way over the event, so the disk plays the clip, as fast as it moves and backwards too.
-Sharpness of a strike is pitch of a mode, strength is level.
+In a preset, a clip's vibration becomes an event's friction, and its strikes become modes.
+The amplitude over the clip's duration becomes the profile of friction over the event: time
+becomes position, so the disk plays the clip at any speed and in both directions.
+The sharpness of a strike becomes the pitch of a mode, its strength the level.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_MODES
 from overview_dsp.offline.export import ahap, haptic
-from overview_dsp.offline.export.android import Android, xml_faults_of
+from overview_dsp.offline.export.android import Android, validate_xml
 from overview_dsp.offline.export.clip import DULL_HZ, SHARP_HZ, Transient
-from overview_dsp.offline.export.document import Part, faults_of, read
+from overview_dsp.offline.export.document import Part, read, validate
 from overview_dsp.offline.export.hjif import Hjif
 from overview_dsp.public import counted
 
@@ -40,7 +40,7 @@ MAX_BYTES = 8_000_000
 SUFFIXES = (".ahap", ".haptic")
 PLAIN = SUFFIXES[0]
 PAIRS = ((PLAIN, ".strikes.ahap"), ("_continuous.ahap", "_transients.ahap"))
-"""How the two files of an AHAP clip are called: ours, and Meta's."""
+"""Suffixes of the two files of an AHAP clip: ours, and Meta's."""
 
 _MODELS: dict[str, type[Part]] = {
     "Pattern": ahap.Ahap,
@@ -48,25 +48,25 @@ _MODELS: dict[str, type[Part]] = {
     "perceptions": Hjif,
     "waveform": Android,
 }
-"""Formats by a key that only they have."""
+"""Formats by a unique key."""
 
 MAX_FAULTS = 20
-"""Faults that are listed: the first ones are what the others come from."""
+"""Highest number of faults to list; later ones are often consequences."""
 
 
 @dataclass(frozen=True, eq=False)
-class PlayedClip:
-    """What a haptic clip plays.
+class DecodedClip:
+    """Decoded haptic clip.
 
     Attributes
     ----------
     level : float64 (n,)
         Amplitude at each millisecond, 0 to 1.
     transients : tuple of Transient
-        Its strikes, in order.
+        Strikes in order of time.
     played : float64 (m,)
-        Both together, as the format's player gives it: Core Haptics with transients of 12 ms, the
-        Quest.
+        Level including strikes on the format's player: Core Haptics with transients of 12 ms, or
+        the Quest.
 
     Examples
     --------
@@ -82,27 +82,27 @@ class PlayedClip:
     played: NDArray[np.float64]
 
     def __repr__(self) -> str:
-        return f"<PlayedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
+        return f"<DecodedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
 
 
-def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
+def read_clip(path: str | os.PathLike[str]) -> DecodedClip:
     """Read an AHAP or `.haptic` file, detected from its content.
 
     Parameters
     ----------
     path : str or path
-        The file; of an AHAP clip in two files (`x.ahap` and `x.strikes.ahap`, `x_continuous.ahap`
-        and `x_transients.ahap`), either one.
+        File, or either file of an AHAP clip with two (`x.ahap` and `x.strikes.ahap`,
+        `x_continuous.ahap` and `x_transients.ahap`).
 
     Returns
     -------
-    PlayedClip
+    DecodedClip
         Amplitudes and strikes.
 
     Raises
     ------
     InputError
-        Not readable, too large, not JSON, neither of the two, or a broken entry: which one.
+        The file is not readable, too large, not JSON, of another format, or has an invalid entry.
 
     Examples
     --------
@@ -121,7 +121,7 @@ def read_clip(path: str | os.PathLike[str]) -> PlayedClip:
     return found[0] if len(found) == 1 else _core_haptics(level, strikes)
 
 
-def _read(path: Path) -> PlayedClip:
+def _read(path: Path) -> DecodedClip:
     document = load_document(path)
     keys = document if isinstance(document, dict) else ()
     with validation.located(f"{path}: "):
@@ -129,20 +129,20 @@ def _read(path: Path) -> PlayedClip:
             return _core_haptics(*ahap.decoded(read(ahap.Ahap, document)))
         if "signals" in keys:
             level, strikes = haptic.decoded(read(haptic.Haptic, document))
-            return PlayedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
-    raise InputError(f"{path}: neither AHAP (with a Pattern) nor .haptic (with signals)")
+            return DecodedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
+    raise InputError(f"{path}: must be AHAP (with a Pattern) or .haptic (with signals)")
 
 
-def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> PlayedClip:
+def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> DecodedClip:
     played = ahap.with_transients(level, strikes, ahap.TRANSIENTS_MS[0])
-    return PlayedClip(level, tuple(strikes), played)
+    return DecodedClip(level, tuple(strikes), played)
 
 
 def paired(path: Path) -> tuple[Path, ...]:
-    """The files of the clip that a file is of: vibration and strikes, if they lie beside it."""
+    """Return the existing files of the clip to which a file belongs: vibration and strikes."""
     for vibration, strikes in PAIRS:
         for own, other in ((vibration, strikes), (strikes, vibration)):
-            # a suffix that is part of the other one: match.strikes.ahap is no vibration
+            # one suffix is a part of the other: match.strikes.ahap is not a vibration
             if not path.name.endswith(own) or (own == PLAIN and path.name.endswith(strikes)):
                 continue
             beside = path.with_name(path.name.removesuffix(own) + other)
@@ -152,24 +152,24 @@ def paired(path: Path) -> tuple[Path, ...]:
 
 
 def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
-    """The clips of a file or a folder, by the kind of event that each is for.
+    """Return the clips of a file or a folder by event kind.
 
     Parameters
     ----------
     path
-        A clip's file, or a folder with some.
+        File of a clip, or folder with clips.
     kind
-        Given: of a file, or of a folder's only clip. None: a folder's clips are named after kinds.
+        Kind of a single clip. None: the file names of a folder are kinds.
 
     Raises
     ------
     InputError
-        No kind for a file, no clip in a folder, several for one kind.
+        The kind of a file is missing, a folder has no clip, or a kind has several.
     """
     place = Path(path)
     if not place.is_dir():
         if kind is None:
-            raise InputError(f"{place}: for which kind of event? give --as KIND")
+            raise InputError(f"{place}: the event kind is missing; add --as KIND")
         return {kind: place}
     found: dict[str, Path] = {}
     for one in sorted(place.iterdir()):
@@ -183,20 +183,22 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
                 one.stem,
             )
             if name in found:
-                raise InputError(f"{place}: two clips are called {name}; keep one of them")
+                raise InputError(f"{place}: two clips have the name {name}; keep one of them")
             found[name] = one
     if not found:
-        raise InputError(f"{place}: no clip is in this folder ({', '.join(SUFFIXES)})")
+        raise InputError(f"{place}: the folder has no clip ({', '.join(SUFFIXES)})")
     if kind is None:
         return found
     if len(found) > 1:
-        raise InputError(f"{place}: {len(found)} clips for one kind; leave --as out, or give one")
+        raise InputError(
+            f"{place}: {len(found)} clips for one kind; remove --as or select one clip"
+        )
     (only,) = found.values()
     return {kind: only}
 
 
 def load_document(path: str | os.PathLike[str]) -> Any:
-    """Load a clip's JSON; InputError, a line that names the file, where it can't be."""
+    """Load a clip's JSON; raise InputError with the file's name on failure."""
     where = os.fspath(path)
     try:
         size = Path(path).stat().st_size
@@ -212,13 +214,13 @@ def load_document(path: str | os.PathLike[str]) -> Any:
 
 
 def _no_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number of JSON")
+    raise ValueError(f"{name} is not valid JSON")
 
 
 def check_clip(path: str | os.PathLike[str]) -> list[str]:
-    """Say what is wrong with a haptic clip, by the rules of its format and what players do with it.
+    """Return the faults of a haptic clip by the rules of its format and players.
 
-    Stricter than `read_clip`, which takes what can be played.
+    This is stricter than `read_clip`, which accepts all playable clips.
 
     Parameters
     ----------
@@ -228,12 +230,12 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
     Returns
     -------
     list of str
-        A line a fault, the first 20; empty if there is none.
+        One line per fault, at most 20; empty without faults.
 
     Raises
     ------
     InputError
-        It can't be read.
+        The file can't be read.
 
     Examples
     --------
@@ -253,8 +255,8 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
         raise
     for key, model in _MODELS.items():
         if isinstance(document, dict) and key in document:
-            return faults_of(model, document)[:MAX_FAULTS]
-    return [f"none of {', '.join(_MODELS)} is in it: neither AHAP, .haptic, HJIF nor Android"]
+            return validate(model, document)[:MAX_FAULTS]
+    return [f"has none of {', '.join(_MODELS)}; must be AHAP, .haptic, HJIF or Android"]
 
 
 def _xml(path: Path) -> list[str]:
@@ -268,7 +270,7 @@ def _xml(path: Path) -> list[str]:
         root = ElementTree.fromstring(text.encode())
     except (ElementTree.ParseError, ValueError) as error:
         return [f"not XML: {error}"]
-    return xml_faults_of(root)
+    return validate_xml(root)
 
 
 POINTS = 64
@@ -277,7 +279,7 @@ Layer = Literal["tactor", "click", "both"]
 _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 
-def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
+def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ...]:
     """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
     level = clip.played
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
@@ -288,7 +290,7 @@ def course(clip: PlayedClip, count: int = POINTS) -> tuple[float, ...]:
     return tuple(round(float(value), 4) for value in highest / highest.max())
 
 
-def modes(clip: PlayedClip) -> tuple[ClickMode, ...]:
+def modes(clip: DecodedClip) -> tuple[ClickMode, ...]:
     """The clip's strikes as modes, the strongest first, a pitch once."""
     found: list[Transient] = []
     for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
@@ -310,11 +312,11 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
     return ClickMode(round(hz, 1), round(decay, 1), round(gain, 1))
 
 
-def with_layer(preset: Preset, kind: str, clip: PlayedClip, layer: Layer) -> Preset:
+def with_layer(preset: Preset, kind: str, clip: DecodedClip, layer: Layer) -> Preset:
     """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
-    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], also=())
+    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], aliases=())
     if layer in ("tactor", "both"):
-        base = replace(base, points=course(clip))
+        base = replace(base, points=amplitude_profile(clip))
     # of both, a clip without strikes leaves the click as it is
     if layer == "click" or (layer == "both" and clip.transients):
         base = replace(base, modes=modes(clip))

@@ -1,4 +1,4 @@
-"""The formats a gesture can be exported to, and the files each one writes."""
+"""Writers of the haptic formats to which a gesture can be exported."""
 
 from __future__ import annotations
 
@@ -16,34 +16,34 @@ from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
-from overview_dsp.offline.export.clip import Clip, FeltError, clip_of, felt_error
+from overview_dsp.offline.export.clip import Clip, PerceptualError, clip_of, perceptual_error
 from overview_dsp.offline.export.document import encoded
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 
 POINTS_PER_S = 50.0
-"""Amplitude points a second by default (Meta's studio has 40; a sweep of a second needs more)."""
+"""Default number of amplitude points per second (Meta's studio has 40; fast sweeps need more)."""
 
 Played = dict[str, NDArray[np.float64]]
-"""What each player makes of a document: the amplitude at each millisecond."""
+"""Amplitude at each millisecond on each player of a document."""
 
 
 @dataclass(frozen=True)
-class Exported:
-    """What `export` wrote.
+class ExportResult:
+    """RenderResult of `export`.
 
     Attributes
     ----------
     files : tuple of path
-        In the order they were written.
-    error : FeltError or None
-        Against the rendered envelope, strikes included, on the first of `players`; None where the
-        samples themselves were written.
+        Files in the order of writing.
+    error : PerceptualError or None
+        Error against the rendered envelope, including strikes, on the first of `players`; None if
+        the samples were written.
     points, transients : int
-        How many points of amplitude, and how many strikes.
-    players : mapping of str to FeltError
-        The same on each player that the format is for.
+        Number of amplitude points, and number of strikes.
+    players : mapping of str to PerceptualError
+        Error on each player of the format.
 
     Examples
     --------
@@ -53,18 +53,18 @@ class Exported:
     """
 
     files: tuple[Path, ...]
-    error: FeltError | None
+    error: PerceptualError | None
     points: int
     transients: int
-    players: Mapping[str, FeltError] = field(default_factory=dict)
+    players: Mapping[str, PerceptualError] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         files = " and ".join(short(path.name) for path in self.files)
-        return f"<Exported: {files}, {counted(self.transients, 'strike')}>"
+        return f"<ExportResult: {files}, {counted(self.transients, 'strike')}>"
 
 
 Bake = Callable[[Clip, int], tuple[dict[str, bytes], Played, int]]
-"""Of a clip and a budget of points: files by suffix, what players make of them, points used."""
+"""Function of a clip and a budget of points: files by suffix, levels on players, points used."""
 
 
 def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
@@ -74,9 +74,9 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     if clip.transients:
         files[".strikes.ahap"] = encoded(strikes)
     level, _ = ahap.decoded(vibration)
-    _, struck = ahap.decoded(strikes) if clip.transients else (level, [])
+    _, transients = ahap.decoded(strikes) if clip.transients else (level, [])
     played = {
-        f"Core Haptics, strikes of {length} ms": ahap.with_transients(level, struck, length)
+        f"Core Haptics, strikes of {length} ms": ahap.with_transients(level, transients, length)
         for length in ahap.TRANSIENTS_MS
     }
     return files, played, points
@@ -107,7 +107,7 @@ def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
 _BAKES: Mapping[str, Bake] = MappingProxyType(
     {"ahap": _ahap, "haptic": _haptic, "hjif": _hjif, "android": _android}
 )
-"""By format; `wav4` is written from the samples."""
+"""Writers by format; `wav4` is written from the samples."""
 
 NAMES = (*_BAKES, "wav4")
 
@@ -129,36 +129,37 @@ def formats() -> tuple[str, ...]:
 
 
 def export(
-    result: Result[Trace | None],
+    result: RenderResult[Trace | None],
     to: str,
     path: str | os.PathLike[str],
     points_per_s: float = POINTS_PER_S,
-) -> Exported:
+) -> ExportResult:
     """Write a rendered gesture in a haptic format.
 
     Parameters
     ----------
-    result : Result
-        Of `render`, with its trace.
+    result : RenderResult
+        RenderResult of `render`, with trace.
     to : str
         One of `formats()`.
     path : str or path
-        Of the first file; the others lie beside it under the same name.
+        Path of the first file; others have the same name with another suffix.
     points_per_s : float
-        Amplitude points to spend, a second of the clip, 1 to 1000 (formats of fixed steps don't
-        take it).
+        Amplitude points per second of the clip, 1 to 1000 (formats with fixed steps don't
+        use it).
 
     Returns
     -------
-    Exported
-        The files, and how far they are from what was felt.
+    ExportResult
+        Files and their perceptual error.
 
     Raises
     ------
     InputError
-        An unknown format, nothing to vibrate, too long, a place that can't be written.
+        The format is unknown, the gesture has no vibration or is too long, or the path can't be
+        written.
     OutputError
-        A full disk.
+        The disk is full.
 
     Examples
     --------
@@ -170,18 +171,18 @@ def export(
     True
     """
     if not hasattr(result, "samples"):
-        raise InputError(f"result is {shown(result)}; give what ov.render returns")
+        raise InputError(f"result is {shown(result)}; must be a result of ov.render")
     if not isinstance(to, str) or to not in NAMES:
-        raise InputError(f"no export format is called {shown(to)}; it is one of {', '.join(NAMES)}")
+        raise InputError(f"to is {shown(to)}; must be one of {', '.join(NAMES)}")
     # written so that NaN fails
     points_per_s = validation.real(points_per_s, "points_per_s")
     if not 1.0 <= points_per_s <= 1000.0:
-        raise InputError(f"{points_per_s:g} points a second; it is 1 to 1000")
+        raise InputError(f"points_per_s is {points_per_s:g}; must be 1 to 1000")
     target = validation.path(path, "path")
     if to == "wav4":
-        # for pads whose voice coils are channels 3 and 4 (DualSense): clicks on both sides, tactor
+        # for pads with voice coils on channels 3 and 4 (DualSense): clicks on both sides, tactor
         save_sound(target, result.samples[:, [0, 0, 1, 1]], result.sample_rate, "PCM_16")
-        return Exported((target,), None, 0, 0)
+        return ExportResult((target,), None, 0, 0)
     clip = clip_of(result)
     budget = max(2, round(points_per_s * clip.duration_s))
     files, played, points = _BAKES[to](clip, budget)
@@ -192,6 +193,6 @@ def export(
         with atomic_file(place) as temporary:
             temporary.write_bytes(data)
         written.append(place)
-    players = {name: felt_error(level, clip.level) for name, level in played.items()}
+    players = {name: perceptual_error(level, clip.level) for name, level in played.items()}
     error = next(iter(players.values()))
-    return Exported(tuple(written), error, points, len(clip.transients), players)
+    return ExportResult(tuple(written), error, points, len(clip.transients), players)

@@ -1,1 +1,1 @@
-"""The pictures: timelines, sweeps and taps, presets."""
+"""Plots of timelines, sweeps and taps."""

@@ -1,4 +1,4 @@
-"""The paper's figures 4, 5 and 6, drawn from this program."""
+"""Figures 4, 5 and 6 of the paper."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from overview_dsp.files.atomic import make_folder
 from overview_dsp.offline.plots.saving import save_figure
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 FAST_S, SLOW_S = 1.0, 4.0
 TAP_AT, TAP_HOLD_S = 1.0, 3.0
 
 
-def renders(timeline: Timeline, preset: Preset) -> dict[str, Result]:
-    """The three gestures of the paper: a fast sweep, a slow sweep and a tap."""
-    return {name: render(timeline, preset, hand) for name, hand in _hands().items()}
+def renders(timeline: Timeline, preset: Preset) -> dict[str, RenderResult]:
+    """Render the three gestures of the paper: a fast sweep, a slow sweep and a tap."""
+    return {name: render(timeline, preset, gesture) for name, gesture in _gestures().items()}
 
 
-def _hands() -> dict[str, Gesture]:
+def _gestures() -> dict[str, Gesture]:
     return {
         "fast sweep": sweep(FAST_S),
         "slow sweep": sweep(SLOW_S),
@@ -30,11 +30,11 @@ def _hands() -> dict[str, Gesture]:
     }
 
 
-def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> list[Path]:
-    """Draw figures 4, 5 and 6 into a folder, PNG and SVG; the files."""
+def draw(timeline: Timeline, results: dict[str, RenderResult], folder: str | Path) -> list[Path]:
+    """Write figures 4, 5 and 6 to a folder as PNG and SVG; return the files."""
     out = make_folder(folder)
     fast, slow = results["fast sweep"], results["slow sweep"]
-    hands = _hands()
+    gestures = _gestures()
     sweeps = plot_strokes(
         [
             (f"fast sweep, {FAST_S:g} s", fast),
@@ -42,13 +42,13 @@ def draw(timeline: Timeline, results: dict[str, Result], folder: str | Path) -> 
         ],
         timeline,
         f"{timeline.title}: sweeps and recoil",
-        [hands["fast sweep"], hands["slow sweep"]],
+        [gestures["fast sweep"], gestures["slow sweep"]],
     )
     taps = plot_strokes(
         [(f"tap at {TAP_AT:g}, held {TAP_HOLD_S:g} s", results["tap"])],
         timeline,
         f"{timeline.title}: a tap",
-        [hands["tap"]],
+        [gestures["tap"]],
     )
     return [
         *save_figure(plot_timeline(timeline, fast.engine.surface.angle_map), out / "figure-4"),

@@ -1,4 +1,4 @@
-"""Figures as files: PNG, SVG, PDF, whole or not at all."""
+"""Figure files: PNG, SVG and PDF, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 PICTURES = (".png", ".svg", ".pdf")
-"""How a picture may be written, by the suffix of its file."""
+"""Formats of figures by file suffix."""
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:
-    """Refuse early, with InputError, a picture that could not be written at the end."""
+    """Raise InputError early for a figure that could not be written later."""
     _picture_suffix(path)
     require_writable(path)
 
@@ -31,10 +31,10 @@ def _picture_suffix(path: str | os.PathLike[str]) -> str:
 
 
 def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure as one file (`PICTURES`), whole or not at all; errors as `atomic_file`."""
+    """Write a figure to a file (`PICTURES`); errors as in `atomic_file`."""
     import matplotlib
 
-    # no date and fixed ids: the same figure gives the same bytes
+    # no date and fixed ids, so that the same figure gives the same bytes
     metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     suffix = _picture_suffix(path)
     with (
@@ -45,7 +45,7 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
-    """Write a figure as PNG and as SVG; the files, whole or absent."""
+    """Write a figure as PNG and SVG; return the files."""
     written = []
     for suffix in (".png", ".svg"):
         path = Path(f"{os.fspath(stem)}{suffix}")

@@ -1,4 +1,4 @@
-"""What the disk did in sweeps and taps (the paper's figures 5 and 6)."""
+"""Plots of sweeps and taps (the paper's figures 5 and 6)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from overview_dsp.offline.plots.style import (
     styles_of,
     tidy,
 )
-from overview_dsp.offline.rendering.offline import Result
+from overview_dsp.offline.rendering.offline import RenderResult
 from overview_dsp.units import HALF_TURN
 
 if TYPE_CHECKING:
@@ -33,22 +33,23 @@ if TYPE_CHECKING:
 
 
 def plot_strokes(
-    results: list[tuple[str, Result]],
+    results: list[tuple[str, RenderResult]],
     timeline: Timeline,
     title: str,
-    hands: Sequence[Gesture] = (),
+    gestures: Sequence[Gesture] = (),
 ) -> Figure:
-    """Torque, friction, disk 1 and disk 2 over time, a column a gesture (figures 5 and 6).
+    """Plot torque, friction, disk 1 and disk 2 over time, one column per gesture.
 
-    Where data is missing, the surface under disk 1 is hatched. With a slip clutch disk 2 pulls
-    from where the clutch stands, not from the finger; of `hands`, the gestures, the finger is
-    drawn beside it.
+        Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position
+        of the
+    clutch, not the input angle. With `gestures`, the input angle is
+        plotted, too.
     """
     figure = new_figure(5.2 * len(results) + 0.6, 9.0)
     grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
         trace = result.trace
-        # the last part of the recoil is all alike
+        # the last part of the recoil is uniform
         shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
         time, touching = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
@@ -67,23 +68,23 @@ def plot_strokes(
             if touching.any() and not touching.all():
                 release = float(time[np.flatnonzero(touching)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
-        if hands:
-            finger = _finger(hands[column], trace.time[shown], touching)
+        if gestures:
+            angle = _input_angle(gestures[column], trace.time[shown], touching)
             axes[4].plot(
-                *extremes(time, finger), color=GREY, linewidth=0.9, label="finger", zorder=1.5
+                *extremes(time, angle), color=GREY, linewidth=0.9, label="angle", zorder=1.5
             )
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for gap in timeline.gaps:
             start, end = result.engine.surface.position_of(gap) * HALF_TURN
             axes[3].axhspan(start, end, **GAP_STYLE)
         axes[0].set_title(name, fontsize=10, pad=14)
-        # logarithmic beyond 1 mN·m: the surface and its goals in one view; how far apart they are
-        # the linear panel shows
+        # logarithmic beyond 1 mN·m to show the base surface and goals together; the linear
+        # panel shows their distance
         axes[0].set_yscale("symlog", linthresh=1.0)
-        # plain numbers: powers of ten would go through the slow setting of formulas
+        # plain numbers, since powers of ten need slow typesetting of formulas
         axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        axes[-1].set_xlabel("time, s (dashed: the finger releases)")
-    # margins by hand: finding them takes longer than drawing
+        axes[-1].set_xlabel("time, s (dashed: the angle releases)")
+    # fixed margins, since automatic layout takes longer than drawing
     inch = 1.0 / (5.2 * len(results) + 0.6)
     figure.subplots_adjust(
         left=0.95 * inch, right=1.0 - 0.15 * inch, top=0.89, bottom=0.1, wspace=0.06, hspace=0.12
@@ -91,19 +92,19 @@ def plot_strokes(
     figure.align_ylabels(grid[:, 0])
     figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
     handles, labels = grid[0, 0].get_legend_handles_labels()
-    if hands:
-        fingers, names = grid[4, 0].get_legend_handles_labels()
-        handles, labels = handles + fingers, labels + names
+    if gestures:
+        inputs, names = grid[4, 0].get_legend_handles_labels()
+        handles, labels = handles + inputs, labels + names
     if handles:
         figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
     return figure
 
 
-def _finger(
-    hand: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
+def _input_angle(
+    gesture: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    latest = np.searchsorted(hand.time_s, time, side="right") - 1
-    return np.where(touching & (latest >= 0), hand.theta2[np.maximum(latest, 0)], 0.0)
+    latest = np.searchsorted(gesture.time_s, time, side="right") - 1
+    return np.where(touching & (latest >= 0), gesture.theta2[np.maximum(latest, 0)], 0.0)
 
 
 def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
@@ -111,7 +112,7 @@ def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> 
     return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
 
 
-def _mark_strikes(axes: Axes, result: Result, timeline: Timeline, end: float) -> None:
+def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: float) -> None:
     # a row of marks just above the axes
     above = axes.get_xaxis_transform()
     strikes = result.strikes.of_events()

@@ -1,4 +1,4 @@
-"""Colours, markers and frames that all pictures share.
+"""Colours, markers and frames of all plots.
 
 Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds differ in shape too.
 """
@@ -23,7 +23,7 @@ YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#767676"
 
 Marker = Any
-"""A marker of matplotlib's: a letter, a number, or corners, style and turn."""
+"""Marker of matplotlib: a letter, a number, or a tuple of corners, style and rotation."""
 
 Style = tuple[Marker, str, str]
 """Marker, face colour, words."""
@@ -70,7 +70,7 @@ KIND_STYLE: dict[str, Style] = {
     "cheer": ((8, 1, 0), YELLOW, "cheer"),
     "burst": ((7, 1, 0), ORANGE, "burst"),
 }
-# of kinds that have no style of their own: which one is told by the kind's name alone
+# of kinds without a style, selected by the kind's name
 _OTHERS: tuple[tuple[Marker, str], ...] = tuple(
     (marker, colour)
     for marker, colour in zip(
@@ -83,18 +83,18 @@ _OTHERS: tuple[tuple[Marker, str], ...] = tuple(
     )
 )
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#b0b0b0", "hatch": "////", "linewidth": 0.0}
-_POINTS = 1500  # a curve keeps its extremes in this many steps, so that an SVG stays small
+_POINTS = 1500  # steps of a curve, of which the extremes are kept, to limit the size of an SVG
 
 
 def has_face(marker: Marker) -> bool:
-    """Return whether a marker is an area, not lines."""
+    """Return whether a marker is an area instead of lines."""
     from matplotlib.markers import MarkerStyle
 
     return bool(MarkerStyle(marker).is_filled()) and (isinstance(marker, str) or marker[1] != 2)
 
 
 def styles_of(timeline: Timeline) -> dict[str, Style]:
-    """The style of each kind of a timeline: a kind has the same one in all pictures.
+    """Return the style of each kind of a timeline, which is the same in all plots.
 
     Kinds without one of their own share a few by their names; two of one picture get different ones
     as far as there are.
@@ -114,7 +114,7 @@ def styles_of(timeline: Timeline) -> dict[str, Style]:
 def mark_events(
     axes: Axes, x: ArrayLike, y: ArrayLike, style: Style, size: float, **options: Any
 ) -> None:
-    """Draw events with the marker of their kind; areas have a black edge."""
+    """Plot events with the marker of their kind; areas have a black edge."""
     marker, colour, words = style
     options.setdefault("linewidths", 0.7 if has_face(marker) else 1.6)
     options.setdefault("label", words)
@@ -123,14 +123,14 @@ def mark_events(
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure, in inches, without a window."""
+    """Return an empty figure of a size in inches, without a window."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height))
 
 
 def tidy(axes: Axes) -> None:
-    """A light grid behind the data; no frame at the top and the right."""
+    """Add a light grid behind the data and remove the frame at the top and right."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.set_axisbelow(True)
@@ -139,7 +139,7 @@ def tidy(axes: Axes) -> None:
 def extremes(
     x: NDArray[np.float64], y: NDArray[np.float64], points: int = _POINTS
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A curve with fewer points and the same extremes: the lowest and highest of each step."""
+    """Return a curve with fewer points: the lowest and highest value of each step."""
     if len(x) <= 2 * points:
         return x, y
     edges = np.linspace(0, len(x), points + 1).astype(int)[:-1]

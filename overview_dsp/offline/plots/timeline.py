@@ -1,4 +1,4 @@
-"""The timeline as a picture: its data in their unit, events and gaps (the paper's figure 4).
+"""Plot of a timeline: data in their unit, events and gaps (the paper's figure 4).
 
 The time axis of a picture: a calendar's dates, a match's minutes, or plain time in its unit.
 """
@@ -38,7 +38,7 @@ _TICK_MIN = 15
 
 
 def time_unit(duration_s: float) -> tuple[float, str]:
-    """The seconds and the name of the unit that suits a duration."""
+    """Return length (s) and name of the unit that suits a duration."""
     for longest_s, scale, name in ((600.0, 1.0, "s"), (18_000.0, 60.0, "min"), (3e5, 3600.0, "h")):
         if duration_s <= longest_s:
             return scale, name
@@ -46,7 +46,7 @@ def time_unit(duration_s: float) -> tuple[float, str]:
 
 
 class TimeAxis:
-    """Where the times of a timeline lie in a picture: in `time_unit`, or as on a surface.
+    """Time axis of a plot: in `time_unit`, or with the angle map of a surface.
 
     Parameters
     ----------
@@ -63,26 +63,26 @@ class TimeAxis:
         self.width = timeline.duration_s / self.scale
 
     def x(self, time_s: ArrayLike) -> NDArray[np.float64]:
-        """Return where times lie."""
+        """Return the coordinates of times."""
         if self._map is None:
             return np.asarray(time_s, dtype=np.float64) / self.scale
         return self._map.position_of(time_s) * self.width
 
     def event_x(self) -> NDArray[np.float64]:
-        """Return where each event of the timeline lies."""
+        """Return the coordinates of the timeline's events."""
         if self._map is None:
             return self.x([event.time_s for event in self._timeline.events])
         return self._map.events * self.width
 
     def even_times(self, count: int) -> NDArray[np.float64]:
-        """Return the times at evenly drawn places, both ends included."""
+        """Return the times at evenly spaced coordinates, including both ends."""
         places = np.linspace(0.0, 1.0, count)
         return (
             places * self._timeline.duration_s if self._map is None else self._map.time_at(places)
         )
 
     def label(self, axes: Axes) -> None:
-        """Label the axis; where time is stretched, a bar lies on it and the label says why."""
+        """Label the axis, and mark stretched parts with a bar and a note."""
         axes.set_xlim(0.0, self.width)
         self._label(axes)
         if self._map is None:
@@ -106,7 +106,7 @@ class TimeAxis:
         football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
         axes.set_xlabel(f"time of play, {self.unit}" if football else f"time, {self.unit}")
         if self._map is not None:
-            ticker: Any = import_module("matplotlib.ticker")  # it has no types
+            ticker: Any = import_module("matplotlib.ticker")  # without types
             ticks = ticker.MaxNLocator(9, steps=[1, 1.5, 2, 2.5, 3, 5, 10]).tick_values(
                 0.0, self.width
             )
@@ -115,7 +115,7 @@ class TimeAxis:
 
 
 def _label_minutes(axes: Axes, halves: Sequence[Half], axis: TimeAxis) -> None:
-    """Minutes as on the board: 90+4 is the end of a half with four minutes added."""
+    """Return minutes of a match: 90+4 is the end of a half with four minutes added."""
     ticks: dict[float, str] = {}
     for half in halves:
         for minute in range(half.first, half.last, _TICK_MIN):
@@ -130,9 +130,9 @@ def _label_minutes(axes: Axes, halves: Sequence[Half], axis: TimeAxis) -> None:
 
 
 def _label_dates(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
-    dates: Any = import_module("matplotlib.dates")  # it has no types
+    dates: Any = import_module("matplotlib.dates")  # without types
     assert timeline.start is not None
-    # the clock on the wall: a zone would be turned into UTC
+    # local time without a zone, which matplotlib would convert to UTC
     first = timeline.start.replace(tzinfo=None)
     locator = dates.AutoDateLocator(minticks=4, maxticks=9)
     days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
@@ -144,17 +144,17 @@ def _label_dates(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
 
 
 _STEPS = 600
-"""Positions along a picture, one for each pixel of its curve."""
+"""Number of positions along a curve, about one per pixel."""
 
 _CROWDED = 60
-"""From so many events on, a kind's marks are small."""
+"""Number of events from which on a kind's markers are small."""
 
 _NAMED_GAP = 0.08
-"""A gap of this part of the picture's width has its reason written in it."""
+"""Width of a gap relative to the plot from which on its reason is written into it."""
 
 
 def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figure:
-    """The data with their events, as in the paper's figure 4; gaps are hatched.
+    """Plot the data with their events, as in the paper's figure 4; gaps are hatched.
 
     A recording that the curve was found in (an ECG) is drawn below it. With the map of a surface
     all lies where it is felt.
@@ -185,7 +185,7 @@ def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figu
 
 
 def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = None) -> None:
-    """The curve with its events and gaps into axes of any figure.
+    """Plot the curve with its events and gaps into axes of a figure.
 
     The left axis has the data's own unit; on the right is the intensity that is felt of them.
     """
@@ -200,7 +200,7 @@ def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = N
 
 
 def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
-    """Gaps hatched, each reason once in the legend; in a wide gap it is written too."""
+    """Hatch the gaps, with their reasons in the legend and in wide gaps."""
     reasons: tuple[str, ...] = getattr(timeline, "gap_reasons", ())
     reasons = reasons or ("",) * len(timeline.gaps)
     named: set[str] = set()
@@ -232,7 +232,7 @@ def _draw_curve(
     colour: str,
     band: float = 0.3,
 ) -> None:
-    """A line where there are few points, else their mean in the band from lowest to highest."""
+    """Plot a line through few points, or the mean and range of many points."""
     if curve.is_constant:
         axes.axhline(float(curve.value[0]), color=colour, linewidth=1.2, zorder=2)
         return
@@ -245,7 +245,7 @@ def _draw_curve(
     low, mean, high = curve.band(times)
     gone = in_gap(timeline.gaps, times)
     for row in (low, mean, high):
-        row[gone] = np.nan  # no line over a gap
+        row[gone] = np.nan  # interrupts the line at a gap
     axes.fill_between(
         axis.x(times), low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
     )
@@ -255,7 +255,7 @@ def _draw_curve(
 def _broken(
     times: NDArray[np.float64], values: NDArray[np.float64], timeline: Timeline, axis: TimeAxis
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The points without those in gaps, the line broken at each gap."""
+    """Return the points outside gaps, with the line interrupted at each gap."""
     known = ~in_gap(timeline.gaps, times)
     middles = np.array([(start + end) / 2.0 for start, end in timeline.gaps])
     every = np.concatenate((times[known], middles))
@@ -265,7 +265,7 @@ def _broken(
 
 
 def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
-    """The data's unit on the left; what is felt of it, 0 to 1, on the right."""
+    """Label the data's unit on the left and the intensity, 0 to 1, on the right."""
     low, span = timeline.scale
     axes.set_ylabel(curve.unit or "value")
     if (low, span) == (0.0, 1.0):
@@ -288,7 +288,7 @@ def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
 
 
 def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
-    """One symbol a kind: on the curve, or without one a row a kind."""
+    """Plot the events of each kind on the curve, or without a curve in one row per kind."""
     places = axis.event_x()
     bottom, _ = axes.get_ylim()
     styles = styles_of(timeline)
@@ -313,7 +313,7 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
 
 
 def _heights(timeline: Timeline, at: NDArray[np.float64], bottom: float) -> NDArray[np.float64]:
-    """Where on the curve events lie; at the bottom where there is none."""
+    """Return the height of events on the curve; 0 without a curve."""
     curve = timeline.intensity
     assert curve is not None
     lost = in_gap(timeline.gaps, at)

@@ -1,14 +1,19 @@
-"""Offline rendering: one gesture, many side by side, what they leave behind."""
+"""Offline rendering of single gestures and batches, and its outputs."""
 
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_jobs, render_many
-from overview_dsp.offline.rendering.offline import Rendered, Result, render, render_to_file
+from overview_dsp.offline.rendering.offline import (
+    RenderFileResult,
+    RenderResult,
+    render,
+    render_to_file,
+)
 from overview_dsp.offline.rendering.trace import Trace
 
 __all__ = [
+    "RenderFileResult",
     "RenderJob",
-    "Rendered",
+    "RenderResult",
     "RenderedJob",
-    "Result",
     "Trace",
     "render",
     "render_jobs",

@@ -1,4 +1,4 @@
-"""A preset heard and felt at a glance: every kind of event, one after the other, out and back."""
+"""Audition of a preset: a sweep over all its event kinds, and the recoil."""
 
 from __future__ import annotations
 
@@ -7,28 +7,28 @@ from collections.abc import Sequence
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.offline.rendering.offline import Result, render
+from overview_dsp.offline.rendering.offline import RenderResult, render
 
 REPEATS = 2
 MANY = 10
-"""From so many kinds on, each is there once: a fast sweep should still part them."""
+"""Number of kinds from which on each occurs once, so that a fast sweep still separates them."""
 
 PAGE_KINDS = 6
 SECONDS_EACH = 0.3
-"""The hand's way from one event to the next: far enough apart to distinguish them."""
+"""Time of the sweep between two events, long enough to distinguish them."""
 
 
 def gallery(preset: Preset) -> Timeline:
-    """A made-up timeline with each kind of the preset, twice in a row, and nothing else."""
+    """Return a timeline with each kind of the preset, twice in a row if there are few."""
     repeats = REPEATS if len(preset.kinds) < MANY else 1
     return _gallery(f"{preset.title}: every kind", list(preset.kinds), repeats)
 
 
 def pages(preset: Preset) -> tuple[Timeline, ...]:
-    """The gallery in parts of so few kinds that a sweep in a second parts them, each kind twice."""
+    """Return the gallery in pages of up to `PAGE_KINDS` kinds, each kind twice."""
     names = list(preset.kinds)
     count = -(-len(names) // PAGE_KINDS)
-    # one after the other in turn, so that a preset's last page isn't a short one
+    # distributed in turn, so that all pages are similarly long
     return tuple(
         _gallery(f"{preset.title}: every kind", names[i::count], REPEATS) for i in range(count)
     )
@@ -41,7 +41,7 @@ def _gallery(title: str, kinds: Sequence[str], repeats: int) -> Timeline:
     return Timeline(title=title, duration_s=length, events=events)
 
 
-def audition(preset: Preset, seed: int = 0) -> Result:
+def audition(preset: Preset, seed: int = 0) -> RenderResult:
     """Render a steady sweep over the gallery and its recoil."""
     timeline = gallery(preset)
     return render(timeline, preset, sweep(timeline.duration_s), seed=seed)

@@ -1,6 +1,6 @@
-"""What happened when: the events a gesture passed, as text, JSON, labels and subtitles.
+"""Event log: events passed by a gesture as text, JSON, labels and subtitles.
 
-A render in words, for who can't hear or feel it: which events were passed, and how hard.
+It describes a render in text for accessibility: the passed events and their strength.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ from numpy.typing import NDArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
-"""Within so much of the strongest an event counts as strong, as medium; weak below."""
+"""Limits of strong and medium events below the strongest one, dB; others are weak."""
 
 SHOWN_S = 1.5
-"""A subtitle stays so long, or until the next one."""
+"""Longest duration of a subtitle, s."""
 
 
 @dataclass(frozen=True)
-class Happening:
-    """An event that was passed.
+class PassedEvent:
+    """Event passed by the disk.
 
     Attributes
     ----------
     time_s : float
-        When it was struck, s from the beginning of the gesture.
+        Time of its strike from the start of the gesture, s.
     event : Event
-        Which one.
+        The event.
     moment : str
-        Where in the timeline it lies, as a person writes it.
+        Time in the timeline as text.
     below_db : float
-        Its click under the strongest one's, dB.
+        Level of its click below the strongest one, dB.
     """
 
     time_s: float
@@ -51,21 +51,21 @@ class Happening:
 
     @property
     def strength(self) -> str:
-        """In a word."""
+        """Strength: `strong`, `medium` or `weak`."""
         if self.below_db <= STRONG_DB:
             return "strong"
         return "medium" if self.below_db <= MEDIUM_DB else "weak"
 
     @property
-    def words(self) -> str:
-        """`goal, 2-1 Mbappe, strong`."""
+    def text(self) -> str:
+        """Description such as `goal, 2-1 Mbappe, strong`."""
         label = " ".join(self.event.display_label.split())
         named = [self.event.kind.replace("_", " "), *([label] if label else [])]
         return ", ".join([*named, self.strength])
 
 
-def happened(strikes: Strikes, timeline: Timeline) -> list[Happening]:
-    """The events that were passed, in order of time; those of the bare surface are left out."""
+def passed_events(strikes: Strikes, timeline: Timeline) -> list[PassedEvent]:
+    """Return the passed events in order of time, without strikes of the base surface."""
     passed = strikes.of_events()
     events = [timeline.events[event] for event in passed.event]
     return of_events(passed.time_s.tolist(), passed.level.tolist(), events, timeline)
@@ -73,11 +73,11 @@ def happened(strikes: Strikes, timeline: Timeline) -> list[Happening]:
 
 def of_events(
     times_s: Iterable[float], levels: Sequence[float], events: Iterable[Event], timeline: Timeline
-) -> list[Happening]:
-    """Events with when they were struck and how hard (the click's amplitude, linear)."""
+) -> list[PassedEvent]:
+    """Return passed events from their times and levels (linear amplitudes of the clicks)."""
     strongest = max([*levels, 1e-12])
     return [
-        Happening(
+        PassedEvent(
             time_s,
             event,
             timeline.moment_text(event.time_s),
@@ -87,13 +87,13 @@ def of_events(
     ]
 
 
-def as_text(passed: Sequence[Happening]) -> str:
-    """`1.24 s goal, 2-1 Mbappe, strong`, a line each."""
-    return "".join(f"{one.time_s:.2f} s {one.words}\n" for one in passed)
+def as_text(passed: Sequence[PassedEvent]) -> str:
+    """Return one line per event, such as `1.24 s goal, 2-1 Mbappe, strong`."""
+    return "".join(f"{one.time_s:.2f} s {one.text}\n" for one in passed)
 
 
-def as_records(passed: Sequence[Happening]) -> list[dict[str, object]]:
-    """The same as plain data."""
+def as_records(passed: Sequence[PassedEvent]) -> list[dict[str, object]]:
+    """Return the events as plain data for JSON."""
     return [
         {
             "time_s": round(one.time_s, 4),
@@ -108,35 +108,35 @@ def as_records(passed: Sequence[Happening]) -> list[dict[str, object]]:
     ]
 
 
-def _json(passed: Sequence[Happening]) -> str:
+def _json(passed: Sequence[PassedEvent]) -> str:
     return json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n"
 
 
-def as_audacity(passed: Sequence[Happening]) -> str:
-    """A label track of Audacity: start, end, text, by tabs."""
-    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.words}\n" for one in passed)
+def as_audacity(passed: Sequence[PassedEvent]) -> str:
+    """Return an Audacity label track: start, end and text, separated by tabs."""
+    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed)
 
 
-def as_reaper(passed: Sequence[Happening]) -> str:
-    """Markers as REAPER's region and marker manager reads them."""
+def as_reaper(passed: Sequence[PassedEvent]) -> str:
+    """Return markers for REAPER's region and marker manager."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(["#", "Name", "Start", "End", "Length"])
     for number, one in enumerate(passed, 1):
         minutes, seconds = divmod(round(one.time_s * 1000), 60_000)
-        rows.writerow([f"M{number}", one.words, f"{minutes}:{seconds / 1000:06.3f}", "", ""])
+        rows.writerow([f"M{number}", one.text, f"{minutes}:{seconds / 1000:06.3f}", "", ""])
     return text.getvalue()
 
 
-def as_webvtt(passed: Sequence[Happening]) -> str:
-    """Subtitles: each event until the next, at most 1.5 s."""
+def as_webvtt(passed: Sequence[PassedEvent]) -> str:
+    """Return WebVTT subtitles: each event until the next one, at most 1.5 s."""
     lines = ["WEBVTT", ""]
     for number, one in enumerate(passed):
         end = one.time_s + SHOWN_S
         if number + 1 < len(passed):
             end = min(end, max(passed[number + 1].time_s, one.time_s + 0.001))
-        # an arrow in a cue's text would end it, and these begin markup
-        words = one.words.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
+        # an arrow would end a cue's text, and & and < start markup
+        words = one.text.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
         lines += [f"{_clock(one.time_s)} --> {_clock(end)}", words, ""]
     return "\n".join(lines)
 
@@ -147,36 +147,36 @@ def _clock(seconds: float) -> str:
     return f"{hours:02d}:{minutes:02d}:{milliseconds / 1000:06.3f}"
 
 
-WRITERS: dict[str, Callable[[Sequence[Happening]], str]] = {
+WRITERS: dict[str, Callable[[Sequence[PassedEvent]], str]] = {
     ".audacity.txt": as_audacity,
     ".txt": as_text,
     ".json": _json,
     ".csv": as_reaper,
     ".vtt": as_webvtt,
 }
-"""By how a file's name ends: the first that fits."""
+"""Writers by the end of a file name; the first match applies."""
 
 
-def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[Happening]], str]:
-    """What writes a file of that name; InputError if none does."""
+def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[PassedEvent]], str]:
+    """Return the writer for a file name; raise InputError for unknown suffixes."""
     for suffix, writer in WRITERS.items():
         if Path(path).name.lower().endswith(suffix):
             return writer
     raise InputError(
-        f"{os.fspath(path)}: a transcript is .txt, .json, .vtt (subtitles), .audacity.txt (labels) "
-        "or .csv (REAPER's markers)"
+        f"{os.fspath(path)}: a transcript must be .txt, .json, .vtt (subtitles), .audacity.txt "
+        "(labels) or .csv (REAPER's markers)"
     )
 
 
-def save_transcript(passed: Sequence[Happening], path: str | os.PathLike[str]) -> None:
-    """Write what happened, in the format that the file's name asks for."""
+def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str]) -> None:
+    """Write passed events in the format of the file's suffix."""
     text = writer_of(path)(passed)
     with atomic_file(Path(path)) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 MOST = 8
-"""Lines for each way: the strongest events; a match has hundreds of weak ones."""
+"""Default number of lines for the way out and for the recoil."""
 
 
 def transcript(
@@ -186,29 +186,29 @@ def transcript(
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:
-    """The strongest strikes of the way out and of the recoil, in order of time, a line each.
+    """Return one line for each of the strongest strikes of the way out and of the recoil.
 
     Parameters
     ----------
     strikes
-        Of a render; those of the bare surface are left out.
+        Strikes of a render; those of the base surface are omitted.
     timeline
-        The one that was rendered: gives kinds, labels and moments.
+        Rendered timeline, with kinds, labels and times.
     engaged
-        The trace's column, one value a frame, or None where there is no trace: says which
-        strikes belong to the recoil; without it all count as one way.
+        Column of the trace that separates the recoil from the way out. None
+        without a trace: all strikes count as the way out.
     sample_rate
-        Hz, of `engaged`.
+        Sample rate of `engaged`, Hz.
     most
-        Lines for each way.
+        Highest number of lines for each direction.
 
     Returns
     -------
     tuple of str
-        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if nothing was
+        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if no event was
         passed.
     """
-    passed = happened(strikes, timeline)
+    passed = passed_events(strikes, timeline)
     touched = [True] * len(passed)
     if engaged is not None and len(engaged):
         frames = [min(int(one.time_s * sample_rate), len(engaged) - 1) for one in passed]

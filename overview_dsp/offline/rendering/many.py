@@ -1,7 +1,7 @@
-"""Many render jobs: each rendered as if alone, side by side and on all cores.
+"""Parallel rendering of many independent jobs on all cores.
 
-A thread renders as many jobs at once as the kernels have lanes, without the interpreter's lock.
-What a job needs beside the kernel is kept small: memory and surfaces are used again.
+Each thread renders as many jobs at once as the kernels have lanes, without the GIL.
+Memory and surfaces are reused to keep the overhead small.
 """
 
 from __future__ import annotations
@@ -33,38 +33,38 @@ from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, checked
 from overview_dsp.offline.rendering.trace import Trace, Traced
 from overview_dsp.public import counted, short
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 from overview_dsp.signal.engine.simd_batch import EngineBatch
 from overview_dsp.signal.surface.cache import SurfaceCache
 from overview_dsp.signal.surface.model import Surface
 
 BLOCK = 65536
-"""Frames of each job rendered at a time: of eight, with their traces, 42 MB."""
+"""Frames of each job per step: 42 MB for eight jobs with traces."""
 
 GROUP = 4 * SIMD_WIDTH
-"""Voices that a thread renders in one go: a lane that is free early gets another one."""
+"""Jobs per group of a thread; a free lane starts the next job of the group."""
 
 GROUP_BYTES = 2**28
-"""Long jobs come in smaller groups: their results wait for each other in memory."""
+"""Highest size of a group's results; long jobs have smaller groups."""
 
 WAITING = 2
-"""Groups a thread that are rendered before their turn: memory stays bounded."""
+"""Groups per thread that are rendered in advance, which bounds the memory."""
 
 
 @dataclass(frozen=True)
 class RenderJob:
-    """One of many independent renders: the arguments of `render`.
+    """Arguments of one of many independent renders.
 
     Parameters
     ----------
     timeline : Timeline
-        What is felt.
+        Data to render.
     preset : Preset
-        How it is felt and heard.
+        Parameters of feel and sound.
     gesture : Gesture
-        What the hand does.
+        Movement of the input.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
 
     Examples
     --------
@@ -91,21 +91,21 @@ class RenderedJob(SavableSound, Generic[Traced]):
     Attributes
     ----------
     job : RenderJob
-        What was asked for.
+        The job.
     surface : Surface
-        What the disk moved on.
+        Surface of the render.
     samples : float32 (frames, 2)
         Click, tactor; linear, full scale is 1.
     sample_rate : float
         Hz.
     trace : Trace or None
-        What the disk did, one value a frame; None where it was rendered with `trace=False`.
+        Trace of the disk; None if rendered with `trace=False`.
     strikes : Strikes
         The events passed.
 
     See Also
     --------
-    render_many : Makes them.
+    render_many : Render jobs.
 
     Examples
     --------
@@ -137,23 +137,23 @@ def render_jobs(
     gestures: Iterable[Gesture],
     seeds: Iterable[int] = (0,),
 ) -> Iterator[RenderJob]:
-    """Make a job of every combination, seeds fastest, then gestures, presets, timelines.
+    """Yield a job for each combination, with seeds varying fastest, then gestures and presets.
 
     Parameters
     ----------
     timelines : iterable of Timeline
-        What is felt.
+        Data to render.
     presets : iterable of Preset
-        How it is felt and heard.
+        Parameters of feel and sound.
     gestures : iterable of Gesture
-        What the hand does.
+        Movement of the input.
     seeds : iterable of int
-        Of the surfaces' grain.
+        Seeds of the texture noise.
 
     Yields
     ------
     RenderJob
-        One of the combinations.
+        Job of a combination.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def render_jobs(
     100
     """
     if not isinstance(seeds, Iterable):
-        raise InputError(f"seeds is {shown(seeds)}; give a list of whole numbers, range(8) say")
+        raise InputError(f"seeds is {shown(seeds)}; must be whole numbers, such as range(8)")
     parts = (
         validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
         validation.instances(presets, Preset, "presets", "ov.load_preset gives one"),
@@ -172,13 +172,13 @@ def render_jobs(
         yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
 
 
-Rendered = RenderedJob[Trace | None] | Exception
-"""A job as rendered, or why it can't be."""
+JobOutcome = RenderedJob[Trace | None] | Exception
+"""Rendered job, or its error."""
 
 
 @dataclass(eq=False)
 class _Playing:
-    """A job in its lane."""
+    """Job in a lane."""
 
     number: int
     job: RenderJob
@@ -189,15 +189,15 @@ class _Playing:
     trace: GrowableArray
     strikes: list[Strikes] = field(default_factory=list)
     logged: int = 0
-    """Frames whose strikes are in the engine's log alone: reading it often costs more than them."""
+    """Frames whose strikes are still in the engine's log, which is read rarely for speed."""
 
     def read_log(self) -> None:
-        """Take the strikes from the engine's log."""
-        self.strikes.append(self.engine.take_strikes())
+        """Read the strikes from the engine's log."""
+        self.strikes.append(self.engine.pop_strikes())
         self.logged = 0
 
     def result(self, trace: tuple[str, ...]) -> RenderedJob[Trace | None]:
-        """Return what was rendered, with these columns of the trace."""
+        """Return the rendered job with the given columns of the trace."""
         self.read_log()
         return RenderedJob(
             self.job,
@@ -210,10 +210,10 @@ class _Playing:
 
 
 class VoiceRenderer:
-    """Renders jobs side by side in one memory. One thread at a time."""
+    """Renders jobs in the lanes of one memory. Thread: one at a time."""
 
     def __init__(self, sample_rate: float, surfaces: SurfaceCache) -> None:
-        """Nothing is allocated until the first job."""
+        """Allocate nothing until the first job."""
         self._rate = sample_rate
         self._surfaces = surfaces
         self._lanes: EngineBatch | None = None
@@ -221,11 +221,11 @@ class VoiceRenderer:
 
     def render(
         self, jobs: Iterable[tuple[int, RenderJob]], tail: Tail, trace: tuple[str, ...]
-    ) -> Iterator[tuple[int, Rendered]]:
-        """Render jobs, each with the bits of `render`; results come as jobs end.
+    ) -> Iterator[tuple[int, JobOutcome]]:
+        """Render jobs, bit-identical to `render`, and yield results as jobs end.
 
-        Each job has a number, which its result has too; it is taken when a lane is free. `trace`
-        names the columns to keep, of `TRACE_COLUMNS`.
+        Each job has a number, which is returned with its result. `trace`
+        names the columns to return, from `TRACE_COLUMNS`.
         """
         waiting = iter(jobs)
         playing: dict[int, _Playing] = {}
@@ -268,14 +268,14 @@ class VoiceRenderer:
 
     def _step(
         self, playing: dict[int, _Playing], trace: tuple[str, ...]
-    ) -> Iterator[tuple[int, Rendered]]:
-        """Render a block of every job; yield those that end with it, or can't go on."""
+    ) -> Iterator[tuple[int, JobOutcome]]:
+        """Render a block of all jobs; yield those that end or fail."""
         assert self._lanes is not None
         frames = BLOCK
         for lane, one in list(playing.items()):
             try:
                 frames = min(frames, one.play.feed())
-            except Exception as error:  # a change in a take that can't be made, say
+            except Exception as error:  # for example an invalid change in a take
                 del playing[lane]
                 yield one.number, error
         if not playing:
@@ -293,7 +293,7 @@ class VoiceRenderer:
             if traces is not None:
                 one.trace.add(traces[lane, :kept], columns)
             one.logged += frames
-            # a change of surface says by which one a strike is read: one by one
+            # strikes must be read before the surface changes
             if one.job.gesture.changes:
                 one.read_log()
             if one.play.over:
@@ -336,34 +336,34 @@ def render_many(
     trace: bool = False,
     threads: int | None = None,
 ) -> Iterator[RenderedJob[Trace | None]]:
-    """Render independent jobs, on all cores; results come in the order of the jobs.
+    """Render independent jobs on all cores and yield results in the order of the jobs.
 
-    Each has the bits of `render` with the same arguments, whatever the others are. Jobs are taken
-    and rendered as results are asked for, a few ahead, so memory stays bounded.
+    Results are bit-identical to `render` with the same arguments. Jobs are read
+    and rendered on demand, a few in advance, so memory stays bounded.
 
     Parameters
     ----------
     jobs : iterable of RenderJob
-        May be endless.
+        Jobs, possibly infinitely many.
     sample_rate : float
         Hz.
     tail : {"rest", "none"} or float
         As in `render`.
     trace : bool
-        Whether to keep what the disk did.
+        Whether to return traces.
     threads : int or None
-        How many threads render; None is one a core.
+        Number of threads; None is one per core.
 
     Returns
     -------
     iterator of RenderedJob
-        One a job.
+        One result per job.
 
     Raises
     ------
     InputError
-        A tail or a number of threads that isn't one, at once; as `render`, when a job's result is
-        asked for.
+        The tail or number of threads is invalid; or as in `render`, when a result is
+        requested.
 
     Examples
     --------
@@ -375,10 +375,10 @@ def render_many(
     if threads is None:
         threads = usable_cores()
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise InputError(f"threads = {threads!r}; it is a whole number from 1, or None: all cores")
+        raise InputError(f"threads is {threads!r}; must be 1 or more, or None for all cores")
     most = GROUP
     if isinstance(jobs, Sized):
-        # few jobs: some for each thread
+        # with few jobs, each thread gets some
         most = min(most, max(1, math.ceil(len(jobs) / threads)))
     frame = SIGNALS * np.dtype(np.float32).itemsize
     if trace:
@@ -388,7 +388,7 @@ def render_many(
 
 
 def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[list[RenderJob]]:
-    """Voices that one thread renders: up to `most`, fewer if they last longer together."""
+    """Yield groups of up to `most` jobs with a total duration of about `longest_s`."""
     group: list[RenderJob] = []
     seconds = 0.0
     for job in jobs:
@@ -407,20 +407,20 @@ def _rendered(
     surfaces = SurfaceCache()
     own = threading.local()
 
-    def render_group(group: list[RenderJob]) -> list[Rendered]:
+    def render_group(group: list[RenderJob]) -> list[JobOutcome]:
         if not hasattr(own, "renderer"):
             own.renderer = VoiceRenderer(sample_rate, surfaces)
         renderer: VoiceRenderer = own.renderer
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
-    def results(future: Future[list[Rendered]]) -> Iterator[RenderedJob[Trace | None]]:
+    def results(future: Future[list[JobOutcome]]) -> Iterator[RenderedJob[Trace | None]]:
         for result in future.result():
             if isinstance(result, Exception):
                 raise result
             yield result
 
-    waiting: deque[Future[list[Rendered]]] = deque()
+    waiting: deque[Future[list[JobOutcome]]] = deque()
     pool = ThreadPoolExecutor(threads, thread_name_prefix="jobs")
     try:
         for group in groups:
@@ -434,7 +434,7 @@ def _rendered(
 
 
 def usable_cores() -> int:
-    """Cores that this process may run on."""
+    """Return the number of cores available to this process."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -1,7 +1,6 @@
-"""A render shown in a notebook: a player, a picture and a transcript, in HTML that fetches nothing.
+"""Notebook display of a render: self-contained HTML with player, curves and transcript.
 
-The picture is drawn here as SVG: a notebook that shows ten results shouldn't wait for a plotting
-library ten times.
+The curves are SVG, since a plotting library would be too slow for notebooks with many results.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ _POINTS = 700
 _STYLE = 'fill="none" stroke="{}" stroke-width="1"'
 
 Row = tuple[str, NDArray[np.float64], str]
-"""A curve: its label, one value a frame, its colour."""
+"""A curve: label, values of the frames, and colour."""
 
 
 def result_page(
@@ -27,10 +26,10 @@ def result_page(
     samples: NDArray[np.float32],
     sample_rate: float,
     rows: Sequence[Row],
-    spoken: Sequence[str] = (),
+    lines: Sequence[str] = (),
     passed: int = 0,
 ) -> str:
-    """HTML with the title, a player (16-bit FLAC inside), a row a curve, and the sound in words.
+    """Return HTML with title, player (16-bit FLAC), one row per curve, and a transcript.
 
     Parameters
     ----------
@@ -38,13 +37,13 @@ def result_page(
         Plain text.
     samples : float32 (frames, 2)
     sample_rate
-        Hz; the player gets it rounded.
+        Sample rate in Hz, rounded for the player.
     rows
-        Curves over the same time.
-    spoken
-        Lines of a transcript, folded away until asked for.
+        Curves with the same duration.
+    lines
+        Lines of the transcript, initially folded.
     passed
-        Events passed, of which the lines are the strongest.
+        Number of passed events; the transcript has the strongest.
     """
     seconds = len(samples) / sample_rate
     name = html.escape(f"{title}, {seconds:.2f} s", quote=True)
@@ -63,7 +62,7 @@ def result_page(
         f'font-family="sans-serif" font-size="11" role="img" '
         f'aria-label="Curves of {name}">{drawn}'
         f'<text x="{WIDTH - 4}" y="{height - 4}" text-anchor="end">{seconds:.2f} s</text></svg>'
-        f"{_transcript(spoken, passed)}</div>"
+        f"{_transcript(lines, passed)}</div>"
     )
 
 
@@ -91,7 +90,7 @@ def _curve(row: Row, index: int) -> str:
     low, high = float(values.min()), float(values.max())
     span = high - low or 1.0
     edges = np.unique(np.linspace(0, len(values), _POINTS + 1).astype(int)[:-1])
-    # the extremes of each step: no spike falls between two points
+    # minimum and maximum of each step, so that no peak is lost
     pair = np.column_stack(
         [np.minimum.reduceat(values, edges), np.maximum.reduceat(values, edges)]
     ).ravel()

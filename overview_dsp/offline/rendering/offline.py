@@ -1,6 +1,6 @@
-"""Offline: a timeline, a preset and a gesture, block by block to arrays or to disk.
+"""Offline rendering of a timeline, a preset and a gesture to arrays or files.
 
-What a render may be given: objects, or what a person would type for them.
+Arguments are objects, or the names and paths that a user would type for them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.spec import DEFAULT, parse_gesture
 from overview_dsp.design.gestures.take import load_gesture
-from overview_dsp.design.presets.library import fitting_preset, load_preset
+from overview_dsp.design.presets.library import best_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SavableSound
@@ -31,9 +31,9 @@ from overview_dsp.offline.rendering.schedule import GesturePlayer, Tail, unreach
 from overview_dsp.offline.rendering.trace import Trace, Traced, TraceWriter
 from overview_dsp.public import counted, plot_with, short
 from overview_dsp.signal.actuators.model import Actuator
-from overview_dsp.signal.actuators.stage import ActuatorStage, Protected, warn_of_carrier
+from overview_dsp.signal.actuators.stage import ActuatorStage, ProtectionReport, warn_of_carrier
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.reports import Strikes
+from overview_dsp.signal.engine.memory_reader import Strikes
 from overview_dsp.units import gain_to_db
 
 if TYPE_CHECKING:
@@ -41,13 +41,13 @@ if TYPE_CHECKING:
 
 
 AnyTimeline = Timeline | TimelineData
-"""A Timeline, or whatever `load_timeline` takes."""
+"""A Timeline, or an argument of `load_timeline`."""
 
 AnyPreset = Preset | str | os.PathLike[str] | None
-"""A Preset, a name, a path; None is the one that fits the data."""
+"""A Preset, name or path; None selects one that fits the data."""
 
 AnyGesture = Gesture | str | os.PathLike[str] | None
-"""A Gesture, a SPEC, a take's path; None is `gestures.spec.DEFAULT`."""
+"""A Gesture, SPEC or path of a take; None is `gestures.spec.DEFAULT`."""
 
 
 BLOCK = 4096
@@ -56,7 +56,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Block:
-    """One rendered block: samples float32 (frames, 2), trace float64 (frames, 9) or None."""
+    """Rendered block: samples float32 (frames, 2), trace float64 (frames, columns) or None."""
 
     samples: NDArray[np.float32]
     trace: NDArray[np.float64] | None
@@ -64,8 +64,8 @@ class Block:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(SavableSound, Generic[Traced]):
-    """A rendered gesture. In a notebook it is a player and its curves.
+class RenderResult(SavableSound, Generic[Traced]):
+    """RenderFileResult gesture, which notebooks display as a player with curves.
 
     Attributes
     ----------
@@ -74,19 +74,19 @@ class Result(SavableSound, Generic[Traced]):
     sample_rate : float
         Hz.
     trace : Trace or None
-        What the disk did, one value a frame; None where it was rendered with `trace=False`.
+        Trace of the disk; None if rendered with `trace=False`.
     strikes : Strikes
         The events passed.
     engine : Engine
-        As it stands after the gesture: surface, meters, parameters.
-    protected : Protected or None
-        What an actuator's protection did; the tactor's samples are its drive then.
+        Engine after the gesture, with surface, meters and parameters.
+    protected : ProtectionReport or None
+        Report of an actuator's protection; the tactor's samples are its drive then.
     unreached : tuple of int
-        The timeline's events that the hand went over and the disk, there or back, never met.
+        Indices of the timeline's events that the input passed but the disk never reached.
 
     See Also
     --------
-    render : Makes it.
+    render : Render a gesture.
 
     Examples
     --------
@@ -103,21 +103,21 @@ class Result(SavableSound, Generic[Traced]):
     trace: Traced
     strikes: Strikes
     engine: Engine
-    protected: Protected | None = None
+    protected: ProtectionReport | None = None
     unreached: tuple[int, ...] = ()
 
     def plot(self) -> Figure:
-        """Draw what the disk did: torque, friction, disk and hand over time.
+        """Plot torque, friction, disk and input over time.
 
         Returns
         -------
         matplotlib.figure.Figure
-            As in the paper's figures 5 and 6; a notebook shows it.
+            Figure like the paper's figures 5 and 6.
 
         Raises
         ------
         InputError
-            It was rendered without a trace.
+            The result has no trace.
 
         Examples
         --------
@@ -125,14 +125,14 @@ class Result(SavableSound, Generic[Traced]):
         >>> result.plot().savefig("sweep.png")
         """
         if self.trace is None:
-            raise InputError("there is no trace to draw; render with trace=True")
+            raise InputError("the result has no trace to plot; render with trace=True")
         title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
         return plot_with(
             "offline.plots.strokes", "plot_strokes", [("", self)], self.engine.timeline, title
         )
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a player, the gesture's curves and a transcript."""
+        """Return HTML for notebooks: player, curves and transcript."""
         rows: list[Row] = []
         if self.trace is not None:
             rows = [
@@ -150,7 +150,8 @@ class Result(SavableSound, Generic[Traced]):
 
     def __repr__(self) -> str:
         return (
-            f"<Result: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} Hz, "
+            f"<RenderResult: {len(self.samples) / self.sample_rate:.3f} s at "
+            f"{self.sample_rate:g} Hz, "
             f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
             f"{short(self.engine.timeline.title)}>"
         )
@@ -165,10 +166,10 @@ def blocks(
     stage: ActuatorStage | None = None,
     block: int | None = None,
 ) -> Iterator[Block]:
-    """Play a gesture through a prepared engine, block by block, in constant memory.
+    """Render a gesture with a prepared engine, block by block, in constant memory.
 
-    `progress` receives the part done, 0 to 1. The blocks' arrays are their reader's to keep.
-    With an actuator's `stage`, the tactor's samples are its drive. A block has up to `block` frames
+    `progress` receives the progress, 0 to 1. The blocks' arrays are not reused.
+    With an actuator's `stage`, the tactor's samples are its drive. Blocks have up to `block` frames
     (None: `BLOCK`).
     """
     play = GesturePlayer(engine, gesture, tail, block or BLOCK)
@@ -181,7 +182,7 @@ def blocks(
             stage.process(samples, TACTOR)
         kept = play.count(frames, stage.silent_samples if stage is not None else None)
         yield Block(
-            samples[:kept], table[:kept] if table is not None else None, engine.take_strikes()
+            samples[:kept], table[:kept] if table is not None else None, engine.pop_strikes()
         )
         if progress:
             progress(play.part)
@@ -198,7 +199,7 @@ def render(
     tail: Tail = ...,
     trace: Literal[True] = ...,
     actuator: Actuator | None = ...,
-) -> Result[Trace]: ...
+) -> RenderResult[Trace]: ...
 @overload
 def render(
     timeline: AnyTimeline,
@@ -210,7 +211,7 @@ def render(
     tail: Tail = ...,
     trace: Literal[False],
     actuator: Actuator | None = ...,
-) -> Result[None]: ...
+) -> RenderResult[None]: ...
 @overload
 def render(
     timeline: AnyTimeline,
@@ -222,7 +223,7 @@ def render(
     tail: Tail = ...,
     trace: bool,
     actuator: Actuator | None = ...,
-) -> Result[Trace | None]: ...
+) -> RenderResult[Trace | None]: ...
 def render(
     timeline: AnyTimeline,
     preset: AnyPreset = None,
@@ -233,7 +234,7 @@ def render(
     tail: Tail = "rest",
     trace: bool = True,
     actuator: Actuator | None = None,
-) -> Result[Trace | None]:
+) -> RenderResult[Trace | None]:
     """Render a gesture to arrays.
 
     The same arguments give the same bits on every machine.
@@ -241,33 +242,33 @@ def render(
     Parameters
     ----------
     timeline : Timeline, or what `load_timeline` takes
-        What is felt.
+        Data to render.
     preset : Preset, str, path or None
-        How it is felt and heard; None is the bundled preset that fits the data.
+        Parameters of feel and sound; None selects the bundled preset that fits the data.
     gesture : Gesture, str, path or None
-        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
+        Movement, also as a SPEC (`"sweep:2"`) or the path of a take; None is `"sweep:4"`.
     sample_rate : float
         Hz, 1 000 to 768 000; the preset's carrier must stay below 0.45 of it.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
     tail : {"rest", "none"} or float
-        How long to go on after the gesture: until the disk has come to rest (at most 30 s), not at
-        all, or seconds.
+        Duration after the gesture: until the disk is at rest (at most 30 s), none,
+        or seconds.
     trace : bool
-        Whether to keep what the disk did, nine numbers a frame.
+        Whether to return the trace of the disk.
     actuator : Actuator or None
-        With one, the tactor's channel is its drive, within what it may be given.
+        Actuator whose protected drive replaces the tactor's channel.
 
     Returns
     -------
-    Result
-        Samples, trace, strikes, and the engine as it stands after the gesture.
+    RenderResult
+        Samples, trace, strikes, and the engine after the gesture.
 
     Raises
     ------
     InputError
-        A sample rate or a tail out of range, parameters that don't fit the rate; a timeline, a
-        preset or a gesture that can't be read.
+        The sample rate or tail is out of range, parameters don't fit the rate, or a timeline,
+        preset or gesture can't be read.
 
     Examples
     --------
@@ -282,7 +283,7 @@ def render(
     """
     engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
     nothing = Block(
-        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.take_strikes()
+        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.pop_strikes()
     )
     rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
@@ -291,7 +292,7 @@ def render(
     kept: Trace | None = Trace(table) if trace else None
     protected = stage.protected if stage is not None else None
     missed = unreached(engine.surface, hand, strikes.event)
-    return Result(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
+    return RenderResult(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
 
 
 def _prepared(
@@ -302,10 +303,10 @@ def _prepared(
     seed: int,
     actuator: Actuator | None,
 ) -> tuple[Engine, Gesture, ActuatorStage | None]:
-    """Return a prepared engine, the gesture and the actuator's stage of what `render` was given."""
+    """Return a prepared engine, gesture and actuator stage from the arguments of `render`."""
     timeline = load_timeline(timeline)
     if not isinstance(preset, Preset):
-        name = fitting_preset(timeline) if preset is None else validation.path(preset, "preset")
+        name = best_preset_for(timeline) if preset is None else validation.path(preset, "preset")
         preset = load_preset(name)
     engine = Engine(preset, timeline, seed=seed)
     if gesture is None or isinstance(gesture, str):
@@ -330,32 +331,32 @@ def join_strikes(parts: list[Strikes]) -> Strikes:
 
 
 @dataclass(frozen=True)
-class Rendered:
-    """What `render_to_file` wrote.
+class RenderFileResult:
+    """RenderResult of `render_to_file`.
 
     Attributes
     ----------
     duration_s : float
         Length, s.
     peaks : tuple of float
-        Of click and tactor, linear.
+        Peaks of click and tactor, linear.
     strikes : int
-        How many events were passed, and slips where bristles held the disk.
+        Number of passed events and slips of bristles.
     note : str
-        What the format made of the samples, for a person; may be empty.
+        Message about the conversion of samples to the format; may be empty.
     engine : Engine
-        As it stands after the gesture.
-    protected : Protected or None
-        What an actuator's protection did, if there was one.
+        Engine after the gesture.
+    protected : ProtectionReport or None
+        Report of an actuator's protection, if any.
     unreached : tuple of int
-        As in `Result`.
+        As in `RenderResult`.
     passed : Strikes or None
-        Those of events, one by one.
+        Strikes of events.
     lufs : float or None
-        Loudness of the click channel as it was written (ITU-R BS.1770), where it was asked for;
-        None for silence too.
+        Loudness of the written click channel (ITU-R BS.1770), if requested;
+        None for silence.
     gain_db : float
-        What `normalize` turned the click up by, dB.
+        Gain of the click by `normalize`, dB.
 
     Examples
     --------
@@ -368,7 +369,7 @@ class Rendered:
     strikes: int
     note: str
     engine: Engine
-    protected: Protected | None = None
+    protected: ProtectionReport | None = None
     unreached: tuple[int, ...] = ()
     passed: Strikes | None = None
     lufs: float | None = None
@@ -376,7 +377,7 @@ class Rendered:
 
     def __repr__(self) -> str:
         return (
-            f"<Rendered: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
+            f"<RenderFileResult: {self.duration_s:.3f} s, {counted(self.strikes, 'strike')}, "
             f"peaks {self.peaks[0]:.3g} and {self.peaks[1]:.3g}>"
         )
 
@@ -397,7 +398,7 @@ def render_to_file(
     stems: bool = False,
     loudness: bool = False,
     normalize: float | None = None,
-) -> Rendered:
+) -> RenderFileResult:
     """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
 
     Both files are whole or absent.
@@ -405,47 +406,47 @@ def render_to_file(
     Parameters
     ----------
     timeline : Timeline, or what `load_timeline` takes
-        What is felt.
+        Data to render.
     preset : Preset, str, path or None
-        How it is felt and heard; None is the bundled preset that fits the data.
+        Parameters of feel and sound; None selects the bundled preset that fits the data.
     gesture : Gesture, str, path or None
-        What the hand does: a SPEC (`"sweep:2"`) or a take too; None is `"sweep:4"`.
+        Movement, also as a SPEC (`"sweep:2"`) or the path of a take; None is `"sweep:4"`.
     path : str or path
-        The sound file; its suffix says the format (WAV, FLAC, whatever libsndfile writes).
+        Sound file. Its suffix selects a format of libsndfile, such as WAV or FLAC.
     sample_rate : float
-        Hz, a whole number.
+        Whole number, Hz.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
     tail : {"rest", "none"} or float
         As in `render`.
     subtype : str or None
-        Of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's usual one.
+        Subtype of libsndfile (`"PCM_16"`, `"FLOAT"`); None is the format's default.
     trace_path : str or path or None
-        Where the trace goes, if anywhere.
+        File for the trace, if any.
     progress : callable or None
-        Called with the part done, 0 to 1.
+        Called with the progress, 0 to 1.
     actuator : Actuator or None
         As in `render`.
     stems : bool
-        Whether to write the channels alone beside it, `OUT.click.wav` and `OUT.tactor.wav`, and
+        Whether to also write the single channels, `OUT.click.wav` and `OUT.tactor.wav`, and
         `OUT.trace.wav`: cursor, touching, torque and envelope as four channels of a float file.
     loudness : bool
         Whether to measure the click's loudness.
     normalize : float or None
-        The loudness to bring the click channel to, LUFS, as far as -1 dBFS allows; the tactor
-        isn't changed. It is rendered twice for that.
+        Target loudness of the click channel, LUFS, limited by peaks of -1 dBFS. The tactor
+        isn't changed. This renders twice.
 
     Returns
     -------
-    Rendered
-        What was written, in a few numbers.
+    RenderFileResult
+        Properties of the written files.
 
     Raises
     ------
     InputError
-        As `render`; an unknown format, a place that can't be written.
+        As in `render`; the format is unknown or the path can't be written.
     OutputError
-        A full disk.
+        The disk is full.
 
     Examples
     --------
@@ -475,8 +476,8 @@ def render_to_file(
         stage = _stage(actuator, engine)
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
-    strikes: list[Strikes] = [engine.take_strikes()]
-    full_torque = 1e-3 * engine.preset.number("tactor.full_torque_mnm")
+    strikes: list[Strikes] = [engine.pop_strikes()]
+    full_torque = 1e-3 * engine.preset.number("tactor.reference_torque_mnm")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
         TraceWriter(
@@ -495,21 +496,21 @@ def render_to_file(
                 heard.feed(block.samples)
             peaks = np.maximum(peaks, np.abs(block.samples).max(axis=0, initial=0.0))
             strikes.append(block.strikes)
-        # all of them, before any appears: a full disk leaves none
+        # all files before any appears, so that a full disk leaves none
         sound.finish()
         traced.finish()
         stemmed.finish()
         frames, note = sound.frames, sound.note
-    struck = join_strikes(strikes)
-    return Rendered(
+    all_strikes = join_strikes(strikes)
+    return RenderFileResult(
         frames / engine.sample_rate,
         tuple(peaks.tolist()),
-        len(struck),
+        len(all_strikes),
         note,
         engine,
         stage.protected if stage is not None else None,
-        unreached(engine.surface, hand, struck.event),
-        struck.of_events(),
+        unreached(engine.surface, hand, all_strikes.event),
+        all_strikes.of_events(),
         loudness_of(heard.steps()) if heard is not None else None,
         gain_to_db(gain),
     )

@@ -1,4 +1,4 @@
-"""A gesture through a prepared engine, step by step: what to feed, how far to go, when to end."""
+"""Schedule of a gesture: events to feed, length of the steps, and end of the tail."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from overview_dsp.signal.surface.model import Surface
 LONGEST_TAIL_S = 30.0
 MAX_TAIL_S = 24 * 3600.0
 FED_AHEAD = 4000
-"""Control events that may wait in the engine: its ring holds 4096."""
+"""Highest number of pending control events; the engine's ring holds 4096."""
 
 REST_S = 0.05
-"""At rest: for so long the disk is where its springs want it and both channels are zero."""
+"""Time for which the disk must be at its rest position and both channels zero, s."""
 
 Tail = Literal["rest", "none"] | float
 
@@ -34,40 +34,39 @@ def tail_of(text: str) -> Tail:
 
 
 def checked_tail(tail: Any) -> Tail:
-    """Return the tail, if it is one; InputError otherwise."""
+    """Return a valid tail; raise InputError otherwise."""
     if isinstance(tail, str) and tail in ("rest", "none"):
         return "rest" if tail == "rest" else "none"
     is_number = isinstance(tail, int | float | np.integer | np.floating)
     # written so that NaN fails
     if isinstance(tail, bool) or not is_number or not 0.0 <= tail <= MAX_TAIL_S:
         raise InputError(
-            f"tail {shown(tail)} is not understood; it is rest, none or seconds, 0 to "
-            f"{MAX_TAIL_S:g}"
+            f"tail is {shown(tail)}; must be rest, none or seconds from 0 to {MAX_TAIL_S:g}"
         )
     return float(tail)
 
 
-def unreached(surface: Surface, gesture: Gesture, struck: NDArray[np.int64]) -> tuple[int, ...]:
-    """The timeline's events that the hand went over and the disk, there or back, never met.
+def unreached(surface: Surface, gesture: Gesture, reached: NDArray[np.int64]) -> tuple[int, ...]:
+    """Return the timeline's events that the input passed but the disk never reached.
 
-    `struck` has the events of all strikes. From rest at the start the hand pulls the disk as far as
-    its furthest touch. A take that changes the surface on its way isn't judged.
+    `reached` are the events of all strikes. The input passes events up to
+    its furthest touch. The result is empty for takes that change the surface.
     """
     if any("set" not in change.what for change in gesture.changes):
         return ()
     furthest = gesture.theta2[gesture.touching].max(initial=0.0) / math.pi
     crossed = surface.event[surface.edges[:, 0] <= furthest]
-    return tuple(int(event) for event in np.setdiff1d(crossed, struck))
+    return tuple(int(event) for event in np.setdiff1d(crossed, reached))
 
 
 class GesturePlayer:
-    """A gesture through a prepared engine in steps: what to feed, how far to go, when it is over.
+    """Plays a gesture through a prepared engine, step by step.
 
-    A step is `feed`, a block of as many frames or fewer processed by the engine, `count`.
+    A step is `feed`, a block of at most that many frames processed by the engine, and `count`.
     """
 
     def __init__(self, engine: Engine, gesture: Gesture, tail: Tail, block: int) -> None:
-        """From the engine's present sample on; steps have up to `block` frames."""
+        """Start at the engine's present sample; steps have up to `block` frames."""
         tail = checked_tail(tail)
         rate = engine.sample_rate
         self._engine, self._gesture, self._block = engine, gesture, block
@@ -89,21 +88,21 @@ class GesturePlayer:
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing left to process."""
+        """True after the last frame."""
         return self._rested or self._done >= self._most
 
     @property
     def least(self) -> int:
-        """The frames that there will be, without the tail until rest."""
+        """Number of frames without the tail until rest."""
         return self._end
 
     @property
     def part(self) -> float:
-        """The part done, 0 to 1; the tail until rest doesn't count."""
+        """Progress, 0 to 1, without the tail until rest."""
         return min(1.0, self._done / max(1, self._end))
 
     def feed(self) -> int:
-        """Give the engine the gesture's next events; the frames they last for."""
+        """Push the gesture's next events to the engine; return the number of frames to process."""
         stamps, done = self._stamps, self._done
         frames = min(self._block, self._most - done)
         ahead = int(np.searchsorted(stamps, done + frames))
@@ -118,7 +117,7 @@ class GesturePlayer:
             self._whole = apply_change(self._engine, self._whole, what, self._start + done)
             self._changed += 1
         if self._changed < len(changes):
-            # a change is made when it is due: only two surfaces can wait
+            # changes are applied when they are due, since only two surfaces can be pending
             frames = min(frames, changes[self._changed][0] - done)
             ahead = min(ahead, int(np.searchsorted(stamps, done + frames)))
         if ahead > self._fed:
@@ -133,9 +132,9 @@ class GesturePlayer:
         return frames
 
     def count(self, frames: int, silent_samples: int | None = None) -> int:
-        """Count frames as processed; how many of them belong to the gesture and its tail.
+        """Count processed frames; return how many of them belong to the gesture and its tail.
 
-        `silent_samples` is what a stage after the engine says of its own silence.
+        `silent_samples` is the number of silent samples of a stage after the engine.
         """
         self._done += frames
         meters = self._engine.meters
@@ -143,5 +142,5 @@ class GesturePlayer:
         if silent_samples is not None:
             at_rest = min(at_rest, silent_samples)
         self._rested = self._to_rest and at_rest >= self._quiet
-        # cut where rest was reached: the end doesn't depend on the blocks
+        # cut at rest, so that the end does not depend on the blocks
         return frames - (at_rest - self._quiet) if self._rested else frames

@@ -1,8 +1,8 @@
-"""Each channel as a file of its own, and what the disk did as channels of another: stems.
+"""Stems: one sound file per channel and one with the trace; loudness of the click channel.
 
-How loud the click channel is (ITU-R BS.1770), and the gain that brings it to a loudness.
+Loudness follows ITU-R BS.1770. Normalisation changes the click
 
-Only what is heard is measured and turned: the tactor stays as strong as it is to feel.
+channel only; the tactor keeps its level.
 """
 
 from __future__ import annotations
@@ -23,31 +23,31 @@ from overview_dsp.kernels.layout import CLICK, TRACE_COLUMNS
 
 NAMES = ("click", "tactor")
 CURVES = ("cursor", "touching", "torque", "envelope")
-"""Channels of the trace's file: 0 to 1; torque is of the torque that drives the tactor fully."""
+"""Channels of the trace's file, 0 to 1; torque is relative to the tactor's full torque."""
 
 _COLUMNS = [TRACE_COLUMNS.index(name) for name in CURVES]
 SUFFIX = ".wav"
 
 
 def stem_paths(path: Path) -> tuple[Path, ...]:
-    """The files beside a sound file: OUT.click.wav, OUT.tactor.wav, OUT.trace.wav."""
+    """Return the paths of the stems: OUT.click.wav, OUT.tactor.wav, OUT.trace.wav."""
     return tuple(path.with_name(f"{path.stem}.{name}{SUFFIX}") for name in (*NAMES, "trace"))
 
 
 class StemWriter(contextlib.ExitStack):
-    """Writes the stems of a sound file, block by block; does nothing unless `wanted`."""
+    """Writes the stems of a sound file block by block, if `enabled`."""
 
     def __init__(
-        self, path: Path, sample_rate: float, subtype: str | None, full_torque: float, wanted: bool
+        self, path: Path, sample_rate: float, subtype: str | None, full_torque: float, enabled: bool
     ) -> None:
-        """Choose the files; InputError if one would be the sound file itself."""
+        """Choose the files; raise InputError if one has the name of the sound file."""
         super().__init__()
         self._full_torque = full_torque
         self._writers: list[SoundWriter] = []
-        if wanted:
+        if enabled:
             *single, trace = stem_paths(path)
             if path in (*single, trace):
-                raise InputError(f"{path}: is the name of a stem; choose another one")
+                raise InputError(f"{path} is the name of a stem; choose another name")
             kept = subtype if path.suffix.lower() == SUFFIX else None
             self._writers = [SoundWriter(one, sample_rate, kept, 1) for one in single]
             self._writers.append(SoundWriter(trace, sample_rate, "FLOAT", len(CURVES)))
@@ -70,13 +70,13 @@ class StemWriter(contextlib.ExitStack):
         self._writers[-1].write(curves)
 
     def finish(self) -> None:
-        """Write what still waits in buffers."""
+        """Write buffered data."""
         for writer in self._writers:
             writer.finish()
 
 
 CEILING_DBFS = -1.0
-"""No sample is turned up beyond this."""
+"""Highest sample after normalisation."""
 
 _ROUNDS = 8
 
@@ -84,30 +84,30 @@ QUIETEST_LUFS, LOUDEST_LUFS = -60.0, 0.0
 
 
 def require_loudness(lufs: float) -> float:
-    """A loudness that may be asked for; InputError otherwise, NaN too."""
+    """Return a valid loudness; raise InputError otherwise, including for NaN."""
     lufs = validation.real(lufs, "normalize")
     if not QUIETEST_LUFS <= lufs <= LOUDEST_LUFS:
         raise InputError(
-            f"{lufs:g} LUFS is out of range; it is {QUIETEST_LUFS:g} to {LOUDEST_LUFS:g}, "
-            "-23 for broadcast, -16 for phones"
+            f"normalize is {lufs:g} LUFS; must be {QUIETEST_LUFS:g} to {LOUDEST_LUFS:g} ("
+            "-23 for broadcast, -16 for phones)"
         )
     return lufs
 
 
 class ClickMeter:
-    """Feed it blocks of a render, for the loudness of its click channel."""
+    """Loudness meter of the click channel, fed with blocks of a render."""
 
     def __init__(self, sample_rate: float) -> None:
         if sample_rate < MIN_RATE or sample_rate != int(sample_rate):
             raise InputError(
-                f"loudness is measured at whole rates of {MIN_RATE} Hz or more, not {sample_rate:g}"
+                f"sample_rate is {sample_rate:g}; loudness needs a whole number from {MIN_RATE} Hz"
             )
         self._meter = StepMeter(int(sample_rate), (1.0,))
         self._waiting = np.zeros((0, 1), np.float32)
         self.peak = 0.0
 
     def feed(self, samples: NDArray[np.float32]) -> None:
-        """Take the next float32 (frames, 2)."""
+        """Feed the next samples, float32 (frames, 2)."""
         click = samples[:, CLICK : CLICK + 1]
         self.peak = max(self.peak, float(np.abs(click).max(initial=0.0)))
         self._waiting = np.concatenate([self._waiting, click])
@@ -117,24 +117,24 @@ class ClickMeter:
             self._waiting = self._waiting[size:]
 
     def steps(self) -> Steps:
-        """What was fed, step by step. Call it once, at the end."""
+        """Return the energy of all steps. Call it once, at the end."""
         if len(self._waiting):
             self._meter.feed(self._waiting)
         return self._meter.finish()
 
     def gain_to(self, lufs: float) -> float:
-        """The gain (linear) to a loudness, or as much of it as the highest sample allows."""
+        """Return the linear gain to a loudness, limited by the highest sample."""
         steps = self.steps()
         if loudness_of(steps) is None:
             return 1.0
         gain = 1.0
-        for _ in range(_ROUNDS):  # the gate at -70 LUFS opens for more of it, turned up
+        for _ in range(_ROUNDS):  # a gain changes which steps pass the gate at -70 LUFS
             now = replace(steps, energy=steps.energy * gain**2).integrated()
             gain *= gain_of_db(lufs - now)
         return min(gain, gain_of_db(CEILING_DBFS) / self.peak)
 
 
 def loudness_of(steps: Steps) -> float | None:
-    """The gated loudness, LUFS; None for silence."""
+    """Return the gated loudness, LUFS; None for silence."""
     found = steps.integrated()
     return found if found > SILENCE_LUFS else None

@@ -1,4 +1,4 @@
-"""What the disk did, column by column, in memory and in files (.npz, .csv)."""
+"""Trace of the disk: columns in memory and in files (.npz, .csv)."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ if TYPE_CHECKING:
 
 
 class Trace(Mapping[str, NDArray[np.float64]]):
-    """What the disk did: columns of one value a frame, `trace.torque` or `trace["torque"]`.
+    """Motion of the disk: columns with one value per frame, `trace.torque` or `trace["torque"]`.
 
     Parameters
     ----------
     table : float64 (frames, columns)
-        The columns beside each other.
+        All columns.
     names : tuple of str
-        What they are, of the attributes below; all of them if left out.
+        Names of the columns, from the attributes below; default: all.
 
     Attributes
     ----------
     time : float64 (frames,)
-        The frame's end, s.
+        Time of the frame's end, s.
     theta2 : float64 (frames,)
-        The input angle, smoothed, as it was used, rad.
+        Smoothed input angle, rad.
     touching : float64 (frames,)
-        1 while the hand holds on, else 0.
+        1 while an input touches the disk, else 0.
     theta1, omega1 : float64 (frames,)
         Angle (rad) and angular velocity (rad/s) of the disk at the frame's end.
     cursor : float64 (frames,)
-        Where on the timeline the disk is, 0 to 1.
+        Position of the disk on the timeline, 0 to 1.
     friction : float64 (frames,)
-        The B that was used, N m s/rad.
+        Friction B, N m s/rad.
     torque : float64 (frames,)
-        Friction times the step's mean omega1, and what bristles and detents add, N m.
+        Friction times the step's mean omega1, plus torque of bristles and detents, N m.
     envelope : float64 (frames,)
         Amplitude of the tactor's carrier, linear.
     engaged : float64 (frames,)
@@ -79,7 +79,7 @@ class Trace(Mapping[str, NDArray[np.float64]]):
     if not TYPE_CHECKING:  # a type checker knows the columns above, and no others
 
         def __getattr__(self, name: str) -> NDArray[np.float64]:
-            # a column is made when it is first asked for
+            # a column is copied on first access
             if name.startswith("_") or name not in self._names:
                 raise AttributeError(f"the trace has no column {name!r}")
             column = np.ascontiguousarray(self._table[:, self._names.index(name)])
@@ -87,7 +87,7 @@ class Trace(Mapping[str, NDArray[np.float64]]):
             return column
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """A column by its name."""
+        """Return a column by its name."""
         if name not in self._names:
             raise KeyError(name)
         column: NDArray[np.float64] = getattr(self, name)
@@ -100,12 +100,12 @@ class Trace(Mapping[str, NDArray[np.float64]]):
         return len(self._names)
 
     def to_dataframe(self) -> DataFrame:
-        """Give the columns as a pandas DataFrame, a row a frame.
+        """Return a pandas DataFrame with one row per frame.
 
         Returns
         -------
         pandas.DataFrame
-            The columns above.
+            Columns as the attributes above.
 
         Raises
         ------
@@ -130,7 +130,7 @@ if TYPE_CHECKING:
     Traced = DefaultTypeVar("Traced", bound=Trace | None, covariant=True, default=Trace)
 else:
     Traced = TypeVar("Traced")
-"""What a render keeps of its trace: `Trace`, or `None` without one."""
+"""Type of a render's trace: `Trace` or `None`."""
 
 FILE_SUFFIXES = (".npz", ".csv")
 
@@ -138,15 +138,15 @@ FILE_SUFFIXES = (".npz", ".csv")
 class TraceWriter(contextlib.ExitStack):
     """Writes a trace file block by block in constant memory, whole or absent.
 
-    With no path it does nothing. A .npz needs each column in one piece, so columns wait in
-    temporary files beside the target.
+    Without a path it does nothing. A .npz needs contiguous columns, which are collected in
+    temporary files next to the target.
     """
 
     def __init__(self, path: Path | None) -> None:
-        """InputError if the suffix is neither .npz nor .csv."""
+        """Raise InputError if the suffix is neither .npz nor .csv."""
         super().__init__()
         if path is not None and path.suffix.lower() not in FILE_SUFFIXES:
-            raise InputError(f"{path}: a trace is written as {' or '.join(FILE_SUFFIXES)}")
+            raise InputError(f"{path}: a trace must be {' or '.join(FILE_SUFFIXES)}")
         self._path = path
         self._as_text = path is not None and path.suffix.lower() == ".csv"
         self._columns: list[IO[bytes]] = []
@@ -156,7 +156,7 @@ class TraceWriter(contextlib.ExitStack):
     def __enter__(self) -> TraceWriter:
         if self._path is None:
             return self
-        # an error on the way leaves by the inner stack, which takes the temporary files with it
+        # after an error the inner stack removes the temporary files
         with contextlib.ExitStack() as stack:
             self._target = stack.enter_context(atomic_file(self._path))
             with self._disk_errors():
@@ -186,7 +186,7 @@ class TraceWriter(contextlib.ExitStack):
                     file.write(np.ascontiguousarray(table[:, column]).tobytes())
 
     def finish(self) -> None:
-        """Write what still waits: after this, the disk had space for all of it."""
+        """Write all remaining data, so that a full disk is detected before any file appears."""
         if self._finished:
             return
         self._finished = True

@@ -1,7 +1,7 @@
-"""Actuators: what a tactor, a coil or a pair of headphones can do, and what it may be given.
+"""Actuators: profiles of tactors, voice coils and headphones, with the limits of their drive.
 
-`ov.actuators` loads profiles, drives actuators by them and remembers where a person begins to feel
-one. Each name is imported when it is first used.
+`ov.actuators` loads profiles, drives actuators within their limits and stores the threshold of the
+user's sensation. Each name is imported when it is first used.
 
 Examples
 --------
@@ -19,9 +19,7 @@ from overview_dsp.public import lazy_names
 
 if TYPE_CHECKING:
     from overview_dsp.signal.actuators.calibration import (
-        calibrated_actuator as calibrated,
-    )
-    from overview_dsp.signal.actuators.calibration import (
+        apply_calibration,
         forget_threshold,
         save_threshold,
     )
@@ -29,15 +27,15 @@ if TYPE_CHECKING:
     from overview_dsp.signal.actuators.library import load_actuator as load
     from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS as PARAMETERS
     from overview_dsp.signal.actuators.model import Actuator
-    from overview_dsp.signal.actuators.stage import ActuatorStage, Protected
-    from overview_dsp.signal.actuators.tones import log_sweep
+    from overview_dsp.signal.actuators.stage import ActuatorStage, ProtectionReport
+    from overview_dsp.signal.actuators.sweep import log_sweep
 
 __all__ = [
     "PARAMETERS",
     "Actuator",
     "ActuatorStage",
-    "Protected",
-    "calibrated",
+    "ProtectionReport",
+    "apply_calibration",
     "forget_threshold",
     "load",
     "log_sweep",
@@ -52,11 +50,11 @@ if not TYPE_CHECKING:  # a type checker knows the names above, and no others
             "PARAMETERS": "model:ACTUATOR_PARAMETERS",
             "Actuator": "model",
             "ActuatorStage": "stage",
-            "Protected": "stage",
-            "calibrated": "calibration:calibrated_actuator",
+            "ProtectionReport": "stage",
+            "apply_calibration": "calibration",
             "forget_threshold": "calibration",
             "load": "library:load_actuator",
-            "log_sweep": "tones",
+            "log_sweep": "sweep",
             "names": "library:actuator_names",
             "save_threshold": "calibration",
         },

@@ -1,7 +1,7 @@
-"""Where a person begins to feel an actuator, kept in the user's config folder and used from then.
+"""Calibration: detection thresholds of actuators, stored in the user's config folder.
 
-The threshold is the level of a tone, dB of the nominal drive, at which it is just felt. Presets are
-made for one at `REFERENCE_DB`: whoever needs more gets so much more, who needs less, less.
+The threshold is the level of a tone, dB of the nominal drive, at which it is just felt. Presets
+assume `REFERENCE_DB`. The gain of a user is the difference between the threshold and this level.
 """
 
 from __future__ import annotations
@@ -23,28 +23,28 @@ REFERENCE_DB = -40.0
 """The threshold that needs no gain (our own choice: 40 dB from just felt to the nominal drive)."""
 
 LOWEST_DB, HIGHEST_DB = REFERENCE_DB - MAX_CALIBRATION_DB, REFERENCE_DB + MAX_CALIBRATION_DB
-"""Thresholds that a gain can make up for."""
+"""Range of thresholds that a gain can compensate."""
 
 
 def calibration_file() -> Path:
-    """Where thresholds are kept: `actuators.json` in the user's config folder."""
+    """Return the path of `actuators.json` in the user's config folder."""
     return Path(platformdirs.user_config_dir("overview-dsp")) / "actuators.json"
 
 
 def gain_for(threshold_db: float) -> float:
-    """The gain, dB, for a threshold; InputError for one that is out of reach."""
+    """Return the gain, dB, for a threshold; raise InputError if it is out of range."""
     threshold_db = validation.real(threshold_db, "threshold_db")
     # written so that NaN fails
     if not LOWEST_DB <= threshold_db <= HIGHEST_DB:
         raise InputError(
-            f"threshold {threshold_db:g} dB is out of range; it is {LOWEST_DB:g} to "
+            f"threshold_db is {threshold_db:g} dB; must be {LOWEST_DB:g} to "
             f"{HIGHEST_DB:g} dB of the nominal drive"
         )
     return threshold_db - REFERENCE_DB
 
 
 def save_threshold(actuator: Actuator, threshold_db: float) -> None:
-    """Remember where a person begins to feel an actuator, in the user's configuration.
+    """Store the user's detection threshold of an actuator in the configuration.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def save_threshold(actuator: Actuator, threshold_db: float) -> None:
     --------
     >>> c2 = ov.actuators.load("c2")
     >>> ov.actuators.save_threshold(c2, -34.0)
-    >>> ov.actuators.calibrated("c2").gain_db
+    >>> ov.actuators.apply_calibration("c2").gain_db
     6.0
     >>> ov.actuators.forget_threshold(c2)
     True
@@ -74,7 +74,7 @@ def save_threshold(actuator: Actuator, threshold_db: float) -> None:
 
 
 def forget_threshold(actuator: Actuator) -> bool:
-    """Forget where a person begins to feel an actuator.
+    """Delete the stored detection threshold of an actuator.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def forget_threshold(actuator: Actuator) -> bool:
     Returns
     -------
     bool
-        Whether anything was known.
+        Whether a threshold was stored.
 
     Raises
     ------
@@ -98,33 +98,40 @@ def forget_threshold(actuator: Actuator) -> bool:
     >>> ov.actuators.forget_threshold(c2), ov.actuators.forget_threshold(c2)
     (True, False)
     """
-    kept = _read()
-    if kept.pop(reference(actuator), None) is None:
+    thresholds = _read()
+    if thresholds.pop(reference(actuator), None) is None:
         return False
-    _write(kept)
+    _write(thresholds)
     return True
 
 
 def gain_of(actuator: Actuator) -> float:
-    """The gain an actuator was calibrated to, dB; 0 if it wasn't. InputError: a damaged file."""
+    """Return the calibrated gain of an actuator, dB; 0 without a calibration.
+
+    Raises
+    ------
+    InputError
+        The file of thresholds is damaged.
+    """
     name = reference(actuator)
-    kept = _read().get(name)
-    if kept is None:
+    entry = _read().get(name)
+    if entry is None:
         return 0.0
-    gain = kept.get("gain_db") if isinstance(kept, dict) else None
+    gain = entry.get("gain_db") if isinstance(entry, dict) else None
     if (
         isinstance(gain, bool)
         or not isinstance(gain, int | float)
         or not -MAX_CALIBRATION_DB <= gain <= MAX_CALIBRATION_DB
     ):
         raise InputError(
-            f"{calibration_file()}: the gain of {name!r} is damaged; correct or delete the file"
+            f"{calibration_file()}: gain_db of {name!r} is {gain!r}; must be a number from "
+            f"-{MAX_CALIBRATION_DB:g} to {MAX_CALIBRATION_DB:g}; correct or delete the file"
         )
     return float(gain)
 
 
-def calibrated_actuator(name: str | Path) -> Actuator:
-    """Load an actuator with the gain that it was calibrated to.
+def apply_calibration(name: str | Path) -> Actuator:
+    """Load an actuator with its calibrated gain.
 
     Parameters
     ----------
@@ -134,7 +141,7 @@ def calibrated_actuator(name: str | Path) -> Actuator:
     Returns
     -------
     Actuator
-        With a `gain_db` of 0 where no threshold is known.
+        Its `gain_db` is 0 if no threshold is stored.
 
     Raises
     ------
@@ -145,7 +152,7 @@ def calibrated_actuator(name: str | Path) -> Actuator:
     --------
     >>> c2 = ov.actuators.load("c2")
     >>> ov.actuators.save_threshold(c2, -46.0)
-    >>> ov.actuators.calibrated("c2").gain_db
+    >>> ov.actuators.apply_calibration("c2").gain_db
     -6.0
     >>> ov.actuators.forget_threshold(c2)
     True
@@ -154,21 +161,21 @@ def calibrated_actuator(name: str | Path) -> Actuator:
     return replace(actuator, gain_db=gain_of(actuator))
 
 
-def _write(kept: dict[str, Any]) -> None:
+def _write(thresholds: dict[str, Any]) -> None:
     path = calibration_file()
     make_folder(path.parent)
     with atomic_file(path) as temporary:
-        temporary.write_text(json.dumps(kept, indent=1, ensure_ascii=False), encoding="utf-8")
+        temporary.write_text(json.dumps(thresholds, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
 def _read() -> dict[str, Any]:
     path = calibration_file()
     try:
-        kept = json.loads(path.read_bytes())
+        thresholds = json.loads(path.read_bytes())
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: can't be read ({error}); correct or delete it") from None
-    if not isinstance(kept, dict):
+    if not isinstance(thresholds, dict):
         raise InputError(f"{path}: not a table of actuators; correct or delete it")
-    return kept
+    return thresholds

@@ -1,4 +1,4 @@
-"""An actuator in words: what its file says, what that amounts to, where its facts are from."""
+"""Description of an actuator as text or JSON: values, derived quantities and sources."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ _IN_DRIVE_UNITS = ("drive.rated_rms", "drive.peak", "drive.full_scale")
 
 
 def describe_json(actuator: Actuator) -> dict[str, Any]:
-    """Every value by its id, and what they amount to; levels in dBFS."""
-    sharpened = max(LOWEST_Q, actuator.q / actuator.number("shaping.sharpen"))
+    """Return all values by id and the derived quantities; levels in dBFS."""
+    sharpened = max(LOWEST_Q, actuator.q / actuator.number("shaping.overdrive"))
     return {
         "name": actuator.name,
         "title": actuator.title,
@@ -23,7 +23,7 @@ def describe_json(actuator: Actuator) -> dict[str, Any]:
         "values": dict(actuator.values),
         "q": round(actuator.q, 3),
         "rise_ms": round(actuator.rise_ms, 3),
-        "sharpened_rise_ms": round(actuator.rise_ms * min(1.0, sharpened / actuator.q), 3),
+        "overdriven_rise_ms": round(actuator.rise_ms * min(1.0, sharpened / actuator.q), 3),
         "peak_dbfs": round(gain_to_db(actuator.peak), 2),
         "nominal_dbfs": round(gain_to_db(actuator.nominal), 2),
         "rms_limit_dbfs": round(0.5 * gain_to_db(actuator.mean_square), 2),
@@ -33,7 +33,7 @@ def describe_json(actuator: Actuator) -> dict[str, Any]:
 
 
 def describe(actuator: Actuator) -> str:
-    """The actuator as a page of text."""
+    """Return a description of the actuator as text."""
     facts = describe_json(actuator)
     lines = [f"{actuator.name}: {actuator.title}", actuator.description, ""]
     section = ""
@@ -50,11 +50,11 @@ def describe(actuator: Actuator) -> str:
         lines.append(f"  {known.key:<16} {shown:<16} {known.doc}")
     lines += [
         "",
-        f"A vibration rises in {facts['rise_ms']:.3g} ms (Q {facts['q']:.3g}), driven for it in "
-        f"down to {facts['sharpened_rise_ms']:.3g} ms, as far as the peak lets it.",
-        f"The tactor's full signal is a tone of {facts['nominal_dbfs']:.1f} dBFS; no sample passes "
+        f"A vibration rises in {facts['rise_ms']:.3g} ms (Q {facts['q']:.3g}), with overdrive in "
+        f"{facts['overdriven_rise_ms']:.3g} ms, if the peak allows it.",
+        f"The full tactor signal is a tone of {facts['nominal_dbfs']:.1f} dBFS. No sample exceeds "
         f"{facts['peak_dbfs']:.1f} dBFS,",
-        f"and no RMS over {facts['rms_window_s']:g} s passes {facts['rms_limit_dbfs']:.1f} dBFS.",
+        f"and no RMS over {facts['rms_window_s']:g} s exceeds {facts['rms_limit_dbfs']:.1f} dBFS.",
     ]
     if actuator.gain_db:
         lines.append(f"Calibrated: {actuator.gain_db:+.1f} dB.")
@@ -62,7 +62,7 @@ def describe(actuator: Actuator) -> str:
 
 
 def remarks(actuator: Actuator) -> list[str]:
-    """The comment its file begins with: where the facts are from, what is assumed."""
+    """Return the comment at the top of the file: sources and assumptions."""
     found = []
     for line in read_text(Path(actuator.source)).splitlines():
         if not line.startswith("#"):

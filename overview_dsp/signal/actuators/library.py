@@ -1,6 +1,6 @@
-"""Where actuator profiles are: bundled ones and a person's own by name, any other by its path.
+"""Library of actuator profiles: bundled and user profiles by name, other files by path.
 
-An actuator file's text to an Actuator; errors name file, line, key and range.
+Errors in a profile have the form `file:line: key: message`.
 """
 
 from __future__ import annotations
@@ -20,20 +20,26 @@ from overview_dsp.files.toml import (
 )
 from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, Actuator
 
-SCHEMA = 1
+SCHEMA = 2
+_RENAMED = {"sharpen": "overdrive", "equal_sensation": "perceptual_weighting"}
+"""Keys of `[shaping]` in schema 1."""
 
 
 def parse_actuator(text: str, name: str, source: str) -> Actuator:
-    """An actuator from a file's text.
+    """Parse the text of a profile.
 
     Raises
     ------
     InputError
-        Not TOML, an unknown key, a wrong type, a value out of range or one that doesn't fit the
-        others: names file, line, key and range.
+        Not TOML, an unknown key, a wrong type, a value out of range or one that contradicts
+        another: names file, line, key and range.
     """
     data = parse_toml(text, source)
     with faults_at_their_line(text, source):
+        if data.get("schema") == 1:
+            data["schema"] = SCHEMA
+            if isinstance(shaping := data.get("shaping"), dict):
+                data["shaping"] = {_RENAMED.get(key, key): value for key, value in shaping.items()}
         check_head(data, sections_of(ACTUATOR_PARAMETERS), SCHEMA, needs_texts=True)
         values = values_in(data, ACTUATOR_PARAMETERS)
         return Actuator(name, data["title"], data["description"], values, source)
@@ -43,12 +49,12 @@ LIBRARY = Library("actuators", "an actuator", "OVERVIEW_ACTUATORS")
 
 
 def actuator_names() -> tuple[str, ...]:
-    """List the bundled profiles, then a person's own.
+    """List the bundled profiles, then the user's.
 
     Returns
     -------
     tuple of str
-        Names; a bundled name stays the bundled profile's.
+        Names. A bundled name always refers to the bundled profile.
 
     Examples
     --------
@@ -59,34 +65,31 @@ def actuator_names() -> tuple[str, ...]:
 
 
 def reference(actuator: Actuator) -> str:
-    """What `load_actuator` finds it by again, from any folder: its name, else its whole path."""
+    """Return a name or absolute path by which `load_actuator` finds the profile again."""
     validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     source = os.path.abspath(actuator.source)
     known = actuator.name in actuator_names()
-    return (
-        actuator.name
-        if known and source == os.path.abspath(LIBRARY.path(actuator.name))
-        else source
-    )
+    is_listed = known and source == os.path.abspath(LIBRARY.path(actuator.name))
+    return actuator.name if is_listed else source
 
 
 def load_actuator(name: str | Path) -> Actuator:
-    """Load an actuator's profile, not calibrated.
+    """Load an actuator's profile without its calibration.
 
     Parameters
     ----------
     name : str or path
-        A bundled or own name (`c2`), or the path of a TOML file.
+        Name of a bundled or user profile (`c2`), or path of a TOML file.
 
     Returns
     -------
     Actuator
-        What it can do and may be given.
+        Its resonance and the limits of its drive.
 
     Raises
     ------
     InputError
-        No such profile, or one that is not valid: names file, line, key and range.
+        The profile does not exist or is not valid: names file, line, key and range.
 
     Examples
     --------

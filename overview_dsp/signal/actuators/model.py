@@ -1,6 +1,6 @@
-"""An actuator: its resonance, what it may be given, and how it is to be driven.
+"""Actuator model: resonance, limits of the drive, and shaping.
 
-Everything a file may say stands in `parameters.toml`, as with presets.
+`parameters.toml` defines all keys of a profile, as for presets.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LN_9 = 2.1972245773362196  # from 10 to 90 % of an exponential rise, in time con
 ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     read_parameters(Path(__file__).with_name("parameters.toml"))
 )
-"""Everything a profile may say, by id."""
+"""All parameters of a profile, by id."""
 
 _Q = ACTUATOR_PARAMETERS["resonance.q"]
 LOWEST_Q = _Q.low
@@ -32,23 +32,23 @@ _OPTIONAL = (*ONE_OF, "drive.full_scale")
 
 @dataclass(frozen=True)
 class Actuator:
-    """What a device can do and may be given.
+    """Resonance and drive limits of an output device.
 
     Parameters
     ----------
     name, title, description : str
-        What it is called (its file's name), in a few words, and what it is.
+        Name (that of its file), short title and a description.
     values : mapping of str to float, bool or str
-        By id, those of `ov.actuators.PARAMETERS` that are said; what is left out gets its default.
+        Values of `ov.actuators.PARAMETERS` by id. Missing values get their defaults.
     source : str
-        Its file.
+        Path of its file.
     gain_db : float
-        Of its calibration for a person, -30 to 30 dB.
+        Gain of the user's calibration, -30 to 30 dB.
 
     Raises
     ------
     InputError
-        A value that can't be, or not with another; the line begins with the key.
+        A value is out of range or contradicts another; the message begins with the key.
 
     See Also
     --------
@@ -69,24 +69,24 @@ class Actuator:
     gain_db: float = 0.0
 
     def __post_init__(self) -> None:
-        """InputError, which begins with the key, for a value that can't be, or not with another."""
+        """Validate the values; the message of an InputError begins with the key."""
         object.__setattr__(self, "values", _checked(self.values))
-        given = [id for id in ONE_OF if id in self.values]
-        if len(given) != 1:
-            what = "more than one" if given else "none"
+        width = [id for id in ONE_OF if id in self.values]
+        if len(width) != 1:
+            what = "more than one" if width else "none"
             raise InputError(
                 f"resonance.frequency_hz: give one of {', '.join(ONE_OF)} with it, not {what}"
             )
         if not LOWEST_Q <= self.q <= _Q.high:
             raise InputError(
-                f"{given[0]} = {self.number(given[0]):g} makes a q of {self.q:.3g} at "
-                f"{self.resonance_hz:g} Hz; it is {_Q.allowed}"
+                f"{width[0]} = {self.number(width[0]):g} gives a q of {self.q:.3g} at "
+                f"{self.resonance_hz:g} Hz; allowed: {_Q.allowed}"
             )
         if self.number("drive.peak") < self.number("drive.rated_rms"):
-            raise InputError("drive.peak is below drive.rated_rms; it is the larger of the two")
+            raise InputError("drive.peak is below drive.rated_rms; must be at least as large")
         if not abs(self.gain_db) <= MAX_CALIBRATION_DB:
             raise InputError(
-                f"calibration {self.gain_db:g} dB is out of range; it is "
+                f"gain_db is {self.gain_db:g} dB; must be "
                 f"-{MAX_CALIBRATION_DB:g} to {MAX_CALIBRATION_DB:g} dB"
             )
 
@@ -115,12 +115,12 @@ class Actuator:
 
     @property
     def resonance_hz(self) -> float:
-        """Where it moves most, Hz."""
+        """Resonance frequency, Hz."""
         return self.number("resonance.frequency_hz")
 
     @property
     def q(self) -> float:
-        """Quality of the resonance, however it was given."""
+        """Q of the resonance, from `q`, `bandwidth_hz` or `rise_ms`."""
         if "resonance.q" in self.values:
             return self.number("resonance.q")
         if "resonance.bandwidth_hz" in self.values:
@@ -129,44 +129,44 @@ class Actuator:
 
     @property
     def rise_ms(self) -> float:
-        """10 to 90 % rise of its vibration when a tone of its resonance begins, ms."""
+        """10 to 90 % rise time of the vibration for a tone at the resonance, ms."""
         return 1e3 * LN_9 * self.q / (math.pi * self.resonance_hz)
 
     @property
     def full_scale(self) -> float:
-        """What a sample of 1 puts on it, in the drive's unit."""
-        given = self.values.get("drive.full_scale")
-        return float(given) if isinstance(given, float) else self.number("drive.peak")
+        """Drive of a sample of 1, in the drive's unit."""
+        full_scale = self.values.get("drive.full_scale")
+        return full_scale if isinstance(full_scale, float) else self.number("drive.peak")
 
     @property
     def peak(self) -> float:
-        """The highest sample it may be given, of full scale; at most 1."""
+        """Highest allowed sample, relative to full scale; at most 1."""
         return min(1.0, self.number("drive.peak") / self.full_scale)
 
     @property
     def nominal(self) -> float:
-        """Amplitude of a tone of the rated drive, of full scale; at most the peak."""
+        """Amplitude of a tone at the rated drive, relative to full scale; at most the peak."""
         return min(self.peak, math.sqrt(2.0) * self.number("drive.rated_rms") / self.full_scale)
 
     @property
     def mean_square(self) -> float:
-        """What the mean square of the drive may not pass over `window_s`, of full scale squared."""
+        """Limit of the drive's mean square over `window_s`, relative to full scale squared."""
         rated = self.number("drive.rated_rms") / self.full_scale
         return min(1.0, self.number("drive.duty") * rated * rated)
 
     @property
     def window_s(self) -> float:
-        """Over how long that mean is taken, s."""
+        """Averaging time of the mean square, s."""
         return self.number("drive.burst_ms") * 1e-3 / self.number("drive.duty")
 
     @property
     def unshaped(self) -> Actuator:
-        """The same, driven as it is: not sharpened, not weighted, not calibrated."""
-        plain = {"shaping.sharpen": 1.0, "shaping.equal_sensation": False}
+        """Copy without overdrive, perceptual weighting and calibration."""
+        plain = {"shaping.overdrive": 1.0, "shaping.perceptual_weighting": False}
         return replace(self, values={**self.values, **plain}, gain_db=0.0)
 
     def response_db(self, frequency_hz: float) -> float:
-        """Find out how much it moves at a frequency.
+        """Return the motion at a frequency, relative to the resonance.
 
         Parameters
         ----------
@@ -176,7 +176,7 @@ class Actuator:
         Returns
         -------
         float
-            In dB of what it does at its resonance.
+            Level relative to that at the resonance, dB.
 
         Examples
         --------
@@ -194,16 +194,16 @@ class Actuator:
         )
 
 
-def _checked(given: Mapping[str, object]) -> dict[str, Value]:
-    for id in given:
+def _checked(values: Mapping[str, object]) -> dict[str, Value]:
+    for id in values:
         if id not in ACTUATOR_PARAMETERS:
             raise InputError(f"{id}: unknown key{did_you_mean(id, ACTUATOR_PARAMETERS)}")
-    values: dict[str, Value] = {}
+    complete: dict[str, Value] = {}
     for known in ACTUATOR_PARAMETERS.values():
-        if known.id in given:
-            values[known.id] = known.check(given[known.id])
+        if known.id in values:
+            complete[known.id] = known.check(values[known.id])
         elif known.default is not None:
-            values[known.id] = known.default
+            complete[known.id] = known.default
         elif known.id not in _OPTIONAL:
-            raise InputError(f"{known.id} is missing; it is {known.allowed}")
-    return values
+            raise InputError(f"{known.id} is missing; allowed: {known.allowed}")
+    return complete

@@ -1,4 +1,4 @@
-"""An actuator's drive, offline by the same compiled code as live, and what its protection did."""
+"""Actuator drive as an offline stage, with the compiled code of live output."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from overview_dsp.signal.actuators.sensitivity import pacinian_db
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0
-"""A carrier that is felt so much less than the resonance deserves a word."""
+"""Level of a carrier, relative to the resonance, below which a warning is shown."""
 
 HIGHEST_PART = 0.45
-"""A resonance must lie below this part of the sample rate."""
+"""Highest resonance frequency relative to the sample rate."""
 
 
 def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
-    """Warn where a vibration of that frequency, made by the actuator, is hardly felt."""
+    """Warn if the actuator's vibration at a frequency is hardly felt."""
     validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     resonance_hz = actuator.resonance_hz
     felt = (
@@ -49,32 +49,32 @@ def write_actuator(
     actuator: Actuator | None,
     sample_rate: float,
 ) -> None:
-    """Put an actuator's coefficients into memory at `at`, its state as new; None: no actuator.
+    """Write an actuator's coefficients to memory at `at` and reset its state.
 
-    Its heat stays: an output that is opened again finds it as warm as it was left. Before the
-    audio runs.
+    None disables the actuator. The heat is kept, so that reopening an output does not cool the
+    model. Thread: main, before audio runs.
 
     Raises
     ------
     InputError
-        A resonance that the sample rate (Hz) is too low for.
+        The sample rate (Hz) is too low for the resonance.
     """
     if actuator is not None:
         _check_rate(actuator, actuator.resonance_hz, sample_rate)
-        if actuator.values["shaping.equal_sensation"]:
+        if actuator.values["shaping.perceptual_weighting"]:
             _check_rate(actuator, SKIN_HZ, sample_rate)
     heat = float(memory[at + layout.ACT_HEAT])
     memory[at : at + layout.ACT_SIZE] = 0.0
     if actuator is not None:
-        for column, value in _given(actuator).items():
+        for column, value in _coefficient_inputs(actuator).items():
             memory[at + column] = value
         derive_actuator(memory, at, float(sample_rate))
     memory[at + layout.ACT_HEAT] = min(heat, float(memory[at + layout.ACT_LIMIT]))
     memory.view(np.int64)[at + layout.ACT_ON] = actuator is not None
 
 
-def _given(actuator: Actuator) -> dict[int, float]:
-    """What the coefficients are made of, by column."""
+def _coefficient_inputs(actuator: Actuator) -> dict[int, float]:
+    """Return the values from which coefficients are derived, by column."""
     return {
         layout.GIVEN_NOMINAL: actuator.nominal,
         layout.GIVEN_GAIN_DB: actuator.gain_db,
@@ -84,8 +84,10 @@ def _given(actuator: Actuator) -> dict[int, float]:
         layout.GIVEN_DUTY: actuator.number("drive.duty"),
         layout.GIVEN_RESONANCE_HZ: actuator.resonance_hz,
         layout.GIVEN_Q: actuator.q,
-        layout.GIVEN_SHARPENED_Q: max(LOWEST_Q, actuator.q / actuator.number("shaping.sharpen")),
-        layout.GIVEN_EQUAL_SENSATION: float(bool(actuator.values["shaping.equal_sensation"])),
+        layout.GIVEN_OVERDRIVE_Q: max(LOWEST_Q, actuator.q / actuator.number("shaping.overdrive")),
+        layout.GIVEN_PERCEPTUAL_WEIGHTING: float(
+            bool(actuator.values["shaping.perceptual_weighting"])
+        ),
     }
 
 
@@ -99,61 +101,61 @@ def _check_rate(actuator: Actuator, frequency_hz: float, sample_rate: float) -> 
 
 
 @dataclass(frozen=True)
-class Protected:
-    """What an actuator's protection did.
+class ProtectionReport:
+    """Interventions of an actuator's protection.
 
     Attributes
     ----------
-    taken_db : float
-        The most of the drive that was taken back against heat, dB.
+    reduction_db : float
+        Largest reduction of the drive by the thermal limit, dB.
     at_peak : int
-        Samples held at the peak.
+        Samples limited to the peak.
 
     Examples
     --------
-    >>> ov.actuators.Protected(taken_db=0.0, at_peak=3).at_peak
+    >>> ov.actuators.ProtectionReport(reduction_db=0.0, at_peak=3).at_peak
     3
     """
 
-    taken_db: float
+    reduction_db: float
     at_peak: int
 
 
-def protected_report(actuator: Actuator | None, protected: Protected | None) -> Any:
-    """An actuator and what its protection did, as plain values; None without one."""
+def protection_json(actuator: Actuator | None, protected: ProtectionReport | None) -> Any:
+    """Return an actuator and its protection report for JSON; None without an actuator."""
     if actuator is None or protected is None:
         return None
     return {
         "name": actuator.name,
         "calibration_db": actuator.gain_db,
-        "taken_back_db": round(protected.taken_db, 1),
+        "reduction_db": round(protected.reduction_db, 1),
         "samples_at_peak": protected.at_peak,
     }
 
 
-def read_protected(memory: NDArray[np.float64], at: int) -> Protected:
-    """What an actuator's protection did so far."""
+def read_protection(memory: NDArray[np.float64], at: int) -> ProtectionReport:
+    """Read an actuator's protection report from memory."""
     left = math.sqrt(max(1e-12, 1.0 - float(memory[at + layout.ACT_MOST_TAKEN])))
     held = int(memory.view(np.int64)[at + layout.ACT_AT_PEAK])
-    return Protected(0.0 - gain_to_db(left), held)
+    return ProtectionReport(0.0 - gain_to_db(left), held)
 
 
 class ActuatorStage:
-    """An actuator's drive, made in blocks of any size: the partition changes no bit.
+    """Converts a channel to an actuator's drive, block by block.
 
-    For who runs an engine in a callback of their own. Thread: one.
+    For engines in your own audio callback. The block size changes no bit. Thread: one.
 
     Parameters
     ----------
     actuator : Actuator
-        What is driven.
+        Actuator to drive.
     sample_rate : float
         Hz.
 
     Raises
     ------
     InputError
-        A sample rate that is too low for the actuator.
+        The sample rate is too low for the actuator.
 
     Examples
     --------
@@ -173,7 +175,7 @@ class ActuatorStage:
         write_actuator(self._memory, 0, actuator, sample_rate)
 
     def process(self, samples: NDArray[np.float32], channel: int) -> None:
-        """Turn one channel into the drive, in place.
+        """Replace one channel by the drive.
 
         Parameters
         ----------
@@ -204,13 +206,13 @@ class ActuatorStage:
 
     @property
     def silent_samples(self) -> int:
-        """Samples since the drive was last other than zero."""
+        """Number of samples since the last non-zero drive."""
         return int(self._memory.view(np.int64)[layout.ACT_SILENT])
 
     @property
-    def protected(self) -> Protected:
-        """What protection did so far."""
-        return read_protected(self._memory, 0)
+    def protected(self) -> ProtectionReport:
+        """Interventions of the protection so far."""
+        return read_protection(self._memory, 0)
 
     def __repr__(self) -> str:
         at_peak = counted(self.protected.at_peak, "sample")

@@ -1,6 +1,6 @@
-"""A preset's parameters into the memory block, and the coefficients the kernels make of them.
+"""Kernel coefficients: write a preset's parameters and derive the coefficients from them.
 
-Say so, once, before kernels are compiled: the first use on a machine takes a while.
+Compiling kernels takes a while on first use, so a message announces it once.
 """
 
 from __future__ import annotations
@@ -17,30 +17,30 @@ from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.derive import CARRIER_LIMIT, derive
-from overview_dsp.kernels.shipped import is_outdated
+from overview_dsp.kernels.precompiled import is_outdated
 
 _CHOSEN = {"disk.release": "return"}
-"""Of a parameter with two choices, the one that counts as 1."""
+"""Choice that is stored as 1, for parameters with two choices."""
 
 _COLUMN_OF = {
     id: column
     for id in PARAMETERS
     if (column := getattr(layout, f"PARAM_{id.upper().replace('.', '_')}", None)) is not None
 }
-"""The column of each parameter that is not the surface's or an input's, by id."""
+"""Memory column of each kernel parameter, by id."""
 
 KERNEL_RANGES = {
     id: (known.low, known.high) if isinstance(known.default, float) else (0.0, 1.0)
     for id in sorted(_COLUMN_OF, key=lambda id: _COLUMN_OF[id])
     for known in [PARAMETERS[id]]
 }
-"""Lowest and highest number of each of these parameters, in the order of the columns."""
+"""Range of each kernel parameter, in the order of the columns."""
 
 _COEFFICIENTS = range(layout.C_SPRING_HELD, layout.C_RECOIL_EXPONENT + 1)
 
 
 def write_parameters(memory: NDArray[np.float64], preset: Preset) -> None:
-    """Put a preset's parameters into their columns; the surface has its own."""
+    """Write a preset's kernel parameters to their columns."""
     values = preset.values
     for id, column in _COLUMN_OF.items():
         chosen = _CHOSEN.get(id)
@@ -48,7 +48,7 @@ def write_parameters(memory: NDArray[np.float64], preset: Preset) -> None:
 
 
 def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
-    """Every gliding coefficient, by its column in the memory block."""
+    """Return all smoothed coefficients by their column in the memory block."""
     scratch = np.zeros(layout.SET_UP)
     write_parameters(scratch, preset)
     scratch[layout.S_SAMPLE_RATE] = sample_rate
@@ -57,10 +57,10 @@ def coefficients(preset: Preset, sample_rate: float) -> dict[int, float]:
 
 
 def changes(before: Preset, after: Preset, sample_rate: float) -> list[tuple[int, float]]:
-    """The changes that take the kernel from one preset's parameters to another's.
+    """Return the changes from one preset's kernel parameters to another's.
 
-    Pairs of what (a gliding coefficient or a command of `kernels.layout`) and value; the surface
-    isn't among them.
+    Each change is a pair of a target (smoothed coefficient or command of `kernels.layout`) and a
+    value. The surface is not included.
     """
     old = coefficients(before, sample_rate)
     new = coefficients(after, sample_rate)
@@ -71,8 +71,10 @@ def changes(before: Preset, after: Preset, sample_rate: float) -> list[tuple[int
     return changed
 
 
-def ask(memory: NDArray[np.float64], preset: Preset, changed: Sequence[tuple[int, float]]) -> None:
-    """Book a preset in the block, whose `changes` are about to be pushed."""
+def store_requested(
+    memory: NDArray[np.float64], preset: Preset, changed: Sequence[tuple[int, float]]
+) -> None:
+    """Store a preset in the block whose `changes` will be pushed next."""
     write_parameters(memory, preset)
     for what, value in changed:
         if what >= 0:
@@ -81,12 +83,12 @@ def ask(memory: NDArray[np.float64], preset: Preset, changed: Sequence[tuple[int
 
 
 def check_carrier(preset: Preset, sample_rate: float) -> None:
-    """InputError if the tactor's carrier is too high for a sample rate (Hz)."""
+    """Raise InputError if the tactor's carrier is too high for a sample rate (Hz)."""
     frequency = preset.number("tactor.frequency_hz")
     if not frequency < CARRIER_LIMIT * sample_rate:
         raise InputError(
-            f"tactor.frequency_hz = {frequency:g} is too high for {sample_rate:g} Hz; "
-            f"it must stay below {CARRIER_LIMIT * sample_rate:g} Hz"
+            f"tactor.frequency_hz is {frequency:g}, too high for {sample_rate:g} Hz; "
+            f"must be below {CARRIER_LIMIT * sample_rate:g} Hz"
         )
 
 
@@ -94,7 +96,7 @@ _announced: set[str] = set()
 
 
 def announce_compile(*kernels: str) -> None:
-    """A line on stderr if the first use of kernels (by name) on this machine will compile them."""
+    """Print a line to stderr if kernels (by name) must be compiled on this machine."""
     new = set(kernels) - _announced
     if all(is_compiled(kernel) for kernel in new):
         return

@@ -1,4 +1,4 @@
-"""The engine: prepare, control, process, report, reset; the one seam where objects become arrays.
+"""Engine: block processor that writes Python objects to the kernels' memory block.
 
 Its saved state is JSON: parameters, event kinds and seed.
 """
@@ -15,27 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.design.presets.dicts import preset_from_dict, preset_to_dict
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError, NotPreparedError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.derive import derive
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.public import short
-from overview_dsp.signal.engine import reports
+from overview_dsp.signal.engine import memory_reader
 from overview_dsp.signal.engine.coefficients import (
     announce_compile,
-    ask,
     changes,
     check_carrier,
+    store_requested,
     write_parameters,
 )
+from overview_dsp.signal.engine.memory_reader import EngineParameter, Meters, Strikes, tail_seconds
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
-from overview_dsp.signal.engine.reports import EngineParameter, Meters, Strikes, tail_seconds
-from overview_dsp.signal.engine.surface_slots import StruckSurfaces, write_surface
+from overview_dsp.signal.engine.surface_slots import SurfaceHistory, write_surface
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
@@ -44,17 +44,18 @@ if TYPE_CHECKING:
 
 
 def encode_state(preset: Preset, seed: int) -> bytes:
-    """The state as UTF-8 JSON; the same values give the same bytes."""
+    """Return the state as UTF-8 JSON; the same values give the same bytes."""
     state = {"overview_state": 1, **preset_to_dict(preset), "seed": seed}
     return json.dumps(state, indent=1, ensure_ascii=False).encode()
 
 
 def decode_state(state: bytes) -> tuple[Preset, int]:
-    """Preset and seed of a saved state; InputError if it isn't one."""
+    """Return preset and seed of a saved state; raise InputError if it is invalid."""
     try:
         data = json.loads(state.decode())
         if data["overview_state"] != 1:
-            raise InputError(f"a state of version {data['overview_state']!r}; this reads 1")
+            version = data["overview_state"]
+            raise InputError(f"overview_state is {version!r}; must be 1")
         preset = preset_from_dict(data)
         seed = int(data["seed"])
     except InputError:
@@ -66,6 +67,11 @@ def decode_state(state: bytes) -> tuple[Preset, int]:
     return preset, seed
 
 
+def _require_table(array: NDArray[np.float64], shape: tuple[int, ...], name: str) -> None:
+    if array.dtype != np.float64 or array.shape != shape or not array.flags.c_contiguous:
+        raise InputError(f"{name} must be a C-ordered float64 array {shape}")
+
+
 MIN_SAMPLE_RATE = 1_000.0
 MAX_SAMPLE_RATE = 768_000.0
 
@@ -74,33 +80,33 @@ _NO_TRACE = np.zeros(0)
 
 
 class Engine:
-    """A preset on a timeline, as a block processor with control events: the audio plugin's face.
+    """Block processor for a preset and a timeline, with an interface like an audio plugin's.
 
     Nothing is allocated or compiled until `prepare`.
 
-    Thread: who may call what, while others call too:
+    Threads that may call concurrently:
 
     - one audio thread: `process`, or the stream that runs the kernel in `memory`;
-    - any thread: `control` and `control_all`, the properties that report the state (`meters`,
-      `holder`, `impulse`, `sample_time`, `preset` ...), and `take_applied`. Events of one source
-      are applied in the order of their calls, so a source whose order matters has one writer;
-    - one thread, whichever: `take_strikes` and `take_struck_events`;
-    - one thread, whichever: `take_changes`;
-    - one control thread: everything else, as `set` and its kin.
+    - any thread: `control`, `control_all`, `pop_applied`, and the properties that report the state
+      (`meters`, `active_input`, `torque_integral`, `sample_time`, `preset` ...). Events of one
+      source are applied in the order of the calls. A source therefore needs a single writer;
+    - one thread of any kind: `pop_strikes` and `pop_strike_events`;
+    - one thread of any kind: `pop_changes`;
+    - one control thread: all other methods, such as `set`.
 
-    `prepare`, `restart`, `reset` and `load_state` begin anew: nobody else calls anything meanwhile,
-    and no stream runs.
+    `prepare`, `restart`, `reset` and `load_state` require that no other thread calls the engine and
+    that no stream runs.
 
     Parameters
     ----------
     preset : Preset
-        How the timeline is felt and heard.
+        Parameters of feel and sound.
     timeline : Timeline
-        The data under the hand.
+        Data to render.
     seed : int
-        Of the surface's grain.
+        Seed of the texture noise.
     surface : Surface or None
-        That of this timeline and preset, where it is built already.
+        Surface of this timeline and preset; None builds it.
 
     Examples
     --------
@@ -132,7 +138,7 @@ class Engine:
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
-        self._struck = StruckSurfaces()
+        self._struck = SurfaceHistory()
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
 
     def prepare(
@@ -142,9 +148,9 @@ class Engine:
         *,
         memory: NDArray[np.float64] | None = None,
     ) -> None:
-        """Allocate for a sample rate and a largest block.
+        """Allocate for a sample rate and a maximum block size.
 
-        May be called again with other values; then everything is as new, parameters kept.
+        A later call with other values resets the engine but keeps the parameters.
 
         Parameters
         ----------
@@ -153,13 +159,13 @@ class Engine:
         max_block_size : int
             Frames of the largest block, at least 1.
         memory : float64 (kernels.layout.TOTAL,) or None
-            Zeros to be used in place of memory of its own.
+            Zeros to use instead of newly allocated memory.
 
         Raises
         ------
         InputError
-            A rate out of range or too low for the carrier, a block size below 1, or a memory of
-            another type or shape.
+            The sample rate is out of range or too low for the carrier, the block size is below 1,
+            or the memory has a wrong type or shape.
 
         Examples
         --------
@@ -171,18 +177,13 @@ class Engine:
         rate = validation.real(sample_rate, "sample_rate")
         if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
             raise InputError(
-                f"sample rate {rate:g} Hz is out of range; "
-                f"it is {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
+                f"sample_rate is {rate:g} Hz; must be {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
             )
         check_carrier(self._preset, rate)
         if validation.whole(max_block_size, "max_block_size") < 1:
-            raise InputError(f"max_block_size = {max_block_size}; it is at least 1 frame")
-        if memory is not None and (
-            memory.dtype != np.float64
-            or memory.shape != (layout.TOTAL,)
-            or not memory.flags.c_contiguous
-        ):
-            raise InputError(f"memory must be a C-ordered float64 array ({layout.TOTAL},)")
+            raise InputError(f"max_block_size is {max_block_size}; must be at least 1 frame")
+        if memory is not None:
+            _require_table(memory, (layout.TOTAL,), "memory")
         announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
@@ -205,18 +206,18 @@ class Engine:
         seed: int = 0,
         surface: Surface | None = None,
     ) -> None:
-        """Begin anew with these, prepared as before and in the same memory.
+        """Reset with another preset and timeline, in the same memory.
 
         Parameters
         ----------
         preset : Preset
-            How the timeline is felt and heard.
+            Parameters of feel and sound.
         timeline : Timeline
-            The data under the hand.
+            Data to render.
         seed : int
-            Of the surface's grain.
+            Seed of the texture noise.
         surface : Surface or None
-            That of this timeline and preset, where it is built already.
+            Surface of this timeline and preset; None builds it.
 
         Raises
         ------
@@ -241,7 +242,7 @@ class Engine:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew with the same parameters, surface and seed; waiting events are dropped.
+        """Reset the state; keep parameters, surface and seed, and drop pending events.
 
         Raises
         ------
@@ -270,38 +271,38 @@ class Engine:
 
     @property
     def timeline(self) -> Timeline:
-        """The data under the hand."""
+        """Present timeline."""
         return self._timeline
 
     @property
     def seed(self) -> int:
-        """The seed of the surface's grain."""
+        """Seed of the texture noise."""
         return self._seed
 
     @property
     def preset(self) -> Preset:
-        """The preset, with the values set since."""
+        """Present preset, including later changes of parameters."""
         return self._preset
 
     @property
     def surface(self) -> Surface:
-        """The surface that was set last."""
+        """Present surface."""
         return self._surface
 
     @property
     def memory(self) -> NDArray[np.float64]:
-        """The memory block, float64, for an audio stream that runs the kernel itself."""
+        """Memory block, float64, for an audio stream that runs the kernel itself."""
         self._require_prepared()
         return self._f64
 
     @property
     def sample_rate(self) -> float:
-        """The sample rate, Hz; 0 before `prepare`."""
+        """Sample rate, Hz; 0 before `prepare`."""
         return self._sample_rate
 
     @property
     def sample_time(self) -> int:
-        """The next sample's stamp: samples processed since reset."""
+        """Number of samples processed since reset, which is the stamp of the next one."""
         self._require_prepared()
         return int(self._i64[layout.CLOCK])
 
@@ -316,23 +317,23 @@ class Engine:
         sample_time: int | None = None,
         source: str = "touch",
     ) -> None:
-        """Queue a hand's event.
+        """Queue a control event of an input.
 
-        A theta2 that is not finite or is out of range is counted in the meters; a full queue drops
-        the event and counts it.
+        The meters count values of theta2 that are not finite or out of range. A full queue drops
+        and counts the event.
 
         Thread: any; events of one source are applied in the order of the calls.
 
         Parameters
         ----------
         theta2 : float
-            The hand's angle, rad; 0 = start of the timeline, pi = its end.
+            Input angle, rad; 0 = start of the timeline, pi = its end.
         touching : bool
-            Whether the hand holds on.
+            Whether the input touches the disk.
         sample_time : int or None
-            When, in samples since reset; None is as soon as possible.
+            Time in samples since reset; None is as soon as possible.
         source : {"touch", "twist", "serial", "osc", "midi", "remote"}
-            Which source; the last to touch holds the disk.
+            Source of the event. The last source to touch controls the disk.
 
         Raises
         ------
@@ -364,16 +365,16 @@ class Engine:
         theta2 : float64 (events,)
             Angles, rad.
         touching : bool (events,)
-            Whether the hand holds on.
+            Whether the input touches the disk.
         sample_times : int64 (events,)
-            When, in samples since reset.
+            Times in samples since reset.
         sources : int8 (events,)
-            Which source, as an index of the sources in `control`'s order.
+            Sources, as indices in the order of `control`.
 
         Raises
         ------
         OverviewError
-            More than a queue holds; none is taken.
+            A queue is full; no event is queued.
         NotPreparedError
             Before `prepare`.
 
@@ -387,23 +388,23 @@ class Engine:
         self._queues.control_all(theta2, touching, sample_times, sources)
 
     def set(self, id: str, value: Value, sample_time: int | None = None) -> None:
-        """Change a parameter; it glides for 20 ms from the stamped sample.
+        """Change a parameter, smoothed over 20 ms from the given sample.
 
-        What belongs to the friction table makes a new surface, which is crossfaded in.
+        A parameter of the friction table makes a new surface, which is crossfaded in.
 
         Parameters
         ----------
         id : str
-            One of the parameter table (`tactor.gain_db`) or of an event kind (`kinds.goal.height`).
+            Parameter (`tactor.gain_db`) or key of an event kind (`kinds.goal.height`).
         value : float, bool or str
-            In the parameter's unit.
+            Value in the parameter's unit.
         sample_time : int or None
-            When, in samples since reset; None is as soon as possible.
+            Time in samples since reset; None is as soon as possible.
 
         Raises
         ------
         InputError
-            No such parameter, or a value that is not allowed; nothing is changed.
+            The parameter is unknown or the value is not allowed; nothing is changed.
 
         Examples
         --------
@@ -419,14 +420,14 @@ class Engine:
         self._change(preset, surface, sample_time, {"set": {id: value}})
 
     def set_preset(self, preset: Preset, sample_time: int | None = None) -> None:
-        """Change to another preset: parameters glide, its surface is crossfaded in.
+        """Change the preset: smooth its parameters and crossfade its surface.
 
         Parameters
         ----------
         preset : Preset
-            How the timeline is felt and heard from then on.
+            New parameters of feel and sound.
         sample_time : int or None
-            When, in samples since reset; None is as soon as possible.
+            Time in samples since reset; None is as soon as possible.
 
         Raises
         ------
@@ -452,20 +453,20 @@ class Engine:
         change: Mapping[str, Any] | None = None,
         surface: Surface | None = None,
     ) -> None:
-        """Change to other data under the same preset, crossfaded: a zoom, say.
+        """Change the timeline, for example to a window of it, with a crossfade.
 
         Parameters
         ----------
         timeline : Timeline
-            The data from then on.
+            New data.
         sample_time : int or None
-            When, in samples since reset; None is as soon as possible.
+            Time in samples since reset; None is as soon as possible.
         window : (float, float) or None
-            Which part of the first timeline this is, s; for a recording.
+            Window of the first timeline that this is, s; for a recording.
         change : mapping or None
-            What a recording holds in place of a window: how a timeline that grows has changed.
+            Change of a live timeline, which a recording stores instead of a window.
         surface : Surface or None
-            Its surface, where that was built already; None builds it.
+            Surface of the timeline; None builds it.
 
         Raises
         ------
@@ -485,22 +486,21 @@ class Engine:
         self._change(self._preset, surface, sample_time, note, timeline)
 
     def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
-        """Crossfade to another surface (new data, a zoom, a preset) in 30 ms.
+        """Crossfade to another surface in 30 ms.
 
-        A recording can't hold a surface that came so; it holds those of `set`, `set_preset` and
-        `set_timeline`.
+        A recording can't store this change, only those of `set`, `set_preset` and `set_timeline`.
 
         Parameters
         ----------
         surface : Surface
-            Of `build_surface`.
+            Surface from `build_surface`.
         sample_time : int or None
-            When, in samples since reset; None is as soon as possible.
+            Time in samples since reset; None is as soon as possible.
 
         Raises
         ------
         OverviewError
-            Two surfaces are waiting or fading already: process a block first.
+            Two surfaces are already pending or fading: process a block first.
         NotPreparedError
             Before `prepare`.
 
@@ -520,7 +520,7 @@ class Engine:
         note: dict[str, Any] | None,
         timeline: Timeline | None = None,
     ) -> None:
-        """Take over a preset and a surface, all at one sample; or nothing, with an error."""
+        """Apply a preset and a surface at one sample; on an error change nothing."""
         timeline = self._timeline if timeline is None else timeline
         if self._sample_rate:
             check_carrier(preset, self._sample_rate)
@@ -532,7 +532,7 @@ class Engine:
                 write_surface(self._f64, slot, surface)
                 self._slot_surfaces[slot] = surface
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
-            ask(self._f64, preset, changed)
+            store_requested(self._f64, preset, changed)
             if changed:
                 number = self._queues.push(changed, stamp)
                 self._journal.append((number, note))
@@ -549,12 +549,12 @@ class Engine:
         Parameters
         ----------
         click, tactor : int or None
-            From 0; None is nowhere.
+            Channel index from 0; None disables the signal.
 
         Raises
         ------
         InputError
-            A negative channel, or one channel for both.
+            A channel is negative, or both signals have the same channel.
         NotPreparedError
             Before `prepare`.
 
@@ -567,33 +567,33 @@ class Engine:
         self._require_prepared()
         for channel in (click, tactor):
             if channel is not None and channel < 0:
-                raise InputError(f"channel {channel}; channels count from 0, None is nowhere")
+                raise InputError(f"channel is {channel}; must be 0 or more, or None for no output")
         if click is not None and click == tactor:
             raise InputError(f"clicks and tactor can't share channel {click}; give each its own")
         self._i64[layout.S_CLICK_CHANNEL] = -1 if click is None else click
         self._i64[layout.S_TACTOR_CHANNEL] = -1 if tactor is None else tactor
 
-    def take_applied(self, since: int) -> tuple[NDArray[np.void], int]:
-        """Look up the control events that were applied; the log keeps the latest 16384.
+    def pop_applied(self, since: int) -> tuple[NDArray[np.void], int]:
+        """Read the applied control events; the log keeps the latest 16384.
 
         Parameters
         ----------
         since : int
-            How many were looked at before.
+            Number of events read before.
 
         Returns
         -------
         events : record array
             `sample`, `source` (an index), `theta2` (rad, as used) and `touching`.
         count : int
-            How many there are by now.
+            Number of events applied so far.
 
         Raises
         ------
         OverviewError
-            More came since than the log keeps.
+            More events were applied since then than the log keeps.
         NotPreparedError
-            It is not prepared yet.
+            Before `prepare`.
 
         Examples
         --------
@@ -601,16 +601,16 @@ class Engine:
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.control(1.2, True)
         >>> engine.process(np.zeros((256, 2), dtype=np.float32))
-        >>> events, count = engine.take_applied(0)
+        >>> events, count = engine.pop_applied(0)
         >>> count, float(events["theta2"][0])
         (1, 1.2)
         """
         self._require_prepared()
-        return reports.read_applied(self._f64, since)
+        return memory_reader.read_applied(self._f64, since)
 
     @property
     def parameters(self) -> Mapping[str, EngineParameter]:
-        """Every parameter with its range, unit, default, sentence and present value, by id."""
+        """All parameters by id, with range, unit, default, description and present value."""
         return {
             id: EngineParameter(
                 **{item.name: getattr(known, item.name) for item in fields(Parameter)},
@@ -623,112 +623,111 @@ class Engine:
     def meters(self) -> Meters:
         """Counters and levels as of the last block."""
         self._require_prepared()
-        return reports.read_meters(self._f64, self._queues.dropped)
+        return memory_reader.read_meters(self._f64, self._queues.dropped)
 
     @property
-    def impulse(self) -> tuple[float, float]:
-        """The time processed since reset (s), and the torque's integral over it (N m s).
+    def torque_integral(self) -> tuple[float, float]:
+        """Time processed since reset (s), and integral of the torque over it (N m s).
 
-        Of two looks, the mean torque between them: what lasts a millisecond is in it, however
-        long the blocks are. Thread: any.
+        The difference of two readings gives the mean torque between them, including peaks shorter
+        than a block. Thread: any.
         """
         self._require_prepared()
-        summed, impulse = reports.read_impulse(self._f64)
-        return summed / self._sample_rate, impulse / self._sample_rate
+        samples, integral = memory_reader.read_torque_integral(self._f64)
+        return samples / self._sample_rate, integral / self._sample_rate
 
     @property
-    def holder(self) -> tuple[str, float] | None:
-        """The source that holds the disk and its theta2 (rad), as of the last block, or None."""
+    def active_input(self) -> tuple[str, float] | None:
+        """Source that controls the disk and its theta2 (rad) as of the last block, or None."""
         self._require_prepared()
-        return reports.read_holder(self._f64)
+        return memory_reader.read_active_input(self._f64)
 
     @property
-    def arrived_at(self) -> int | None:
-        """Sample since which the disk is at the finger, past every event between, or None."""
+    def settled_at(self) -> int | None:
+        """Sample since which the disk is at the input angle, past all events, or None."""
         self._require_prepared()
-        return reports.read_arrival(self._f64)
+        return memory_reader.read_arrival(self._f64)
 
     @property
     def latency_samples(self) -> int:
-        """How far the disk's input lags a moving hand, samples (a tap is not delayed)."""
+        """Delay of a moving input by the smoother, samples (a tap is not delayed)."""
         self._require_prepared()
         return round(latency(float(self._f64[layout.C_SMOOTH])))
 
     @property
     def tail_seconds(self) -> float:
-        """Within how long after the last event of any hand the output is exactly zero, s."""
+        """Upper bound of the time from the last control event to exact silence, s."""
         return tail_seconds(self._preset, self._surface)
 
-    def take_strikes(self) -> Strikes:
-        """Look up the strikes since the last call (up to the log's 16384 latest).
+    def pop_strikes(self) -> Strikes:
+        """Return the strikes since the last call (at most the latest 16384).
 
         Returns
         -------
         Strikes
-            In order.
+            Strikes in order of time.
 
         Raises
         ------
         NotPreparedError
-            It is not prepared yet.
+            Before `prepare`.
 
         Examples
         --------
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> len(engine.take_strikes())
+        >>> len(engine.pop_strikes())
         0
         """
-        return self._take_strikes()[0]
+        return self._pop_strikes()[0]
 
-    def take_struck_events(self) -> list[tuple[Event, float]]:
-        """Look up the events struck since the last call of this or `take_strikes`.
+    def pop_strike_events(self) -> list[tuple[Event, float]]:
+        """Return the events struck since the last call of this method or `pop_strikes`.
 
         Returns
         -------
         list of (Event, float)
-            Each as it is in the timeline that was under the disk then, and the amplitude of its
-            click, linear.
+            Event of the timeline at that time, and linear amplitude of its click.
 
         Raises
         ------
         NotPreparedError
-            It is not prepared yet.
+            Before `prepare`.
 
         Examples
         --------
         >>> engine = ov.Engine(plain, match)
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
-        >>> engine.take_struck_events()
+        >>> engine.pop_strike_events()
         []
         """
-        strikes, timelines = self._take_strikes()
+        strikes, timelines = self._pop_strikes()
         return [
             (timeline.events[event], float(level))
             for event, level, timeline in zip(strikes.event, strikes.level, timelines, strict=True)
             if event >= 0 and timeline is not None
         ]
 
-    def _take_strikes(self) -> tuple[Strikes, list[Timeline | None]]:
+    def _pop_strikes(self) -> tuple[Strikes, list[Timeline | None]]:
         self._require_prepared()
-        return reports.take_strikes(
+        return memory_reader.pop_strikes(
             self._f64, self._struck, self._queues.applied_at, self._sample_rate
         )
 
-    def take_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
-        """Look up the parameter and surface changes applied since the last call.
+    def pop_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
+        """Return the parameter and surface changes applied since the last call.
 
         Returns
         -------
         list of (int, dict or None)
-            The sample and the change: `{"set": {id: value}}`, `{"preset": ...}`,
-            `{"window": [start_s, end_s]}`, what `set_timeline` was given, or None for one that a
-            recording can't hold.
+            Sample and change: `{"set": {id: value}}`, `{"preset": ...}`,
+            `{"window": [start_s, end_s]}`, the `change` of `set_timeline`, or None for one that a
+            recording can't store.
 
         Raises
         ------
         NotPreparedError
-            It is not prepared yet.
+            Before `prepare`.
 
         Examples
         --------
@@ -736,7 +735,7 @@ class Engine:
         >>> engine.prepare(sample_rate=8000, max_block_size=256)
         >>> engine.set("tactor.gain_db", -6.0)
         >>> engine.process(np.zeros((256, 2), dtype=np.float32))
-        >>> engine.take_changes()
+        >>> engine.pop_changes()
         [(0, {'set': {'tactor.gain_db': -6.0}})]
         """
         self._require_prepared()
@@ -749,22 +748,22 @@ class Engine:
         return taken
 
     def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Make the tactor channel that a torque signal gives from rest.
+        """Return the tactor signal of a torque signal, starting from rest.
 
         Parameters
         ----------
         torque : float64 (frames,)
-            N m, one value a frame.
+            Torque of each frame, N m.
 
         Returns
         -------
         float32 (frames,)
-            Linear, full scale is 1.
+            Linear samples; full scale is 1.
 
         Raises
         ------
         NotPreparedError
-            It is not prepared yet.
+            Before `prepare`.
 
         Examples
         --------
@@ -774,24 +773,24 @@ class Engine:
         True
         """
         self._require_prepared()
-        return reports.tactor_of(self._f64, torque)
+        return memory_reader.tactor_of(self._f64, torque)
 
     def process(self, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None) -> None:
-        """Overwrite a buffer with the next block; allocates nothing. Thread: audio.
+        """Overwrite a buffer with the next block; allocate nothing. Thread: audio.
 
         Parameters
         ----------
         out : float32 (frames, channels)
-            C-ordered and writable; overwritten.
+            C-ordered and writable buffer, overwritten.
         trace : float64 (frames, 9) or None
-            Gets the columns of `Trace`, if given.
+            Buffer for the columns of `Trace`, overwritten.
 
         Raises
         ------
         NotPreparedError
-            Before `prepare`, or more frames than prepared; nothing was processed.
+            Before `prepare`, or with more frames than prepared; nothing is processed.
         InputError
-            An array of the wrong type, shape or order.
+            An array has a wrong type, shape or order.
 
         Examples
         --------
@@ -806,27 +805,20 @@ class Engine:
         frames, channels = validation.block(out, "out")
         if frames > self._max_block_size:
             raise NotPreparedError(
-                f"a block of {frames} frames; the engine is prepared for up to "
+                f"block has {frames} frames; the engine is prepared for up to "
                 f"{self._max_block_size}, call prepare(max_block_size={frames})"
             )
         needed = max(self._i64[layout.S_CLICK_CHANNEL], self._i64[layout.S_TACTOR_CHANNEL]) + 1
         if channels < needed:
             raise InputError(f"out has {channels} channels; the channel map needs {needed}")
-        if trace is None:
-            flat, traced = _NO_TRACE, False
-        else:
-            if (
-                trace.dtype != np.float64
-                or trace.shape != (frames, layout.TRACE)
-                or not trace.flags.c_contiguous
-            ):
-                raise InputError(
-                    f"trace must be a C-ordered float64 array ({frames}, {layout.TRACE})"
-                )
-            flat, traced = trace.reshape(-1), True
+        flat = _NO_TRACE
+        if trace is not None:
+            _require_table(trace, (frames, layout.TRACE), "trace")
+            flat = trace.reshape(-1)
         block.process(
-            self._f64, self._i64, self._u64, out.reshape(-1), frames, channels, flat, traced
-        )
+            self._f64, self._i64, self._u64, out.reshape(-1), frames, channels, flat,
+            trace is not None,
+        )  # fmt: skip
 
     def save_state(self) -> bytes:
         """Save parameters, event kinds and seed; the same engine gives the same bytes.
@@ -834,7 +826,7 @@ class Engine:
         Returns
         -------
         bytes
-            For `load_state`.
+            State for `load_state`.
 
         Examples
         --------
@@ -844,17 +836,17 @@ class Engine:
         return encode_state(self._preset, self._seed)
 
     def load_state(self, state: bytes) -> None:
-        """Take over a saved state.
+        """Load a saved state.
 
         Parameters
         ----------
         state : bytes
-            Of `save_state`.
+            State from `save_state`.
 
         Raises
         ------
         InputError
-            It isn't one; nothing is changed.
+            The state is invalid; nothing is changed.
 
         Examples
         --------

@@ -1,8 +1,8 @@
-"""What the control thread passes to the audio thread: control events, changes, free surface slots.
+"""Queues from the control thread to the audio thread: control events, changes, surface slots.
 
-An event is written first and published last (`kernels.ordering`), so that the audio thread sees all
-of it or nothing; what doesn't fit is counted, never waited for. A ring is written by one thread at
-a time: a lock a source, which only those that write that source take, never the audio thread.
+An event is written before it is published (`kernels.atomics`), so that the audio thread never sees
+a part of it. Events that do not fit are dropped and counted. One thread at a time writes a ring:
+each source has a lock for its writers, which the audio thread never takes.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from overview_dsp import validation
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.control import push_control
-from overview_dsp.kernels.ordering import acquired, publish
+from overview_dsp.kernels.atomics import acquired, publish
+from overview_dsp.kernels.control_events import push_control
 
 _RING_OF = {source: ring for ring, source in enumerate(SOURCES)}
 _AS_SOON_AS_POSSIBLE = -1
 
 
 class ControlQueues:
-    """The writing ends of a memory block's rings.
+    """Writing ends of a memory block's rings.
 
     Thread: any for `control`, `control_all` and `dropped`; one control thread for the rest.
     """
 
     def __init__(self, memory: NDArray[np.float64]) -> None:
-        """`memory` is the block of `kernels.layout`."""
+        """Write to the rings of `memory`, a block of `kernels.layout`."""
         self._f64 = memory
         self._i64 = memory.view(np.int64)
         # between writers in Python; the audio thread takes none of them
@@ -43,21 +43,21 @@ class ControlQueues:
 
     @property
     def dropped(self) -> int:
-        """Control events that found their ring full, of all sources."""
+        """Number of control events dropped because their ring was full."""
         return sum(self._dropped)
 
     def clear_dropped(self) -> None:
-        """Count from 0 again."""
+        """Reset the number of dropped events."""
         for ring, writing in enumerate(self._writing):
             with writing:
                 self._dropped[ring] = 0
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
-        """Push a control event; a full ring drops it, counts it and warns the first time."""
+        """Push a control event; a full ring drops and counts it, with one warning."""
         ring = _RING_OF.get(source) if isinstance(source, str) else None
         if ring is None:
-            raise InputError(f"no source is called {shown(source)}; known: {', '.join(SOURCES)}")
-        # of exact types: for any other, the compiler would make it anew
+            raise InputError(f"source is {shown(source)}; must be one of {', '.join(SOURCES)}")
+        # exact types: others would be compiled again
         event = ring, stamp, validation.real(theta2, "theta2"), bool(touching)
         with self._writing[ring]:
             if push_control(self._f64, self._i64, *event):
@@ -66,7 +66,7 @@ class ControlQueues:
             first = self._dropped[ring] == 1
         if first:
             warnings.warn(
-                f"control event dropped: {layout.RING} of source {source!r} wait already; "
+                f"control event dropped: {layout.RING} of source {source!r} are pending; "
                 "process a block first",
                 OverviewWarning,
                 stacklevel=3,
@@ -79,20 +79,20 @@ class ControlQueues:
         stamps: NDArray[np.int64],
         sources: NDArray[np.int8],
     ) -> None:
-        """Push control events, in order: all, or none with OverviewError if a ring is full."""
+        """Push control events in order; if a ring is full raise OverviewError and push none."""
         rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}
         for what, row in rows.items():
             validation.floats(row, what)
         validation.equally_long(", ".join(rows), *rows.values())
         if len(sources) and not 0 <= sources.min() <= sources.max() < len(SOURCES):
             raise InputError(
-                f"a source is an index of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
+                f"sources must be indices of {', '.join(SOURCES)}: 0 to {len(SOURCES) - 1}"
             )
         i64 = self._i64
         of_ring = [
             (ring, np.flatnonzero(sources == ring)) for ring in sorted(set(sources.tolist()))
         ]
-        with contextlib.ExitStack() as writing:  # in the order of rings, so that none waits forever
+        with contextlib.ExitStack() as writing:  # in the order of rings, to avoid deadlocks
             for ring, _ in of_ring:
                 writing.enter_context(self._writing[ring])
             for ring, events in of_ring:
@@ -101,8 +101,8 @@ class ControlQueues:
                 )
                 if waiting + len(events) > layout.RING:
                     raise OverviewError(
-                        f"{len(events)} control events of {SOURCES[ring]!r}, {waiting} wait "
-                        f"already; the queue holds {layout.RING}: process a block first"
+                        f"{len(events)} control events of {SOURCES[ring]!r} do not fit: {waiting} "
+                        f"are pending, and the queue holds {layout.RING}; process a block first"
                     )
             for ring, events in of_ring:
                 written = int(i64[layout.RING_WRITTEN + ring])
@@ -113,15 +113,15 @@ class ControlQueues:
                 publish(i64, layout.RING_WRITTEN + ring, written + len(events))
 
     def require_capacity(self, changes: int) -> None:
-        """Raise OverviewError unless so many parameter or surface changes can be pushed."""
+        """Raise OverviewError if this number of changes does not fit into the ring."""
         waiting = int(self._i64[layout.HOST_WRITTEN]) - acquired(self._i64, layout.HOST_READ)
         if waiting + changes > layout.HOST_RING:
             raise OverviewError(
-                f"{waiting} parameter changes wait already; process a block, then set more"
+                f"{waiting} parameter changes are pending; process a block, then set more"
             )
 
     def push(self, changes: list[tuple[int, float]], stamp: int) -> int:
-        """Push changes that belong together; their number, for `applied_at`."""
+        """Push changes that belong together; return their number for `applied_at`."""
         self.require_capacity(len(changes))
         written = int(self._i64[layout.HOST_WRITTEN])
         for index, (what, value) in enumerate(changes, written):
@@ -133,9 +133,9 @@ class ControlQueues:
         return written
 
     def applied_at(self, number: int) -> int | None:
-        """The sample at which a pushed change was applied; None while it waits.
+        """Return the sample at which a pushed change was applied; None while it is pending.
 
-        OverviewError if so many came after it that its place was used again.
+        Raise OverviewError if later changes have overwritten its entry.
         """
         if int(self._i64[layout.HOST_WRITTEN]) - number > layout.HOST_RING:
             raise OverviewError("parameters change faster than they are recorded; change fewer")
@@ -144,9 +144,9 @@ class ControlQueues:
         return int(self._i64[layout.HOST_TIME + number % layout.HOST_RING])
 
     def free_slot(self) -> int:
-        """A surface slot that neither sounds, fades nor waits; OverviewError if there is none."""
-        # the audio thread may begin a waiting crossfade while we look; in this order, which is the
-        # reverse of its own, what waited then, sounded then or fades now is all that can be in use
+        """Return a free surface slot; raise OverviewError if all are in use."""
+        # the audio thread may start a pending crossfade meanwhile; reading in the reverse of its
+        # order finds all slots that are pending, active or fading
         i64 = self._i64
         waiting = range(acquired(i64, layout.HOST_READ), int(i64[layout.HOST_WRITTEN]))
         taken = {acquired(i64, layout.ACTIVE_SLOT)}
@@ -157,24 +157,30 @@ class ControlQueues:
                 taken.add(int(self._f64[layout.HOST_VALUE + at]))
         free = [slot for slot in range(layout.SLOTS) if slot not in taken]
         if not free:
-            raise OverviewError("two surfaces wait or fade already; process a block, then set it")
+            raise OverviewError("two surfaces are pending or fading; process a block first")
         return free[0]
 
 
 @cache
 def _compile() -> None:
-    """Compile what events are pushed with, so that the first one isn't late for it."""
+    """Compile the functions that push events, so that the first event is not late."""
     scratch = np.zeros(layout.HOST_TIME)
     push_control(scratch, scratch.view(np.int64), 0, 0, 0.0, False)
     publish(scratch.view(np.int64), 0, acquired(scratch.view(np.int64), 0))
 
 
 def stamp_of(sample_time: int | None) -> int:
-    """The stamp of a sample time; None is as soon as possible. InputError if it is no sample."""
+    """Return the stamp of a sample time; None is as soon as possible.
+
+    Raises
+    ------
+    InputError
+        It is not a sample number.
+    """
     if sample_time is None:
         return _AS_SOON_AS_POSSIBLE
     if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:
         raise InputError(
-            f"sample_time = {shown(sample_time)}; it counts samples since reset, from 0"
+            f"sample_time is {shown(sample_time)}; must be a number of samples since reset, from 0"
         )
     return int(sample_time)

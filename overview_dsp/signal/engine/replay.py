@@ -1,56 +1,56 @@
-"""A recorded change, made again: a parameter, a preset, a part of the timeline, or how it grew."""
+"""Replay of recorded changes: parameters, presets, windows and updates of a live timeline."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from overview_dsp.data.feeds.difference import applied, pattern_of
+from overview_dsp.data.feeds.timeline_diff import announcement_of, apply_diff
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.dicts import preset_from_dict
-from overview_dsp.design.presets.validation import migrated_values
+from overview_dsp.design.presets.serialization import preset_from_dict
+from overview_dsp.design.presets.validation import migrate_values
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.surface.ahead import joined
 from overview_dsp.signal.surface.angle_map import without_map
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.signal.surface.live_update import join_surfaces
 
 
 def apply_change(
     engine: Engine, whole: Timeline, what: Mapping[str, Any], sample_time: int | None = None
 ) -> Timeline:
-    """Make a change of `gestures.Change` at a sample; windows are of the timeline `whole`.
+    """Apply a change of `gestures.Change` at a sample; windows refer to the timeline `whole`.
 
     Returns
     -------
     Timeline
-        The whole from then on: another one where it has grown.
+        The whole timeline after the change.
 
     Raises
     ------
     InputError
-        Not a change, or one that doesn't fit this preset or timeline.
+        The change is invalid or doesn't fit this preset or timeline.
     """
     try:
         if "set" in what:
-            for id, value in migrated_values(what["set"]).items():
+            for id, value in migrate_values(what["set"]).items():
                 engine.set(id, value, sample_time)
         elif "preset" in what:
             engine.set_preset(preset_from_dict(what["preset"]), sample_time)
         elif "pattern" in what:
             set_pattern(engine, what, sample_time)
         elif "timeline" in what:
-            grown = applied(whole, what["timeline"])
+            grown = apply_diff(whole, what["timeline"])
             window = what["timeline"].get("window")
             shown = grown if window is None else grown.window(*window)
-            ahead = what["timeline"].get("ahead")
+            cursor = what["timeline"].get("ahead")
             surface, before = None, engine.surface
-            if ahead is not None or what["timeline"].get("keeps_map"):
+            if cursor is not None or what["timeline"].get("keeps_map"):
                 surface = build_surface(shown, engine.preset, before.angle_map)
-            if ahead is not None and surface is not None:
-                surface = joined(before, surface, float(ahead))
+            if cursor is not None and surface is not None:
+                surface = join_surfaces(before, surface, float(cursor))
                 if surface is None:
-                    raise InputError(f"what was behind {ahead:g} isn't what it was")
+                    raise InputError(f"the change alters events before position {cursor:g}")
             engine.set_timeline(shown, sample_time, change=what, surface=surface)
             return grown
         else:
@@ -64,10 +64,10 @@ def apply_change(
 
 
 def set_pattern(engine: Engine, change: Mapping[str, Any], sample_time: int | None = None) -> None:
-    """Put the pattern of a change under the disk, where its tap reaches: without an angle map.
+    """Set the announcement pattern of a change as the timeline, without an angle map.
 
-    Errors as `Engine.set_timeline`.
+    Raises the errors of `Engine.set_timeline`.
     """
-    pattern = pattern_of(change["pattern"])
+    pattern = announcement_of(change["pattern"])
     surface = build_surface(pattern, without_map(engine.preset))
     engine.set_timeline(pattern, sample_time, change=change, surface=surface)

@@ -1,4 +1,4 @@
-"""Engines side by side: one memory, a lane of the compiled loops for each."""
+"""Batch of engines in one memory block, each in one lane of the compiled loops."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.compiling import runs_as_python
 from overview_dsp.kernels.simd import memory as lane_memory
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
+from overview_dsp.kernels.sources import runs_as_python
 from overview_dsp.signal.engine.coefficients import announce_compile
 from overview_dsp.signal.engine.engine import Engine
 
 
 class EngineBatch:
-    """Up to `SIMD_WIDTH` engines that are processed at once, with the bits they have alone.
+    """Processes up to `SIMD_WIDTH` engines at once, bit-identical to single engines.
 
-    An engine gets its lane with `prepare(..., memory=lanes.memory(lane))`. Their output has two
+    `prepare(..., memory=batch.memory(lane))` assigns a lane to an engine. The output has two
     channels. Thread: one at a time.
     """
 
     def __init__(self, block: int) -> None:
-        """For blocks of up to `block` frames; nothing is compiled until several voices play."""
+        """Allocate for blocks of up to `block` frames."""
         self._f64 = np.zeros(lane_memory.MEMORY)
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
@@ -33,17 +33,17 @@ class EngineBatch:
         self._announced = False
 
     def memory(self, lane: int) -> NDArray[np.float64]:
-        """The memory of a lane's engine."""
+        """Return the memory of a lane's engine."""
         start = lane_memory.SIZE + lane * layout.TOTAL
         return self._f64[start : start + layout.TOTAL]
 
     def process(
         self, engines: Sequence[Engine | None], frames: int, trace: bool
     ) -> tuple[NDArray[np.float32], NDArray[np.float64] | None]:
-        """The next frames of every engine (None: a lane without one).
+        """Return the next frames of all engines (None: an empty lane).
 
-        Returns float32 (SIMD_WIDTH, frames, 2) and, if asked for, the traces, float64 (SIMD_WIDTH,
-        frames, 9); both are overwritten by the next call.
+        Returns float32 (SIMD_WIDTH, frames, 2) and, with `trace`, the traces, float64 (SIMD_WIDTH,
+        frames, 9). The next call overwrites both.
         """
         out = self._out[: SIMD_WIDTH * frames * layout.SIGNALS]
         if trace and not len(self._trace):
@@ -65,7 +65,7 @@ class EngineBatch:
         table: NDArray[np.float64],
         trace: bool,
     ) -> Sequence[bool]:
-        """Process what goes through the lanes' loops; which engines that were."""
+        """Process the engines that the lanes' loops support; return which ones these are."""
         from overview_dsp.kernels.simd import block as lane_block
 
         if sum(engine is not None for engine in engines) < lane_block.FEWEST or runs_as_python():

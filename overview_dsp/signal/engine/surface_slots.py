@@ -1,7 +1,7 @@
-"""Surfaces in the slots of the memory block, where the kernel reads them.
+"""Surface slots: write surfaces to the memory block and map its strikes back to events.
 
-The kernel's log has the number of an event in the surface that it fell on: which one that was is
-looked up here.
+The kernel's log stores the number of an event within the surface of that time. `SurfaceHistory`
+finds the surface and the event.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import derive_clicks
-from overview_dsp.signal.surface.fields import BARE, BristleField, DetentField
+from overview_dsp.signal.surface.fields import BASE, BristleField, DetentField
 from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
 
 MOST = 256
-"""Surfaces that are remembered; strikes that nobody took for so many changes are the bare one's."""
+"""Number of surfaces remembered; older strikes are attributed to the base surface."""
 
 STEEP = 0.2
-"""From one cell to the next friction changes by more than this part of the bare surface's."""
+"""Change of friction between neighbouring cells, relative to the base surface, that is steep."""
 
 _STRIKES = {
     "viscous": layout.STRIKE_BY_APPROACH,
@@ -38,9 +38,9 @@ _STRIKES = {
 
 
 def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
-    """Write a surface's friction, events and clicks into slot 0, 1 or 2 of the block `m`.
+    """Write a surface's friction, events and clicks to slot 0, 1 or 2 of the block `m`.
 
-    The block has its sample rate already.
+    The sample rate must be in the block.
     """
     w = m.view(np.int64)
     base = layout.SURFACES + slot * layout.SLOT_SIZE
@@ -74,29 +74,29 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
     if surface.detents is not None:
         _write_detents(m, base, surface.detents)
     if surface.bristles is not None:
-        rank = np.append(np.argsort(order), BARE)
+        rank = np.append(np.argsort(order), BASE)
         _write_bristles(m, base, surface.bristles, rank)
     _write_clicks(m, base, surface)
     derive_clicks(m, w, base)
 
 
-def struck_events(surface: Surface) -> NDArray[np.int64]:
-    """Return the timeline's events by the kernel's numbers for them; `BARE` is the bare surface.
+def timeline_events(surface: Surface) -> NDArray[np.int64]:
+    """Return the timeline's events by the kernel's event numbers; `BASE` is the base surface.
 
-    The last one is the bare surface's as well.
+    The last entry is the base surface, too.
     """
-    own = np.full(len(surface.texture_strikes.position), BARE)
-    return np.append(np.concatenate([surface.event, own])[_strike_order(surface)], BARE)
+    own = np.full(len(surface.texture_strikes.position), BASE)
+    return np.append(np.concatenate([surface.event, own])[_strike_order(surface)], BASE)
 
 
 def _strike_order(surface: Surface) -> NDArray[np.int64]:
-    """The surface's events, then its texture strikes, in the order of their positions."""
+    """Return the order of positions of the surface's events followed by its texture strikes."""
     position = np.concatenate([surface.position, surface.texture_strikes.position])
     return np.argsort(position, kind="stable")
 
 
 def _steep(surface: Surface) -> NDArray[np.bool_]:
-    """Which blocks of cells have a steep edge in them or beside them, within a step's reach."""
+    """Return for each block of cells whether it or a neighbour has a steep edge."""
     friction = surface.friction
     cells = np.flatnonzero(np.abs(np.diff(friction)) > STEEP * friction.min())
     edges = np.zeros(layout.CELLS // layout.STEEP_BLOCK + 1, dtype=bool)
@@ -108,14 +108,14 @@ def _steep(surface: Surface) -> NDArray[np.bool_]:
 
 
 def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
-    """Values at the table's points and the slopes between them, interleaved."""
+    """Write values at the table's points, interleaved with the slopes between them."""
     table[0::2] = values
     table[1:-1:2] = np.diff(values)
     table[-1] = 0.0
 
 
 def _write_clicks(m: NDArray[np.float64], base: int, surface: Surface) -> None:
-    """The clicks of each kind and of the bare surface, as the preset has them."""
+    """Write the clicks of each kind and of the base surface."""
     w = m.view(np.int64)
     w[base + layout.KIND_CLICK :][: layout.BANKS] = 0
     for kind, modes in [*enumerate(surface.kind_modes), (layout.MAX_KINDS, surface.own_modes)]:
@@ -153,28 +153,28 @@ def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> Non
 
 
 @dataclass
-class _Under:
-    change: int  # the number of the change that brings it, for `ControlQueues.applied_at`
-    sample: int | None  # from which it is under the disk; None while it waits
-    events: NDArray[np.int64]  # the timeline's, by the kernel's numbers; the last: the bare surface
+class _PastSurface:
+    change: int  # number of the change to it, for `ControlQueues.applied_at`
+    sample: int | None  # first sample of its use; None while it is pending
+    events: NDArray[np.int64]  # of `timeline_events`
     timeline: Timeline
 
 
-class StruckSurfaces:
-    """The surfaces that were under the disk since its strikes were taken last.
+class SurfaceHistory:
+    """Surfaces in use since the last call that read strikes.
 
-    Thread: one that changes surfaces, one that takes strikes.
+    Thread: one that changes surfaces, one that reads strikes.
     """
 
     def __init__(self) -> None:
-        self._under: deque[_Under] = deque(maxlen=MOST)
-        self._lock = threading.Lock()  # the audio thread takes it never
+        self._surfaces: deque[_PastSurface] = deque(maxlen=MOST)
+        self._lock = threading.Lock()  # never taken by the audio thread
 
     def reset(self, surface: Surface, timeline: Timeline) -> None:
-        """Begin anew with a surface."""
+        """Clear the history and start with a surface."""
         with self._lock:
-            self._under.clear()
-            self._under.append(_Under(-1, 0, struck_events(surface), timeline))
+            self._surfaces.clear()
+            self._surfaces.append(_PastSurface(-1, 0, timeline_events(surface), timeline))
 
     def add(
         self,
@@ -183,13 +183,13 @@ class StruckSurfaces:
         timeline: Timeline,
         applied_at: Callable[[int], int | None],
     ) -> None:
-        """A change that was pushed brings a surface."""
+        """Add the surface of a pushed change."""
         with self._lock:
-            self._find(applied_at)  # while the queue still knows
-            self._under.append(_Under(change, None, struck_events(surface), timeline))
+            self._resolve(applied_at)  # before the queue forgets it
+            self._surfaces.append(_PastSurface(change, None, timeline_events(surface), timeline))
 
-    def _find(self, applied_at: Callable[[int], int | None]) -> None:
-        for one in self._under:
+    def _resolve(self, applied_at: Callable[[int], int | None]) -> None:
+        for one in self._surfaces:
             if one.sample is None:
                 one.sample = applied_at(one.change)
 
@@ -200,13 +200,13 @@ class StruckSurfaces:
         now: int,
         applied_at: Callable[[int], int | None],
     ) -> tuple[NDArray[np.int64], list[Timeline | None]]:
-        """The timelines' events of strikes by their numbers and times (samples), and the timelines.
+        """Return events and timelines of strikes from their numbers and times (samples).
 
-        -1 is the bare surface. Later strikes are of sample `now` on.
+        An event of -1 is the base surface. Later calls get strikes from sample `now` on.
         """
         with self._lock:
-            self._find(applied_at)
-            under = [one for one in self._under if one.sample is not None]
+            self._resolve(applied_at)
+            under = [one for one in self._surfaces if one.sample is not None]
             starts = np.array([one.sample for one in under])
             which = np.searchsorted(starts, times, side="right") - 1
             events = np.full(len(numbers), -1, dtype=np.int64)
@@ -217,9 +217,9 @@ class StruckSurfaces:
                 events[mine] = known[np.minimum(numbers[mine], len(known) - 1)]
                 for i in mine:
                     timelines[i] = under[index].timeline
-            while len(self._under) > 1:
-                following = self._under[1].sample
+            while len(self._surfaces) > 1:
+                following = self._surfaces[1].sample
                 if following is None or following > now:
                     break
-                self._under.popleft()
+                self._surfaces.popleft()
         return events, timelines

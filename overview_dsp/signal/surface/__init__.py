@@ -1,4 +1,4 @@
-"""Timeline + preset -> friction table and event table."""
+"""Surface: friction table and event table of a timeline and a preset."""
 
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface

@@ -1,18 +1,18 @@
-"""Map between time and angle that keeps neighbouring events apart, and its inverse.
+"""Angle map: map between time and angle that separates neighbouring events, and its inverse.
 
 Every conversion between a time of a timeline and a position of its surface (0 to 1, half a turn)
 goes through one `AngleMap`, which the surface holds. A window of a timeline has a map of its own.
 
-1. The times of the events to keep apart, sorted, cut the timeline of T seconds into n gaps.
-2. No gap may be narrower than `least = share * T / n`: narrower gaps become that wide, and all
-   others shrink by one factor, so that the sum is T again. Touches and shots between them count in
-   n and give their gap as much room each, so that they are felt one by one about a goal, too; many
-   of them leave a gap `BESIDE` of the room that it has without any.
-3. Positions are linear in time between these events. Events of one time keep their order, `least`
-   apart; the curve takes the position of the last one there. Events at the ends stay there.
+1. The sorted times of the events to separate divide the timeline of T seconds into n intervals.
+2. The least width is `least = share * T / n`. Narrower intervals get this width, and all
+   others shrink by a common factor, so that their sum remains T. Touches and shots count in
+   n and widen their interval by the same amount each, so that they can be distinguished near a
+   goal. Other intervals keep at least `MIN_ROOM` of their width without them.
+3. Positions are linear in time between these events. Simultaneous events keep their order, `least`
+   apart, and their time has the position of the last one. Events at the ends stay there.
 
-Events that fill a timeline up (touches, shots, ticks of the calendar) move with their surroundings
-and keep their room, but aren't kept apart.
+Events that fill a timeline (touches, shots, ticks of the calendar) move with their surroundings
+but are not separated.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import Preset
 
 BETWEEN = frozenset(("touch", "shot"))
-"""Event kinds that lie between those that are kept apart, and need room there."""
+"""Event kinds that are not separated but widen their interval."""
 
-BESIDE = 0.3
-"""The least room of the events that are kept apart, relative to that with nothing between them."""
+MIN_ROOM = 0.3
+"""Least width of an interval relative to that without touches and shots."""
 
 FILL = BETWEEN | frozenset(TICKS)
-"""Event kinds that aren't kept apart."""
+"""Event kinds that are not separated."""
 
 SHARE = "surface.angle_map"
-"""The preset's parameter: the narrowest gap between two events, relative to the mean gap."""
+"""Parameter of the preset: least interval between two events relative to the mean interval."""
 
 BISECTIONS = 60
-"""Steps to find the factor of the wide gaps: to float64's precision."""
+"""Bisection steps for the factor of the wide intervals, to float64 precision."""
 
 Array = NDArray[np.float64]
 
@@ -66,16 +66,16 @@ class AngleMap:
 
     @classmethod
     def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
-        """Return the map of a timeline under a preset.
+        """Return the map of a timeline and a preset.
 
-        It is linear where all events lie apart, and while a timeline grows: no event that comes
-        moves the others then.
+        It is linear if all events are separate, and for live timelines, so that new events do not
+        move the others.
         """
         ends = np.array([0.0, timeline.duration_s])
         made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
         share = preset.number(SHARE)
         if share > 0.0 and timeline.known_until_s is None:
-            times = [time_s for _, time_s in _apart(timeline)]
+            times = [time_s for _, time_s in _separated_events(timeline)]
             points = np.concatenate((ends[:1], times, ends[1:]))
             gaps = np.diff(points)
             least = _least_gaps(timeline, points, share)
@@ -87,7 +87,7 @@ class AngleMap:
         """Return this map with the events of another timeline of the same duration."""
         events = self.position_of([event.time_s for event in timeline.events])
         before, turn = -1.0, 0
-        for i, time_s in () if self.is_linear else _apart(timeline):
+        for i, time_s in () if self.is_linear else _separated_events(timeline):
             turn = turn + 1 if time_s == before else 0
             before = time_s
             point = int(np.searchsorted(self.time_s, time_s)) + turn
@@ -102,7 +102,7 @@ class AngleMap:
 
     @property
     def is_linear(self) -> bool:
-        """Whether positions are proportional to time."""
+        """True if positions are proportional to time."""
         return len(self.time_s) == 2
 
     def position_of(self, time_s: ArrayLike) -> Array:
@@ -116,18 +116,18 @@ class AngleMap:
         return positions * self.duration_s if self.is_linear else self._between(positions)
 
     def stretched(self) -> list[tuple[float, float]]:
-        """Return the parts, as positions, that are half as wide again as time is, or wider."""
+        """Return the intervals of positions that are stretched by 1.5 or more."""
         wide = np.diff(self.position) >= 1.5 * np.diff(self.time_s) / self.duration_s
         ends = zip(self.position[:-1], self.position[1:], strict=True)
         return [(float(a), float(b)) for (a, b), one in zip(ends, wide, strict=True) if one]
 
     def evened(self, time_s: ArrayLike) -> Array:
-        """Return times (s) that the linear map places where this one places `time_s`."""
+        """Return times (s) to which a linear map gives the positions of `time_s`."""
         times = validation.numbers(time_s, "time_s")
         return times if self.is_linear else self.position_of(times) * self.duration_s
 
     def at_even_positions(self, even: Array) -> Array:
-        """Return values at even positions, from those at as many even times, ends included."""
+        """Resample values at evenly spaced times to evenly spaced positions."""
         if self.is_linear:
             return even
         points = np.linspace(0.0, 1.0, len(even))
@@ -135,7 +135,7 @@ class AngleMap:
 
     def _between(self, at: Array, forward: bool = False) -> Array:
         x, y = (self.time_s, self.position) if forward else (self.position, self.time_s)
-        # of equal times the last one counts
+        # the last of equal times counts
         lower = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
         width = x[lower + 1] - x[lower]
         part = (at - x[lower]) / np.where(width > 0.0, width, 1.0)
@@ -149,25 +149,25 @@ def without_map(preset: Preset) -> Preset:
     return preset.with_value(SHARE, 0.0)
 
 
-def _apart(timeline: Timeline) -> Iterator[tuple[int, float]]:
-    """Give index and time of the events that are kept apart, by time."""
+def _separated_events(timeline: Timeline) -> Iterator[tuple[int, float]]:
+    """Yield index and time of the events to separate, by time."""
     for i, event in enumerate(timeline.events):
         if event.kind not in FILL and 0.0 < event.time_s < timeline.duration_s:
             yield i, event.time_s
 
 
 def _least_gaps(timeline: Timeline, points: Array, share: float) -> Array:
-    """Return the narrowest that each gap between points may become, s."""
+    """Return the least width of each interval between points, s."""
     gaps = len(points) - 1
     times = [event.time_s for event in timeline.events if event.kind in BETWEEN]
     between = np.diff(np.searchsorted(times, points)).astype(np.float64)
     all_places = gaps + float(between.sum())
-    room = max(1.0 / all_places, BESIDE / gaps) + between / all_places
+    room = max(1.0 / all_places, MIN_ROOM / gaps) + between / all_places
     return np.asarray(timeline.duration_s * min(share, 1.0 / float(room.sum())) * room)
 
 
 def _spread(gaps: Array, least: Array) -> Array:
-    """Return the positions of the ends of gaps, none of which is narrower than `least` then."""
+    """Return the positions of the intervals' ends after widening them to at least `least`."""
     total = float(gaps.sum())
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):

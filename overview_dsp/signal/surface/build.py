@@ -1,21 +1,21 @@
-"""Timeline + preset -> surface: choose the events, place them, lay their profiles, assemble.
+"""Construction of a surface: select and position events, combine their profiles, assemble.
 
-    B = bare surface + max over events of height * weight * profile
+    B = base surface + max over events of height * weight * profile
 
-The bare surface is `surface.bare`'s; bristles and detents, where the preset has them, lie beside it
-(`surface.fields`). Overlapping profiles combine by their maximum, so that none
-is drowned in a sum and each stays findable; every event keeps a strike of its own.
+`base_surface` builds the base surface. `fields` adds bristles and detents, if the preset has them.
+Overlapping profiles combine by their maximum, so that none
+disappears in a sum. Every event keeps a strike of its own.
 
-A kind whose events lie denser than its `spacing_percent` is left out as a whole: a thousand beats
-of a heart would be one blur. A window that spreads them brings them up.
+A kind whose events are denser than its `spacing_percent` is omitted completely: a thousand heart
+beats would be indistinguishable. Shorter windows with larger distances show them.
 
-An event of viscous friction strikes where the disk enters its span, as what the finger feels of
-it begins there; one of bristles, a detent or a stop at its position, where that lets go; a ramp,
-which rises in both signals, at its top. An event's position is its time's, or half its width from
-an end of the timeline that is nearer than that; where its span reaches an end, the disk that starts
-from there strikes it at its position.
+An event of viscous friction strikes where the disk enters its span, since its friction begins
+there. Events of bristles, detents and stops strike at their position, where torque is released. A
+ramp strikes at its top. The position of an event is that of its time, but at least half its width
+from the ends of the timeline. If its span reaches an end, a disk that starts there strikes it at
+its position.
 
-More events than a surface holds: the strongest of those that fall together strikes for all.
+If there are more events than a surface holds, the strongest of neighbouring events strikes for all.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.bare import BareSurface, bare_surface
+from overview_dsp.signal.surface.base_surface import BaseSurface, build_base_surface
 from overview_dsp.signal.surface.fields import (
     DETENT_MODELS,
     BristleLayer,
@@ -54,24 +54,24 @@ from overview_dsp.signal.surface.profiles import bumps, entries, profile, span
 def thin_events(
     position: NDArray[np.float64], release: NDArray[np.float64], most: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The events to keep, at most `most` (1 or more) of them, in the order of their positions.
+    """Select at most `most` (1 or more) events, in the order of their positions.
 
-    Events fall together that lie in one cell; if that leaves too many, in one of twice the width,
-    and so on. Of equally strong ones the first stays.
+    Events in one cell are merged. If too many remain, cells of twice the width are used,
+    and so on. Of equally strong events the first is kept.
 
     Parameters
     ----------
     position : float64 (events,)
-        Where each strikes, cells.
+        Position of each strike, cells.
     release : float64 (events,)
-        How strong it is.
+        Strength of each strike.
 
     Returns
     -------
     kept : int64 (kept,)
-        Indices of events.
+        Indices of the kept events.
     stands_for : int64 (events,)
-        For each event the number, in `kept`, of the one that strikes for it.
+        For each event the index, in `kept`, of the event that strikes for it.
     """
     order = np.argsort(position, kind="stable")
     cell = np.floor(position[order]).astype(np.int64)
@@ -86,15 +86,15 @@ def thin_events(
 
 
 MAX_FRICTION = 1e6
-"""No event is higher, N m s/rad, however great its weight: ten million bare surfaces' friction."""
+"""Highest friction of an event, N m s/rad: ten million times that of a base surface."""
 
 MIN_WIDTH_CELLS = 4.0
-"""A profile narrower than this would fall between the table's points."""
+"""Least width of a profile; narrower ones would fall between the table's points."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """The events that are felt, in the timeline's order: one row each, positions in cells."""
+    """Table of the events on a surface, in the timeline's order; positions in cells."""
 
     event: NDArray[np.int64]
     centre: NDArray[np.float64]
@@ -106,7 +106,7 @@ class _Placed:
 
     @classmethod
     def of(cls, event: NDArray[np.int64], angle_map: AngleMap) -> _Placed:
-        """Nothing but where each event is; the rest is for each kind to fill."""
+        """Return a table with events and centres; `_fill_rows` adds the rest."""
         count = len(event)
         return cls(
             event=event,
@@ -120,9 +120,9 @@ class _Placed:
 
 
 class _Layers:
-    """What events raise: viscous friction, and bristles and detents where the preset has them."""
+    """Layers of events: viscous friction, and bristles and detents if the preset has them."""
 
-    def __init__(self, preset: Preset, under: BareSurface) -> None:
+    def __init__(self, preset: Preset, under: BaseSurface) -> None:
         self.raised = np.zeros(CELLS + 1)
         self.detents = DetentLayer(preset, under.energy) if has_detents(preset) else None
         self.bristles = BristleLayer(preset, under.friction) if has_bristles(preset) else None
@@ -136,7 +136,7 @@ class _Layers:
         height: NDArray[np.float64],
         width: float,
     ) -> None:
-        """Lay the profiles of a kind's events: `members` are their rows, the rest is in cells."""
+        """Add the profiles of a kind's events; `members` are their rows, lengths are in cells."""
         shape, points = shape_of(kind)
         if self.detents is not None and kind.model in DETENT_MODELS:
             self.detents.check(name, height)
@@ -168,8 +168,8 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
     cells = kind.width_ms / 1000.0 / duration_s * CELLS
     if cells < MIN_WIDTH_CELLS:
         warnings.warn(
-            f"kinds.{name}: {kind.width_ms:g} ms of {duration_s:g} s is narrower than the surface "
-            f"resolves; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
+            f"kinds.{name}.width_ms is {kind.width_ms:g} of {duration_s:g} s, below the surface's "
+            f"resolution; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
             OverviewWarning,
             stacklevel=3,
         )
@@ -178,35 +178,35 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
 
 
 def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None = None) -> Surface:
-    """Build the surface of a timeline under a preset.
+    """Build the surface of a timeline and a preset.
 
     Parameters
     ----------
     timeline : Timeline
-        What is felt.
+        Data of the surface.
     preset : Preset
-        How it is felt.
+        Parameters of feel and sound.
     angle_map : AngleMap or None
-        Map between time and angle to keep, that of another surface of the same duration; None
-        makes the one of this timeline and preset.
+        Map between time and angle of another surface of the same duration; None
+        makes a map of this timeline and preset.
 
     Returns
     -------
     Surface
-        For `Engine`; friction > 0 everywhere.
+        Surface for `Engine`; friction > 0 everywhere.
 
     Raises
     ------
     InputError
-        The bare surface's pattern has more crests than a surface holds strikes; a map of another
+        The pattern has more crests than a surface holds strikes, or the map has another
         duration.
 
     Warns
     -----
     OverviewWarning
-        Event kinds the preset doesn't name, which take its `default`; gaps too narrow to be felt;
-        more events than a surface holds (16384): then the strongest in each cell, or in
-        each two, four, ... cells, strikes for all there.
+        Unknown event kinds, which use the preset's `default`; gaps too narrow to be perceived;
+        more events than a surface holds (16384), where the strongest event in each cell, or in
+        2, 4, ... cells, strikes for all of them.
 
     Examples
     --------
@@ -216,15 +216,17 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     """
     validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    by_kind, left_out = _felt(timeline.events, preset)
+    by_kind, omitted_events = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    angle_map = AngleMap.of(timeline, preset) if angle_map is None else _kept(angle_map, timeline)
-    under = bare_surface(timeline, preset, CELLS, angle_map)
+    angle_map = (
+        AngleMap.of(timeline, preset) if angle_map is None else _checked_map(angle_map, timeline)
+    )
+    under = build_base_surface(timeline, preset, CELLS, angle_map)
     crests = len(under.texture_strikes.position)
     capacity = MAX_EVENTS - crests
     if capacity < min(len(felt), 1):
         raise InputError(
-            f"{crests} crests of the bare surface; with events it holds up to {MAX_EVENTS}: "
+            f"the pattern has {crests} crests; crests and events must be at most {MAX_EVENTS}: "
             "make surface.pattern_period_percent longer"
         )
     _warn_of_unknown(timeline.kinds(), preset)
@@ -237,7 +239,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         ordinary = preset.number("surface.friction") * kind.height
         height = _heights([timeline.events[i] for i in indices], name, ordinary)
         layers.lay(kind, name, members, placed.centre[members], height, width)
-        _place(placed, members, kind, preset, height, width)
+        _fill_rows(placed, members, kind, preset, height, width)
         placed.kind[members] = tuple(preset.kinds).index(name)
     order, stands_for = _thinned(placed, capacity, timeline.title or "the timeline")
     names = tuple(preset.kinds)
@@ -252,7 +254,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         kind_names=names,
         kind_modes=tuple(_modes(preset.kinds[name]) for name in names),
         angle_map=angle_map,
-        left_out=left_out,
+        omitted_events=omitted_events,
         own_modes=under.modes,
         texture_strikes=under.texture_strikes,
         kind_models=tuple(kind.model for kind in preset.kinds.values()),
@@ -262,7 +264,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     )
 
 
-def _kept(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
+def _checked_map(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
     validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
     if angle_map.duration_s != timeline.duration_s:
         raise InputError(
@@ -274,18 +276,18 @@ def _kept(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
 def _felt(
     events: tuple[Event, ...], preset: Preset
 ) -> tuple[dict[str, NDArray[np.int64]], dict[str, int]]:
-    """The indices of the events felt as each of the preset's kinds; counts of those too dense."""
+    """Return the events' indices by kind of the preset, and the counts of omitted kinds."""
     found: dict[str, list[int]] = {}
     for i, event in enumerate(events):
         name = preset.kind_for(event.kind) or DEFAULT_KIND
         found.setdefault(name, []).append(i)
     by_kind = {name: np.array(members) for name, members in found.items()}
-    left_out = {
+    omitted_events = {
         name: len(by_kind.pop(name))
         for name, members in list(by_kind.items())
         if len(members) > 1 and len(members) * preset.kinds[name].spacing_percent > 100.0
     }
-    return by_kind, left_out
+    return by_kind, omitted_events
 
 
 def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
@@ -293,14 +295,14 @@ def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
     unknown = sorted(kind for kind in set(kinds) - set(TICKS) if preset.kind_for(kind) is None)
     if unknown:
         warnings.warn(
-            f"preset {preset.name!r} has no {', '.join(unknown)}: felt as its "
-            f"{DEFAULT_KIND!r}; it names {', '.join(preset.kinds)}",
+            f"preset {preset.name!r} has no {', '.join(unknown)}; these events use its kind "
+            f"{DEFAULT_KIND!r}; its kinds: {', '.join(preset.kinds)}",
             OverviewWarning,
             stacklevel=3,
         )
 
 
-def _place(
+def _fill_rows(
     placed: _Placed,
     members: NDArray[np.int64],
     kind: EventKind,
@@ -308,7 +310,7 @@ def _place(
     height: NDArray[np.float64],
     width: float,
 ) -> None:
-    """Where a kind's events strike, what they let go there, and where each reaches."""
+    """Fill position, edges, release and span of a kind's events."""
     shape, points = shape_of(kind)
     centre = placed.centre[members]
     margin = min(width, CELLS) / 2.0
@@ -318,11 +320,11 @@ def _place(
         takes = [impedance(preset, pull, width / 2.0, CELLS) for pull in height]
         placed.release[members] = takes
     else:
-        # a ramp that falls towards its end of the timeline is over half a width from it
+        # a ramp that falls towards the timeline's end is above half its height there
         there = profile(shape, position - centre, width, points)
         placed.release[members] = height * np.maximum(there, 0.5)
     first, last = span(shape, width, points)
-    # past an end the look-up stays at the end, and with it in the event
+    # beyond an end of the timeline the look-up stays at the end and thus in the event
     placed.span[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
     placed.span[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
     own = np.stack([position, position], axis=1)
@@ -336,15 +338,15 @@ def _place(
 def _thinned(
     placed: _Placed, capacity: int, title: str
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The rows that a surface keeps, by position; for each row, which of those stands for it."""
+    """Return the kept rows by position, and for each row the kept one that strikes for it."""
     if len(placed.event) <= capacity:
         order = np.argsort(placed.position, kind="stable")
         return order, np.argsort(order)
     order, stands_for = thin_events(placed.position, placed.release, capacity)
     warnings.warn(
-        f"{title}: {len(placed.event)} events, of which the surface keeps "
-        f"{len(order)}; where several fall together the strongest strikes, and friction "
-        "is that of all; use a shorter window",
+        f"{title}: the surface keeps {len(order)} of {len(placed.event)} events; "
+        "the strongest of neighbouring events strikes, and friction "
+        "includes all of them; use a shorter window",
         OverviewWarning,
         stacklevel=3,
     )
@@ -352,13 +354,13 @@ def _thinned(
 
 
 def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.float64]:
-    """Friction at the top of each event of a kind."""
+    """Return the highest friction of each event of a kind."""
     heights = []
     for event in events:
         height = ordinary * event.weight
         if height > MAX_FRICTION:
             warnings.warn(
-                f"{name} at {event.time_s:g} s: weight {event.weight:g} makes more friction than "
+                f"{name} at {event.time_s:g} s: weight {event.weight:g} gives more friction than "
                 f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
                 OverviewWarning,
                 stacklevel=3,
@@ -369,4 +371,6 @@ def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.floa
 
 
 def _modes(kind: EventKind) -> tuple[ClickMode, ...]:
-    return louder(kind.modes or modes_of(kind.material, kind.pitch_hz, kind.ring), kind.gain_db)
+    return louder(
+        kind.modes or modes_of(kind.material, kind.pitch_hz, kind.decay_scale), kind.gain_db
+    )

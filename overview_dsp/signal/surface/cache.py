@@ -1,4 +1,4 @@
-"""Surfaces kept while many voices share them: what doesn't change the surface builds none.
+"""Cache of surfaces shared by many voices.
 
 Thread: any.
 """
@@ -16,7 +16,7 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
 MOST = 32
-"""Surfaces kept: a megabyte or two each."""
+"""Default number of surfaces in the cache, of one to two megabytes each."""
 
 _OF_SURFACE = tuple(id for id, known in PARAMETERS.items() if known.surface)
 
@@ -27,20 +27,20 @@ def _key(timeline: Timeline, preset: Preset) -> Hashable:
 
 
 class SurfaceCache:
-    """The surfaces used last, by what they are made of."""
+    """Most recently used surfaces by timeline and surface parameters."""
 
     def __init__(self, most: int = MOST) -> None:
         """Keep up to `most` surfaces."""
         self._most = most
-        # the timeline is held: while an entry lives, its id names no other
+        # the reference to the timeline keeps its id unique while the entry exists
         self._kept: OrderedDict[Hashable, tuple[Timeline, Surface]] = OrderedDict()
         self._latest: tuple[Timeline, Preset, Surface] | None = None
         self._lock = threading.Lock()
 
     def surface(self, timeline: Timeline, preset: Preset) -> Surface:
-        """`build_surface(timeline, preset)`, or what it gave for the same before."""
+        """Return `build_surface(timeline, preset)` or an equal surface from the cache."""
         latest = self._latest
-        # voices that differ in nothing but their seed come one after another
+        # voices that differ only in their seed follow each other
         if latest is not None and latest[0] is timeline and latest[1] is preset:
             return latest[2]
         key = _key(timeline, preset)
@@ -50,7 +50,7 @@ class SurfaceCache:
                 self._kept.move_to_end(key)
                 self._latest = timeline, preset, found[1]
                 return found[1]
-            # within the lock: threads that start together build each surface once
+            # within the lock, so that concurrent threads build each surface once
             surface = build_surface(timeline, preset)
             self._kept[key] = (timeline, surface)
             while len(self._kept) > self._most:

@@ -1,23 +1,23 @@
-"""What missing data feels like: ribs, with grooves between them in which there is next to nothing.
+"""Ribs in data gaps, and patterns of the base surface.
 
-A gap is a row of equal ribs (`surface.gap_height`, `surface.gap_period_percent`) that begins and
-ends with a groove. In the grooves friction is a tenth of the bare surface's, so a gap can't be
-mistaken for data: the curve and the events only ever add to the bare surface. On average a gap has
-less friction than that, so it is no event either; what is felt is the alternation.
+A gap has a row of equal ribs (`surface.gap_height`, `surface.gap_period_percent`) that begins and
+ends with a groove. Friction in the grooves is a tenth of the base surface's, so a gap can't be
+mistaken for data: the curve and the events only add to the base surface. On average a gap has
+less friction than the base surface, so it can't be mistaken for an event either.
 
-A gap too narrow for a rib is one groove, never narrower than the table resolves.
+A gap too narrow for a rib is one groove, at least as wide as the table resolves.
 
-A pattern on the bare surface: what it is made of before any data (cloth, gravel, a dial).
+The pattern of the base surface is independent of data (cloth, gravel, a dial).
 
-| pattern | course over a period |
+| pattern | shape of a period |
 |---|---|
 | none | flat |
 | waves | (1 - cos)/2 |
 | ridges | a narrow bump in the middle, a fifth of the period wide at half height |
-| teeth | rises in a line over nine tenths, falls over the last one: a ratchet |
-| grains | heights by chance, joined by half cosines; the same surface always |
+| teeth | a linear rise over nine tenths and a fall over the last one: a ratchet |
+| grains | random heights of a fixed seed, connected by half cosines |
 
-Values are 0 to 1; the period is a part of the surface, so it feels the same at any zoom.
+Values are 0 to 1. The period is relative to the surface and thus independent of the zoom.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from overview_dsp.errors import OverviewWarning
 from overview_dsp.units import clock_text
 
 GROOVE = 0.1
-"""Friction at the bottom of a groove, in bare surfaces: low enough to be felt as nothing there."""
+"""Friction at the bottom of a groove relative to the base surface, low enough not to be felt."""
 
 MIN_GAP_CELLS = 4.0
-"""A narrower gap would fall between the table's points."""
+"""Least width of a gap; narrower ones would fall between the table's points."""
 
 
 def ribs(
@@ -45,12 +45,13 @@ def ribs(
     height: float,
     period_percent: float,
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Where a table of cells + 1 points lies in a gap, and the friction there, in bare surfaces.
+    """Return which of cells + 1 points lie in a gap, and their friction relative to the base
+    surface.
 
     Parameters
     ----------
     gaps : sorted, disjoint spans (start_s, end_s) of [0, duration_s]; at least one
-    height : friction of a rib, in bare surfaces
+    height : friction of a rib, relative to the base surface
     period_percent : from rib to rib, of the table
 
     Returns
@@ -65,7 +66,7 @@ def ribs(
     _warn_of_narrow(gaps, count, duration_s)
     widened = np.maximum(width, MIN_GAP_CELLS)
     start = np.clip(start - (widened - width) / 2.0, 0.0, cells - widened)
-    # the last gap that has begun at a point is the only one that can hold it
+    # only the last gap that starts before a point can contain it
     begun = np.bincount(np.ceil(start).astype(np.int64), minlength=cells + 1)
     gap = np.cumsum(begun) - 1
     point = np.arange(cells + 1, dtype=np.float64)
@@ -73,7 +74,7 @@ def ribs(
     gap = gap[inside]
     turns = (point[inside] - start[gap]) / widened[gap] * count[gap]
     rib = 0.5 - 0.5 * np.cos(2.0 * np.pi * turns)
-    # squared: grooves wide enough for the skin to fall silent in a quick sweep
+    # squared: grooves wide enough for a perceptible pause in a fast sweep
     return inside, GROOVE + (height - GROOVE) * rib * rib
 
 
@@ -84,8 +85,8 @@ def _warn_of_narrow(
     if narrow:
         some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
         warnings.warn(
-            f"{some} too narrow to be felt as ribs in {clock_text(duration_s)} (the narrowest "
-            f"{min(narrow):.3g} s); a shorter window shows more",
+            f"{some} too narrow for perceptible ribs in {clock_text(duration_s)} (narrowest: "
+            f"{min(narrow):.3g} s); use a shorter window",
             OverviewWarning,
             stacklevel=4,
         )
@@ -129,7 +130,7 @@ _PATTERNS: dict[str, Callable[[Array], Array]] = {
 
 
 def pattern(name: str, cells: int, period_percent: float) -> Array:
-    """The pattern at the cells + 1 points of a table, 0 to 1.
+    """Return the pattern at the cells + 1 points of a table, 0 to 1.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""What named materials sound like when struck: modes from a pitch.
+"""Materials: modes of a struck material from its pitch.
 
-A small solid rings at the ratios of its shape; each mode decays by the material's internal friction
-tan(phi), which is what listeners know materials by (Wildes and Richards 1988; Klatzky, Pai and
-Krotkov 2000):
+The frequency ratios of a small solid depend on its shape. Each mode decays by the material's
+friction tan(phi), by which listeners recognise materials (Wildes and Richards 1988; Klatzky, Pai
+and Krotkov 2000):
 
     decay to -60 dB = ln 1000 / (pi * frequency * tan(phi))
 
@@ -30,7 +30,7 @@ from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 class _Material:
     ratios: tuple[float, ...]
     loss: float
-    fall_db: float  # from one mode to the next: what a soft or hard surface lets through
+    fall_db: float  # level of each mode relative to the one before
 
 
 _MATERIALS = {
@@ -42,10 +42,10 @@ _MATERIALS = {
 }
 
 
-def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMode, ...]:
-    """The modes of a thing of some material whose lowest mode is `pitch_hz`; none for "none".
+def modes_of(material: str, pitch_hz: float, decay_scale: float = 1.0) -> tuple[ClickMode, ...]:
+    """Return the modes of a material with a lowest mode of `pitch_hz`; none for "none".
 
-    `ring` shortens the decays: a thing that is held loses more than the material alone.
+    `decay_scale` scales the decay times: a held object is damped more than a free one.
     """
     made_of = _MATERIALS.get(material)
     if made_of is None:
@@ -55,14 +55,14 @@ def modes_of(material: str, pitch_hz: float, ring: float = 1.0) -> tuple[ClickMo
     for index, ratio in enumerate(made_of.ratios):
         hz = pitch_hz * ratio
         if hz <= frequency.high:
-            ms = ring * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
+            ms = decay_scale * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
             ms = min(max(ms, decay.low), decay.high)
             found.append(ClickMode(hz, ms, made_of.fall_db * index))
     return tuple(found)
 
 
 def louder(modes: tuple[ClickMode, ...], gain_db: float) -> tuple[ClickMode, ...]:
-    """Modes with their levels raised."""
+    """Return modes with raised levels."""
     return tuple(
         ClickMode(mode.frequency_hz, mode.decay_ms, mode.gain_db + gain_db) for mode in modes
     )

@@ -1,4 +1,4 @@
-"""The surface that a disk runs over: friction, events, and what lies beside friction."""
+"""Surface model: friction, events, bristles and detents."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from overview_dsp.signal.surface.fields import BristleField, DetentField
 
 @dataclass(frozen=True, eq=False)
 class TextureStrikes:
-    """Where the disk strikes the bare surface itself, whose material is heard there.
+    """Strikes of the base surface's pattern, which sound with its material.
 
     Crests or troughs: `position` (cursor, ascending), `release` (N m s/rad); float64 (n,).
     """
@@ -32,50 +32,50 @@ NO_TEXTURE_STRIKES = TextureStrikes(np.zeros(0), np.zeros(0))
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A surface with friction, ready for the engine.
+    """Surface: friction table and event table for the engine.
 
     Attributes
     ----------
     friction : float64 (cells + 1,)
         B at equal steps of the surface angle phi from 0 to pi, N m s/rad; > 0.
     position : float64 (events,)
-        Cursor (0..1) at which each event lies, ascending.
+        Position (0..1) of each event, ascending.
     edges : float64 (events, 2)
-        Cursor at which the disk strikes it upwards and downwards: where its span is entered, if
-        its friction is viscous.
+        Positions at which the disk strikes the event upwards and downwards: the ends of its span,
+        if friction is viscous.
     release : float64 (events,)
-        Friction that lets go there, N m s/rad.
+        Friction released there, N m s/rad.
     kind : int64 (events,)
         Index into `kind_names`.
     event : int64 (events,)
         Index into the timeline's events.
     span : float64 (events, 2)
-        Cursor from and to: where the event's profile exceeds a tenth of its height; without end
-        (-inf, inf) where that reaches an end of the timeline.
+        Range of positions in which the event's profile exceeds a tenth of its height; infinite
+        (-inf, inf) where it reaches an end of the timeline.
     kind_names : tuple of str
         Event kinds.
     kind_modes : tuple of tuple of ClickMode
-        Their clicks; a mode's gain includes its kind's.
+        Click of each kind; a mode's gain includes that of its kind.
     angle_map : AngleMap
-        The one map between times and positions, for `position_of` and `time_at`.
-    left_out : mapping of str to int
-        Kinds whose events lie too densely to be felt one by one, and how many there are.
+        Map between times and positions, for `position_of` and `time_at`.
+    omitted_events : mapping of str to int
+        Number of events of each kind that is omitted because its events are too dense.
     own_modes : tuple of ClickMode
-        What the bare surface sounds like.
+        Modes of the base surface.
     texture_strikes : TextureStrikes
-        Where it is struck, besides events.
+        Strikes of the base surface.
     kind_models : tuple of str
-        What friction the kinds are.
+        Friction model of each kind.
     own_model : str
-        What friction the bare surface is.
+        Friction model of the base surface.
     bristles : BristleField or None
-        Where bristles grip, if anywhere.
+        Bristles, if any.
     detents : DetentField or None
-        Where detents and stops pull, if anywhere.
+        Detents and stops, if any.
 
     See Also
     --------
-    build_surface : Makes one of a timeline and a preset.
+    build_surface : Build one from a timeline and a preset.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Surface:
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[ClickMode, ...], ...]
     angle_map: AngleMap
-    left_out: Mapping[str, int] = field(default_factory=dict)
+    omitted_events: Mapping[str, int] = field(default_factory=dict)
     own_modes: tuple[ClickMode, ...] = ()
     texture_strikes: TextureStrikes = NO_TEXTURE_STRIKES
     kind_models: tuple[str, ...] = ()
@@ -104,9 +104,10 @@ class Surface:
 
     @property
     def resistance(self) -> NDArray[np.float64]:
-        """What a disk at 1 rad/s is held with at the table's points, by all models, N m s/rad.
+        """Total resistance against a disk at 1 rad/s at the table's points, N m s/rad.
 
-        Viscous friction, the bristles' sliding torque and the detents' pull, whichever way it goes.
+        It is the sum of viscous friction, the bristles' sliding torque and the detents' absolute
+        pull.
         """
         total = self.friction
         if self.bristles is not None:
@@ -127,7 +128,7 @@ class Surface:
         Returns
         -------
         float64
-            Of that shape: the cursor, 0 to 1. At a time of several events that of the last one.
+            Positions, 0 to 1, of the same shape. Simultaneous events give that of the last one.
 
         See Also
         --------
@@ -147,12 +148,12 @@ class Surface:
         Parameters
         ----------
         position : array_like
-            Cursor, 0 to 1, any shape; limited to that range.
+            Positions, 0 to 1, any shape; limited to that range.
 
         Returns
         -------
         float64
-            Of that shape: seconds from the start of the timeline (of a window: from its start).
+            Seconds from the start of the timeline (of a window: from its start), of the same shape.
 
         See Also
         --------
@@ -178,7 +179,7 @@ class Surface:
         Returns
         -------
         float64
-            Of that shape, N m s/rad.
+            Friction, N m s/rad, of the same shape.
 
         Examples
         --------
@@ -192,14 +193,14 @@ class Surface:
     def in_span(
         self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
     ) -> NDArray[np.bool_]:
-        """Find out whether each cursor lies in the span of an event.
+        """Return whether each position lies in the span of an event.
 
         Parameters
         ----------
         cursor : float64 (n,)
-            Places, 0 to 1.
+            Positions, 0 to 1.
         events : bool (events,) or None
-            Which events of the surface count; None is all.
+            Mask of the events to include; None includes all.
 
         Returns
         -------

@@ -1,21 +1,21 @@
-"""Friction profiles: what an event of each shape looks like on the surface.
+"""Friction profiles of event shapes.
 
-A profile is 1 at its top, and its width is its full width at half that height. `distance` is the
-place minus the event's, in the width's unit; the timeline runs towards positive distances.
+A profile is 1 at its top, and its width is the full width at half height. `distance` is the
+position minus the event's, in the width's unit; later times have positive distances.
 
-| shape | course |
+| shape | profile |
 |---|---|
 | gaussian | exp(-4 ln2 (d/w)**2) |
 | raised_cosine | (1 + cos(pi d/w))/2 for abs(d) < w |
-| ramp_up | rises in a line from d = -15/8 w, falls off within w/8 after the event |
-| ramp_down | ramp_up seen from the other end |
+| ramp_up | a linear rise from d = -15/8 w, and a fall within w/8 after the event |
+| ramp_down | ramp_up reversed |
 | plateau | exp(-ln2 (2d/w)**10): a flat top with steep, smooth edges |
 
-`stop`, a spring from d = -w to the event and an eighth of w back, is the energy of an end stop
-(`well_field`), and no shape of friction.
+`stop` is the energy of an end stop: a spring from d = -w to the event, with a fall within w/8. It
+is not available as a shape of friction.
 
-A course drawn by hand, or taken from a haptic clip, is a list of points joined by lines from d = -w
-to d = w.
+A profile that is drawn or imported from a haptic clip is a list of points, linearly interpolated
+from d = -w to d = w.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 AT_A_TIME = 1 << 17
-"""Points of profiles worked out at once."""
+"""Number of profile points computed at once."""
 
 SPAN_LEVEL = 0.1
-"""A profile's span is where it exceeds this part of its height."""
+"""Part of its height above which a position lies in a profile's span."""
 
 _RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
 _FALL = 1.0 / 8.0
@@ -89,26 +89,26 @@ REACH: dict[str, float] = {
     "stop": 1.0,
     "plateau": 1.05,  # exactly 0 from there, as float64 has it
 }
-"""No profile reaches further than this many widths."""
+"""Distance in widths beyond which a profile is zero."""
 
 
 Points = tuple[float, ...]
 
 
 def reach(shape: str, points: Points = ()) -> float:
-    """How many widths the profile reaches at most."""
+    """Return the distance in widths beyond which the profile is zero."""
     return 1.0 if points else REACH[shape]
 
 
 def profile(shape: str, distance: Array, width: float, points: Points = ()) -> Array:
-    """The profile's value, 0 to 1, at each distance from the event.
+    """Return the profile's value, 0 to 1, at each distance from the event.
 
     Parameters
     ----------
     shape : one of `presets.parameters.SHAPES`
     distance : float64 array, in the same unit as `width`
     width : full width at half height, > 0
-    points : a course in place of the shape's
+    points : profile that replaces the shape
     """
     if points:
         places = np.linspace(-1.0, 1.0, len(points))
@@ -117,7 +117,7 @@ def profile(shape: str, distance: Array, width: float, points: Points = ()) -> A
 
 
 def span(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
-    """Where the profile exceeds a tenth of its height: distances from the event, (first, last)."""
+    """Return the range of distances in which the profile exceeds a tenth of its height."""
     if points:
         fine = np.linspace(-1.0, 1.0, 16 * (len(points) - 1) + 1)
         over = np.flatnonzero(profile(shape, fine, 1.0, points) > SPAN_LEVEL * max(points))
@@ -127,9 +127,9 @@ def span(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
 
 
 def entries(shape: str, width: float, points: Points = ()) -> tuple[float, float]:
-    """Where a disk that comes from below, and one from above, meets the profile.
+    """Return the distances at which a disk from below and one from above strike the profile.
 
-    Distances from the event: the ends of its span; 0 for the top of a ramp that it climbs.
+    These are the ends of its span, or 0 for the top of a rising ramp.
     """
     first, last = span(shape, width, points)
     if not points and shape == "ramp_up":
@@ -142,9 +142,9 @@ def entries(shape: str, width: float, points: Points = ()) -> tuple[float, float
 def bumps(
     shape: str, points: Points, width: float, centre: Array, height: Array, cells: int
 ) -> Iterator[tuple[int, int, Array]]:
-    """The profiles of events of one shape and width, on a table of cells + 1 points.
+    """Yield the profiles of events of one shape and width on a table of cells + 1 points.
 
-    For each event: its index, its first point, and its profile from there.
+    Each item is the event's index, its first point, and its profile from there.
     """
     most = reach(shape, points) * width
     low = np.floor(centre - most)

@@ -1,21 +1,21 @@
-"""`overview study`: from a question to results."""
+"""Command `overview study`."""
 
 from __future__ import annotations
 
 import click
 
-from overview_studies.cli import making, results, serve
+from overview_studies.cli import preparation, results, serve
 
 
 @click.group(name="study", epilog="Example: overview study check study.toml")
 def command() -> None:
-    """Studies with people: lists, a page, answers, statistics, exports."""
+    """Run studies with participants: lists, a page, answers, statistics and exports."""
 
 
 for _one in (
-    making.check,
-    making.lists,
-    making.build,
+    preparation.check,
+    preparation.lists,
+    preparation.build,
     serve.serve,
     results.simulate,
     results.analyse,

@@ -1,4 +1,4 @@
-"""`overview study serve`: hand out lists and keep answers."""
+"""Command `overview study serve`: assign lists and store answers."""
 
 from __future__ import annotations
 
@@ -34,18 +34,20 @@ def serve(
         metavar="FILE",
     ),
     reissue: int | None = option(
-        "Hand out an abandoned list again; then end.", type=click.IntRange(1, 999), metavar="LIST"
+        "Release an abandoned list for another participant, then exit.",
+        type=click.IntRange(1, 999),
+        metavar="LIST",
     ),
     seconds: float | None = SECONDS,
-    as_json: bool = option("Report the address as a line of JSON.", "--json"),
+    as_json: bool = option("Print the address as one line of JSON.", "--json"),
     server: Server,
 ) -> None:
     """Serve the study in FOLDER (of `overview study build`) until Ctrl-C.
 
-    Each session gets the next list. An answer is on the disk before the page is told so; a page
-    that is reloaded, and a server that was stopped, go on where they were. Whoever has the printed
-    address may take part; its token is kept in FILE.token beside the answers, or in --token-file,
-    so that pages that are open when the server is started anew go on.
+    Each session gets the next list. The server writes an answer to storage before it confirms it.
+    Reloaded pages and restarted servers resume the session. Anyone with the printed address can
+    take part. Its token is stored in FILE.token beside the answers, or in --token-file, so that
+    open pages reconnect after a restart.
     """
     require_server()
     from overview_studies.folder import read_study
@@ -58,7 +60,7 @@ def serve(
         if reissue is not None:
             code = store.abandon(reissue)
             report = {"list": reissue, "was": code}
-            show(as_json, report, f"list {reissue}, which {code} had, is handed out again")
+            show(as_json, report, f"list {reissue}, previously used by {code}, is available again")
             return
         root = Path(folder)
         server = replace(server, token_file=server.token_file or f"{database}.token")
@@ -69,7 +71,7 @@ def serve(
             ) as opened,
         ):
             begun = len(store.sessions())
-            note(f"{begun} of {study['lists']} lists are handed out; answers go to {database}")
+            note(f"{begun} of {study['lists']} lists are in use; answers are stored in {database}")
             if as_json:
                 print(json.dumps({"address": opened.address}), flush=True)
             wait_for_end(received, seconds)

@@ -1,5 +1,5 @@
-// An adaptive run: which trial comes next, from the answers so far. It holds no state of its own that
-// the answers don't give again, so a page that was closed goes on where it was.
+// Adaptive run: chooses the next trial from the answers so far. The answers determine its state, so a
+// reloaded page resumes the run.
 
 import { Quest } from "./quest.js";
 import { Staircases } from "./staircase.js";
@@ -9,14 +9,14 @@ export class Run {
   constructor(step) {
     this.step = step;
     this.rule = step.task === "quest" ? new Quest(step) : new Staircases(step);
-    this.count = 0; // of answers
+    this.count = 0; // number of answers
   }
 
   get over() {
     return this.count >= this.step.most || this.rule.over;
   }
 
-  /** The trial that comes next, as a list's trials are. */
+  /** Return the next trial in the format of a list's trials. */
   next() {
     const { step, count } = this;
     const number = String(count + 1).padStart(3, "0");
@@ -35,19 +35,19 @@ export class Run {
     };
   }
 
-  /** Its answer. */
-  tell(response) {
+  /** Record the answer to the next trial. */
+  addResponse(response) {
     const { correct, phase } = this.next();
     this.count += 1;
-    if (phase !== "catch") this.rule.tell(response === correct);
+    if (phase !== "catch") this.rule.addResponse(response === correct);
   }
 
-  /** Take over the answers that are there: `answerOf(id)` is what is known of one, or undefined. */
+  /** Record the stored answers; `answerOf(id)` returns an answer or undefined. */
   replay(answerOf) {
     while (!this.over) {
-      const told = answerOf(this.next().id);
-      if (told === undefined) return;
-      this.tell(told.response);
+      const stored = answerOf(this.next().id);
+      if (stored === undefined) return;
+      this.addResponse(stored.response);
     }
   }
 }

@@ -1,43 +1,42 @@
-// The answers of a session: kept in this browser first, sent again and again until the server has
-// them. What is kept is never asked for again; what the server has stored first stays.
+// Answers of a session. They are stored in this browser first, then sent until the server has stored
+// them. An answered trial is never repeated; the first row on the server is final.
 
 import { Refused } from "./client.js";
 
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
 
-/** What the steps need to know of an answer. */
-const known = ({ response, correct = null, stimulus = null, level = null }) =>
+/** Return the parts of an answer that later steps use. */
+const resultOf = ({ response, correct = null, stimulus = null, level = null }) =>
   ({ response, correct, stimulus, level });
 
 export class Answers {
   /**
-   * `send(id, row)` is fulfilled when the server has stored it; null where there is no server.
-   * `onchange()` is called when the number of unsent ones changes, `onrefused(line)` when the server
-   * will never take one.
+   * `send(id, row)` resolves when the server has stored the row; null without a server. `onchange()` is
+   * called when the number of unsent rows changes, `onrefused(line)` when the server rejects a row.
    */
-  constructor(kept, session, send, { onchange = () => {}, onrefused = /** @type {(line: string) => void} */ (() => {}),
+  constructor(store, session, send, { onchange = () => {}, onrefused = /** @type {(line: string) => void} */ (() => {}),
     wait = later } = {}) {
-    this.kept = kept;
+    this.store = store;
     this.prefix = `row ${session}/`;
     this.send = send;
     this.onchange = onchange;
     this.onrefused = onrefused;
     this.wait = wait;
-    this.done = new Map(); // of each answered id what is known of it
-    this.unsent = new Map(); // rows by id, in the order of their coming
-    this.sending = null; // a promise while it sends
+    this.done = new Map(); // results by answered id
+    this.unsent = new Map(); // rows by id, in order
+    this.sending = null; // a promise while rows are sent
   }
 
-  /** Take over what this browser has kept and what the server has (`answers` of a session). */
+  /** Load the rows of this browser and of the server (`answers` of a session). */
   async open(stored = {}) {
     const rows = await this.rows();
     for (const [id, { row, sent }] of rows) {
-      this.done.set(id, known(row));
+      this.done.set(id, resultOf(row));
       if (!sent && !Object.hasOwn(stored, id)) this.unsent.set(id, row);
     }
-    // what the server stored first stays
-    for (const [id, told] of Object.entries(stored)) this.done.set(id, known(told));
+    // the first row on the server is final
+    for (const [id, answer] of Object.entries(stored)) this.done.set(id, resultOf(answer));
     this.number = rows.length;
     this.start();
   }
@@ -46,14 +45,14 @@ export class Answers {
     return this.done.has(id);
   }
 
-  /** Keep an answer; it counts once the promise is fulfilled. A second one of an id is none. */
+  /** Store an answer; it is valid once the promise resolves. Further answers of an id are ignored. */
   async add(id, row) {
     if (this.done.has(id)) return;
-    this.done.set(id, known(row));
+    this.done.set(id, resultOf(row));
     const entry = { number: this.number, received_utc: new Date().toISOString(), row, sent: false };
     this.number += 1;
     try {
-      await this.kept.put(this.prefix + id, entry);
+      await this.store.put(this.prefix + id, entry);
     } catch (error) {
       this.done.delete(id);
       throw error;
@@ -64,14 +63,14 @@ export class Answers {
     this.start();
   }
 
-  /** All rows that were kept: [id, { received_utc, row, sent }], in the order of their coming. */
+  /** Return all stored rows in order: [id, { received_utc, row, sent }]. */
   async rows() {
-    const kept = await this.kept.entries(this.prefix);
-    kept.sort(([, a], [, b]) => a.number - b.number);
-    return kept.map(([key, entry]) => [key.slice(this.prefix.length), entry]);
+    const entries = await this.store.entries(this.prefix);
+    entries.sort(([, a], [, b]) => a.number - b.number);
+    return entries.map(([key, entry]) => [key.slice(this.prefix.length), entry]);
   }
 
-  /** Send all rows once more, as if none had been; how many. */
+  /** Send all rows again; return their number. */
   async sendAgain() {
     const rows = await this.rows();
     for (const [id, { row }] of rows) this.unsent.set(id, row);
@@ -79,13 +78,13 @@ export class Answers {
     return rows.length;
   }
 
-  /** When nothing waits any more. */
+  /** Wait until all rows are sent. */
   async sent() {
     while (this.unsent.size > 0) await this.start();
   }
 
-  /** Try at once what waits for its next turn. */
-  hurry() {
+  /** Retry immediately instead of after the current delay. */
+  retryNow() {
     this.wait.now?.();
   }
 
@@ -111,14 +110,14 @@ export class Answers {
       }
       pause = FIRST_WAIT_MS;
       this.unsent.delete(id);
-      const entry = await this.kept.get(this.prefix + id);
-      if (entry) await this.kept.put(this.prefix + id, { ...entry, sent: true });
+      const entry = await this.store.get(this.prefix + id);
+      if (entry) await this.store.put(this.prefix + id, { ...entry, sent: true });
       this.onchange();
     }
   }
 }
 
-/** So many ms, or until `later.now` is called. */
+/** Wait `ms` milliseconds, or until `later.now` is called. */
 function later(ms) {
   return new Promise((resolve) => {
     const timer = setTimeout(resolve, ms);

@@ -1,13 +1,13 @@
-// Answers that are one press: a button each, and a digit.
+// Answers by one press: each choice has a button and a digit key.
 
 import { button, make } from "./make.js";
 
 const DIGITS = 9;
 
-/** `choices`: [value, words]; `context.answer(value)` takes the answer. */
+/** `choices`: [value, label] pairs; `context.answer(value)` records the answer. */
 export function choose(choices, { answer, label }) {
-  const buttons = choices.map(([value, words], i) => {
-    const one = button(words, () => answer(value), {
+  const buttons = choices.map(([value, text], i) => {
+    const one = button(text, () => answer(value), {
       disabled: true, class: "choice", "aria-keyshortcuts": i < DIGITS ? i + 1 : null,
     });
     if (i < DIGITS) one.prepend(make("small", { text: String(i + 1), "aria-hidden": "true" }));
@@ -18,7 +18,7 @@ export function choose(choices, { answer, label }) {
     enable() {
       for (const one of buttons) one.disabled = false;
     },
-    /** A digit's key; whether it was one of them. */
+    /** Handle a digit key; return whether it selects a choice. */
     key(name) {
       const at = Number(name) - 1;
       if (!/^[1-9]$/.test(name) || at >= choices.length) return false;
@@ -33,4 +33,4 @@ export const identify = (context) =>
 
 export const compare = (context) => choose([[0, "The first"], [1, "The second"]], context);
 
-export const detect = (context) => choose([[1, "I felt it"], [0, "I felt nothing"]], context);
+export const detectYesNo = (context) => choose([[1, "I felt it"], [0, "I felt nothing"]], context);

@@ -1,10 +1,10 @@
-// What the page asks a study's server or host. Nothing here tries again by itself but being let in.
+// Requests to a study's server or host. Only authentication is repeated automatically.
 
-const PATIENCE_MS = 15_000; // a killed server's connection may never say anything
+const TIMEOUT_MS = 15_000; // connections of a stopped server may stay open
 
-const PASSES = new Set([401, 408, 425, 429]);
+const TEMPORARY = new Set([401, 408, 425, 429]);
 
-/** Asked again, it would be refused again. */
+/** Permanent rejection: the same request would fail again. */
 export class Refused extends Error {
   constructor(message, status) {
     super(message);
@@ -13,33 +13,33 @@ export class Refused extends Error {
 }
 
 export class Server {
-  /** `token`: of the address, null without one. */
-  constructor(token, ask = (path, given) => fetch(path, given)) {
+  /** `token`: from the address, or null. */
+  constructor(token, ask = (path, options) => fetch(path, options)) {
     this.token = token;
-    this.sessions = ""; // the path of sessions, of study.json
+    this.sessions = ""; // path of sessions, from study.json
     this.ask = ask;
   }
 
-  /** Be let in by the token. */
+  /** Authenticate with the token. */
   async enter() {
     const headers = { Authorization: `Bearer ${this.token}` };
     const answer = await this.fetched("session", { method: "POST", headers });
     if (!answer.ok) await refuse(answer, "session");
   }
 
-  /** A file of the folder. */
+  /** Fetch a file of the folder. */
   async file(path) {
     const answer = await this.inside(path, {});
     if (!answer.ok) await refuse(answer, path);
     return answer;
   }
 
-  /** A list of its own: the same `request` is the same session. */
+  /** Start a session; a repeated `request` returns the same session. */
   begin(request, participant) {
     return this.json("POST", this.sessions, { request, ...(participant ? { participant } : {}) });
   }
 
-  /** The session with what is stored of it. */
+  /** Return the session with its stored answers. */
   resume({ session, secret }) {
     return this.json("GET", `${this.sessions}/${session}`, undefined, secret);
   }
@@ -53,38 +53,38 @@ export class Server {
   }
 
   async json(method, path, body, secret = null) {
-    const given = {
+    const options = {
       method,
       headers: secret === null ? {} : { "X-Study-Secret": secret },
       ...(body === undefined ? {} : { body: JSON.stringify(body) }),
     };
-    const answer = await this.inside(path, given);
+    const answer = await this.inside(path, options);
     if (!answer.ok) await refuse(answer, path);
     return answer.json();
   }
 
-  /** An answer, having been let in anew where the server has forgotten that. */
-  async inside(path, given) {
-    const answer = await this.fetched(path, given);
+  /** Send a request; authenticate again if the server has lost the login. */
+  async inside(path, options) {
+    const answer = await this.fetched(path, options);
     if (answer.status !== 401 || this.token === null) return answer;
     await this.enter();
-    return this.fetched(path, given);
+    return this.fetched(path, options);
   }
 
-  async fetched(path, given) {
+  async fetched(path, options) {
     try {
-      return await this.ask(path, { ...given, signal: AbortSignal.timeout(PATIENCE_MS) });
+      return await this.ask(path, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
     } catch {
-      throw new Error("nothing answers: is the network on?");
+      throw new Error("the server does not respond; check the network");
     }
   }
 }
 
-/** An Error with the server's own line: a Refused where the same would be refused again. */
+/** Throw an Error with the server's message, or a Refused for a permanent rejection. */
 async function refuse(answer, path) {
   const { status, statusText } = answer;
-  const told = answer.headers.get("content-type")?.startsWith("text/plain");
-  const line = (told && (await answer.text()).trim()) || `${path}: ${status} ${statusText}`;
-  if (status >= 500 || PASSES.has(status)) throw new Error(line);
+  const isText = answer.headers.get("content-type")?.startsWith("text/plain");
+  const line = (isText && (await answer.text()).trim()) || `${path}: ${status} ${statusText}`;
+  if (status >= 500 || TEMPORARY.has(status)) throw new Error(line);
   throw new Refused(line, status);
 }

@@ -1,16 +1,16 @@
-// The answers as a CSV, for a folder without a server; docs/explanation/study-format.md has its columns.
+// Answers as CSV, for a folder without a server. docs/explanation/study-format.md lists the columns.
 
 const COLUMNS = ["session", "participant", "list", "trial", "received_utc", "response", "correct",
   "rt_ms", "row"];
 
-/** A field: quoted where it holds what would end it. */
+/** Return a field, quoted if it contains a separator or quote. */
 const field = (value) => {
   const text = typeof value === "string" ? value : JSON.stringify(value ?? null);
   if (value === null || value === undefined) return "";
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 };
 
-/** `sessions`: [session, rows] each; `rows` are [id, { received_utc, row }]. */
+/** Return the CSV of `sessions`: [session, rows] pairs; `rows` are [id, { received_utc, row }]. */
 export function csvOf(sessions) {
   const lines = sessions.flatMap(([{ session, participant, list }, rows]) =>
     rows.map(([trial, { received_utc, row }]) =>

@@ -1,34 +1,34 @@
-// A curve as a person draws it: with a pen over the whole field, or handle by handle.
+// Curve drawn by the participant, with a pen or with handles.
 
-const COLUMNS = 64; // of an answer
+const COLUMNS = 64; // values of an answer
 export const HANDLES = 16;
 
 export class Curve {
   constructor() {
     this.values = new Array(COLUMNS).fill(0);
     this.drawn = false;
-    this.last = null; // where the pen was: place and level
+    this.last = null; // last pen position and level
   }
 
-  /** The pen comes down. */
-  begin(place, level) {
+  /** Start a pen stroke. */
+  begin(position, level) {
     this.last = null;
-    this.move(place, level);
+    this.move(position, level);
   }
 
-  /** The pen goes on to a place (0 to 1); what lies between follows a line. */
-  move(place, level) {
-    const from = this.last ?? { place, level };
-    this.last = { place, level };
+  /** Continue the stroke to a position (0 to 1), with linear interpolation. */
+  move(position, level) {
+    const from = this.last ?? { position, level };
+    this.last = { position, level };
     this.drawn = true;
-    const [a, b] = [columnOf(from.place), columnOf(place)];
+    const [a, b] = [columnOf(from.position), columnOf(position)];
     for (let i = Math.min(a, b); i <= Math.max(a, b); i += 1) {
       const part = a === b ? 1 : (i - a) / (b - a);
       this.values[i] = rounded(from.level + (level - from.level) * part);
     }
   }
 
-  /** Set a handle; the columns to its neighbours follow lines. */
+  /** Set a handle; values between handles are interpolated linearly. */
   setHandle(handle, level) {
     this.drawn = true;
     const at = columnOfHandle(handle);
@@ -57,6 +57,6 @@ export class Curve {
   }
 }
 
-const columnOf = (place) => Math.round(place * (COLUMNS - 1));
+const columnOf = (position) => Math.round(position * (COLUMNS - 1));
 const columnOfHandle = (handle) => columnOf(handle / (HANDLES - 1));
 const rounded = (level) => Math.round(Math.min(Math.max(level, 0), 1) * 1000) / 1000;

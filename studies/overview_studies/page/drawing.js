@@ -1,4 +1,4 @@
-// A stimulus drawn: its curve and its events' marks, for the conditions that are seen.
+// Drawing of a stimulus for visual conditions: intensity curve and event marks.
 
 import { drawMark } from "./marks.js";
 import { SvgContext } from "./svg.js";
@@ -10,7 +10,7 @@ const SVG = "http://www.w3.org/2000/svg";
 
 export const newSvg = () => /** @type {any} */ (document.createElementNS(SVG, "svg"));
 
-/** Where a place (0 to 1) and a level (0 to 1) are in a box of so many px. */
+/** Return conversions between pixels and positions or levels (0 to 1). */
 export const boxOf = (width, height) => ({
   x: (place) => MARGIN + (width - 2 * MARGIN) * place,
   y: (level) => height - MARGIN - (height - 2 * MARGIN) * level,
@@ -18,34 +18,34 @@ export const boxOf = (width, height) => ({
   level: (y) => Math.min(Math.max((height - MARGIN - y) / Math.max(height - 2 * MARGIN, 1), 0), 1),
 });
 
-/** Draw `view` (`stimuli/KEY.json`) into an SVG; the colours are the style sheet's. */
+/** Draw `view` (`stimuli/KEY.json`) into an SVG, with the colours of the style sheet. */
 export function drawTimeline(svg, view, kinds) {
   const { width, height } = svg.getBoundingClientRect();
   const { x, y } = boxOf(width, height);
   const c = new SvgContext(svg);
   const last = view.level.length - 1;
-  const course = () => {
+  const traceCurve = () => {
     c.beginPath();
     view.level.forEach((level, i) => c.lineTo(x(i / last), y(level)));
   };
-  course();
+  traceCurve();
   c.lineTo(x(1), y(0));
   c.lineTo(x(0), y(0));
   c.fillStyle = "var(--fill)";
   c.fill();
-  course();
+  traceCurve();
   c.strokeStyle = "var(--curve)";
   c.lineWidth = 1.75;
   c.stroke();
-  for (const { position: place, kind } of view.events) {
+  for (const { position, kind } of view.events) {
     const { shape, colour } = kinds[kind];
-    const up = y(view.level[Math.round(place * last)]);
-    drawMark(c, shape, x(place), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
+    const up = y(view.level[Math.round(position * last)]);
+    drawMark(c, shape, x(position), Math.min(up, height - MARGIN), MARK, `var(--${colour})`, "var(--rim)");
   }
   c.show();
 }
 
-/** A field in which a stimulus and its cursor are seen, or nothing. */
+/** Field that shows a stimulus and its cursor, or stays empty. */
 export class View {
   constructor(kinds) {
     this.kinds = kinds;
@@ -57,7 +57,7 @@ export class View {
     this.resized.observe(this.element);
   }
 
-  /** Draw a stimulus; null for nothing. */
+  /** Draw a stimulus; null clears the field. */
   show(view) {
     this.view = view;
     if (view === null) this.svg.replaceChildren();
@@ -75,15 +75,15 @@ export class View {
   }
 }
 
-/** What the marks mean: a list of the kinds that a view has. */
+/** Return a legend of the event kinds. */
 export function legendOf(kinds) {
-  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ name: words, shape, colour }) => {
+  return make("ul", { class: "legend" }, ...Object.values(kinds).map(({ name, shape, colour }) => {
     const svg = newSvg();
     svg.setAttribute("viewBox", "0 0 24 24");
     svg.setAttribute("aria-hidden", "true");
     const c = new SvgContext(svg);
     drawMark(c, shape, 12, 12, MARK, `var(--${colour})`, "var(--rim)");
     c.show();
-    return make("li", {}, svg, make("span", { text: words }));
+    return make("li", {}, svg, make("span", { text: name }));
   }));
 }

@@ -1,8 +1,8 @@
-// Questionnaires: a form from its description in study.json, and what was filled in.
+// Questionnaires: forms from study.json and their values.
 
 import { make, paragraphs } from "./make.js";
 
-/** A form's element and `value()`: what was filled in, or null (said by `say`) while something is missing. */
+/** Return a form's element and `value()`, which is null and reports by `say` while an answer is missing. */
 export async function formOf(described, { say, file }) {
   if (described.file) return ownForm(await (await file(described.file)).text());
   if (described.text !== undefined) return consentForm(described, say);
@@ -42,7 +42,7 @@ function choiceItem({ id, question, choices }) {
   return { id, question, element, value, focus: () => radios[0].focus() };
 }
 
-/** A scale counts once it was touched; Space or Enter takes it where it stands. */
+/** Return a scale; it needs a change, or Space or Enter to accept the current value. */
 function scaleItem({ id, question, low, high, min, max, step }) {
   let touched = false;
   const scale = make("input", {
@@ -75,14 +75,14 @@ function consentForm({ version, text }, say) {
     make("label", { for: "agreed" }, box, make("span", { text: "I have read this and agree." })));
   const value = () => {
     if (box.checked) return { version, agreed: true };
-    say("To take part, tick that you agree.");
+    say("To take part, tick the box.");
     box.focus();
     return null;
   };
   return { element, value, consent: true };
 }
 
-/** A form of the study's own: HTML with named fields. */
+/** Return a form from an HTML file with named fields. */
 function ownForm(html) {
   const form = make("form", { class: "items" });
   form.innerHTML = html;
@@ -91,7 +91,7 @@ function ownForm(html) {
   return { element: form, value };
 }
 
-/** Of each name its value: a number of a number's field, a list where several are ticked. */
+/** Return field values by name: numbers for number fields, lists for checkboxes. */
 export function valuesOf(form) {
   const found = {};
   for (const field of form.elements) {

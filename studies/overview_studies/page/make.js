@@ -1,7 +1,7 @@
-// Elements from a line each.
+// Functions that create elements.
 
 /**
- * An element with attributes (`text` is its text, `on` its listeners by name) and children.
+ * Create an element with attributes (`text`, listeners in `on`) and children.
  * @param {string} name
  * @param {any} given
  * @param {...any} children
@@ -19,11 +19,11 @@ export function make(name, { text = "", on = {}, ...attributes } = {}, ...childr
   return element;
 }
 
-/** A paragraph for each block of lines. */
+/** Return one paragraph per block of text. */
 export const paragraphs = (text) =>
   text.split(/\n\s*\n/).filter((one) => one.trim()).map((one) => make("p", { text: one.trim() }));
 
-/** A button; the second click of a double click is none. */
+/** Return a button that ignores the second click of a double click. */
 export function button(text, act, attributes = {}) {
   const pressed = (event) => {
     if (event.detail < 2) act(event);
@@ -36,22 +36,22 @@ export const pause = (ms) =>
     setTimeout(resolve, ms);
   });
 
-/** When it is pressed. */
-export const pressed = (text, attributes, place) =>
+/** Add a button and wait until it is pressed. */
+export const pressed = (text, attributes, parent) =>
   new Promise((resolve) => {
-    place.append(button(text, resolve, attributes));
+    parent.append(button(text, resolve, attributes));
   });
 
-/** What an action gives; where it fails the person is told by `fault` and may try again. */
-export async function insisted(act, place, fault, words = "Try again") {
+/** Return an action's result; on failure show the error and a button to try again. */
+export async function retryUntilDone(act, parent, fault, label = "Try again") {
   for (;;) {
     try {
       return await act();
     } catch (error) {
       fault(error.message);
       const again = make("p", { class: "again" });
-      place.append(again);
-      await pressed(words, {}, again);
+      parent.append(again);
+      await pressed(label, {}, again);
       again.remove();
       fault("");
     }

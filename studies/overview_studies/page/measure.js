@@ -1,14 +1,14 @@
-// Answers that are a number: a count, a place, a level.
+// Answers by a number: a count, a position or a level.
 
 import { button, make } from "./make.js";
 
 const MOST = 999;
 
-/** An answer with a button of its own: `value()` is taken when it is pressed. */
-function confirmed(words, value, { answer }, ...parts) {
-  const done = button(words, () => {
-    const told = value();
-    if (told !== undefined) answer(told);
+/** Return controls with a button that records `value()`. */
+function confirmed(label, value, { answer }, ...parts) {
+  const done = button(label, () => {
+    const response = value();
+    if (response !== undefined) answer(response);
   }, { disabled: true, class: "done" });
   return {
     element: make("div", { class: "measure" }, ...parts, done),
@@ -35,7 +35,7 @@ export function count(context) {
   const value = () => {
     const whole = number.value.trim() !== "" && number.checkValidity();
     if (whole) return Number(number.value);
-    context.say("Enter a whole number first");
+    context.say("Enter a whole number.");
     number.focus();
     return undefined;
   };
@@ -46,27 +46,27 @@ export function count(context) {
   return made;
 }
 
-/** Where it was: the hand's own last place, or on a scale where the stimulus was played. */
+/** Return controls for a position: the last input position, or a scale for played stimuli. */
 export function locate(context) {
   const { stage, answer } = context;
   const none = button("Nothing there", () => answer(null), { disabled: true });
-  if (stage.free) return confirmed("It is here", () => stage.pad.place, context, none);
+  if (stage.free) return confirmed("It is here", () => stage.pad.position, context, none);
   const scale = make("input", { type: "range", id: "where", min: 0, max: 100, step: 0.5, value: 50 });
-  let told = false;
+  let moved = false;
   const label = make("label", { for: "where", text: "Where, from start to end" });
   scale.addEventListener("input", () => {
-    told = true;
+    moved = true;
   });
   const value = () => {
-    if (told) return Number(scale.value) / 100;
-    context.say("Move the scale first");
+    if (moved) return Number(scale.value) / 100;
+    context.say("Move the scale to answer.");
     scale.focus();
     return undefined;
   };
   return confirmed("It is here", value, context, label, scale, none);
 }
 
-/** The second stimulus made as strong as the first: `trial.adjustable` has a stimulus for each level. */
+/** Return controls that adjust the second stimulus; `trial.adjustable` has one stimulus per level. */
 export function adjust(context) {
   const { trial: { levels, adjustable, stimuli }, stage } = context;
   const last = levels.length - 1;

@@ -1,5 +1,5 @@
-// The pad: where a person feels a stimulus by the hand, a slider for assistive technology. It tells
-// nothing of the timeline unless the condition is seen.
+// Pad for exploring a stimulus by touch, twist or keys. For assistive technology it is a slider. Only
+// visual conditions show the timeline.
 
 import { SampleClock } from "./clock.js";
 import { boxOf, View } from "./drawing.js";
@@ -11,13 +11,13 @@ import { listenToTouch } from "./touch.js";
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** Whom a wrist moves between two trials. */
-export const NOBODY = { moveTo: () => {}, release: () => {} };
+/** Receiver of twist events between trials. */
+export const NO_INPUT = { moveTo: () => {}, release: () => {} };
 
 export class Pad {
   /**
-   * `input`: the hand that the condition has (keys always may); `kinds`: of study.json; `twist`: a
-   * Twist, which stays on from trial to trial.
+   * `input`: input of the condition, keys are always allowed; `kinds`: from study.json; `twist`: a
+   * Twist, which stays active between trials.
    */
   constructor({ input, label, kinds, twist, onfault }) {
     this.input = input;
@@ -25,11 +25,11 @@ export class Pad {
     this.kinds = kinds;
     this.onfault = onfault;
     this.presentation = null;
-    this.place = 0; // where the hand was last
-    this.sources = new Set(); // hands that were used
-    this.felt = false; // whether it was touched since the presentation began
-    /** Called when a hand first feels a presentation. */
-    this.onfelt = () => {};
+    this.position = 0; // last input position
+    this.sources = new Set(); // inputs that were used
+    this.touched = false; // since the presentation began
+    /** Called at the first touch of a presentation. */
+    this.ontouched = () => {};
     this.view = new View(kinds);
     this.finger = make("i", { class: "finger", hidden: true });
     this.slider = make("div", {
@@ -37,55 +37,55 @@ export class Pad {
       "aria-valuemax": 100, "aria-valuenow": 0, "aria-valuetext": "at the start",
     }, this.view.element, this.finger);
     this.element = make("div", { class: "felt" }, this.slider, this.hint());
-    this.left = () => document.hidden && !this.twist.on && this.hand?.releaseAll();
+    this.left = () => document.hidden && !this.twist.on && this.combined?.releaseAll();
     document.addEventListener("visibilitychange", this.left);
     this.listen();
   }
 
   hint() {
-    const words = {
+    const hints = {
       touch: "Drag along the field. Keys: arrows, Page keys, Home, End, Space, Escape.",
       any: "Drag along the field, or use the arrow keys.",
-      keys: "Use the arrow keys, Page keys, Home, End; Space taps, Escape lets go.",
+      keys: "Use the arrow keys, Page keys, Home, End; Space taps, Escape releases.",
       twist: "Turn on Twist and roll the phone, face up to face down. Keys work too.",
     };
-    const wrist = this.input === "twist" || (this.input === "any" && navigator.maxTouchPoints > 0);
-    this.toggle = wrist
+    const canTwist = this.input === "twist" || (this.input === "any" && navigator.maxTouchPoints > 0);
+    this.toggle = canTwist
       ? button("Twist", () => this.toggleTwist(), { "aria-pressed": this.twist.on }) : null;
-    return make("div", { class: "hint" }, make("p", { text: words[this.input] }), this.toggle);
+    return make("div", { class: "hint" }, make("p", { text: hints[this.input] }), this.toggle);
   }
 
-  /** Feel a presentation from now on; `view` is drawn, null in the dark. */
+  /** Connect a presentation; `view` is drawn unless it is null. */
   begin(presentation, view) {
     this.release();
     this.presentation = presentation;
     this.view.show(view);
-    this.felt = false;
+    this.touched = false;
     this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
-    this.hand = new CombinedInput(new Strokes(this.clock, send));
-    this.hand.onchange = () => this.moved();
-    if (this.toggle) this.twist.input = this.hand;
+    this.combined = new CombinedInput(new Strokes(this.clock, send));
+    this.combined.onchange = () => this.moved();
+    if (this.toggle) this.twist.input = this.combined;
     this.follow(presentation);
   }
 
-  /** Let go; the disk runs back. */
+  /** Release; the disk springs back. */
   release() {
-    this.hand?.releaseAll();
+    this.combined?.releaseAll();
   }
 
   end() {
     this.release();
-    this.twist.input = NOBODY;
+    this.twist.input = NO_INPUT;
     this.presentation = null;
     this.view.end();
     document.removeEventListener("visibilitychange", this.left);
   }
 
-  /** Ask the audio thread where the disk is, every frame. */
+  /** Read the disk's state from the audio thread in every frame. */
   async follow(presentation) {
     while (this.presentation === presentation && !presentation.stopped) {
-      const { clock, cursor } = await presentation.look();
+      const { clock, cursor } = await presentation.readState();
       this.clock.addReading(clock, performance.now());
       this.show(cursor);
       await new Promise((resolve) => {
@@ -95,40 +95,40 @@ export class Pad {
   }
 
   moved() {
-    const { active: holder, position: place } = this.hand;
-    if (holder === null) return;
-    this.place = place;
-    this.sources.add(holder);
-    const percent = Math.round(100 * place);
+    const { active, position } = this.combined;
+    if (active === null) return;
+    this.position = position;
+    this.sources.add(active);
+    const percent = Math.round(100 * position);
     this.slider.setAttribute("aria-valuenow", percent);
-    this.slider.setAttribute("aria-valuetext", `${percent} percent${this.nearby(place)}`);
-    if (this.felt) return;
-    this.felt = true;
-    this.onfelt();
+    this.slider.setAttribute("aria-valuetext", `${percent} percent${this.nearby(position)}`);
+    if (this.touched) return;
+    this.touched = true;
+    this.ontouched();
   }
 
-  /** What a seen condition says of a place in words. */
-  nearby(place) {
-    const near = this.view.view?.events.find((event) => Math.abs(event.position - place) < STEP / 2);
+  /** Return the text of an event near a position, in visual conditions. */
+  nearby(position) {
+    const near = this.view.view?.events.find((event) => Math.abs(event.position - position) < STEP / 2);
     return near ? `, ${this.kinds[near.kind].name}` : "";
   }
 
   show(cursor) {
     const { x } = boxOf(this.slider.clientWidth, this.slider.clientHeight);
-    this.finger.hidden = !this.felt;
-    this.finger.classList.toggle("holding", this.hand.active !== null);
-    this.finger.style.transform = `translateX(${x(this.place).toFixed(1)}px)`;
+    this.finger.hidden = !this.touched;
+    this.finger.classList.toggle("holding", this.combined.active !== null);
+    this.finger.style.transform = `translateX(${x(this.position).toFixed(1)}px)`;
     this.view.at(cursor);
   }
 
-  // --- hands ------------------------------------------------------------------------------------
+  // --- inputs -----------------------------------------------------------------------------------
 
   listen() {
-    const may = (input) => this.presentation !== null && [input, "any"].includes(this.input);
-    // a hand of its own in between, as each presentation has another
+    const isAllowed = (input) => this.presentation !== null && [input, "any"].includes(this.input);
+    // forwards to the input of the current presentation
     const touch = {
-      moveTo: (source, place, time) => may("touch") && this.hand.moveTo(source, place, time),
-      release: (source, time) => may("touch") && this.hand.release(source, time),
+      moveTo: (source, place, time) => isAllowed("touch") && this.combined.moveTo(source, place, time),
+      release: (source, time) => isAllowed("touch") && this.combined.release(source, time),
     };
     listenToTouch(this.slider, touch, {
       positionOf: ({ clientX }) => {
@@ -139,21 +139,21 @@ export class Pad {
       onpinch: () => {},
       onfirst: () => {},
     });
-    const to = (place) => this.hand.moveTo("keys", place);
-    const by = (step) => ({ shiftKey }) => to(this.hand.position + step * (shiftKey ? 10 : 1));
+    const to = (place) => this.combined.moveTo("keys", place);
+    const by = (step) => ({ shiftKey }) => to(this.combined.position + step * (shiftKey ? 10 : 1));
     const keys = {
       ArrowRight: by(STEP), ArrowUp: by(STEP), ArrowLeft: by(-STEP), ArrowDown: by(-STEP),
       PageUp: by(PAGE), PageDown: by(-PAGE),
       Home: () => to(0), End: () => to(1),
-      " ": ({ repeat }) => repeat || this.hand.tap("keys", this.hand.position),
-      Escape: () => this.hand.release("keys"),
+      " ": ({ repeat }) => repeat || this.combined.tap("keys", this.combined.position),
+      Escape: () => this.combined.release("keys"),
     };
     this.slider.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.altKey || event.metaKey || !Object.hasOwn(keys, event.key)) return;
       event.preventDefault();
       if (this.presentation !== null) keys[event.key](event);
     });
-    this.slider.addEventListener("blur", () => this.hand?.release("keys"));
+    this.slider.addEventListener("blur", () => this.combined?.release("keys"));
   }
 
   async toggleTwist() {

@@ -1,23 +1,22 @@
-// What is still to be done of a list, from the answers that are there: a page that was closed goes on
-// with this.
+// Remaining steps of a list, from the stored answers. A reloaded page resumes with them.
 
 import { Run } from "./adaptive.js";
 
-const ROUNDS = 3; // of practice, at most
-const ASKS = new Set(["form", "trial", "adaptive"]);
+const MAX_PRACTICE_ROUNDS = 3;
+const ANSWERED = new Set(["form", "trial", "adaptive"]);
 
 const isPractice = ({ type, phase }) => type === "trial" && phase === "practice";
 
 /**
- * What is to come, each one of {screen: step}, {trial: step}, {practice: rounds} (lists of trials:
- * `isWanted` says whether a round comes) and {run}. `answers` is a Map of what is known by id.
+ * Return the remaining nodes: {screen: step}, {trial: step}, {practice: rounds} or {run}. Rounds are
+ * lists of trials; `isWanted` decides whether a round is needed. `answers` is a Map of results by id.
  */
 export function planOf(steps, answers) {
   const nodes = [];
   const parts = partsOf(steps);
   parts.forEach((part, i) => {
     const { first } = part;
-    if (!ASKS.has(first.type)) {
+    if (!ANSWERED.has(first.type)) {
       if (isNeeded(parts, i, answers)) nodes.push({ screen: first });
     } else if (!isOver(part, answers)) {
       if (part.practice) nodes.push({ practice: part.practice });
@@ -28,7 +27,7 @@ export function planOf(steps, answers) {
   return nodes;
 }
 
-/** Steps, with the practice of a block as one; `next` is the step behind. */
+/** Return the steps, with the practice of a block as one part; `next` is the following step. */
 function partsOf(steps) {
   const parts = [];
   for (let i = 0; i < steps.length; i += 1) {
@@ -46,16 +45,16 @@ function partsOf(steps) {
 }
 
 function roundsOf(trials) {
-  const count = trials[0].criterion === null ? 1 : ROUNDS;
+  const count = trials[0].criterion === null ? 1 : MAX_PRACTICE_ROUNDS;
   return Array.from({ length: count }, (_, i) =>
     trials.map((step) => (i === 0 ? step : { ...step, id: `${step.id}-${i + 1}` })));
 }
 
-/** Whether nothing of a part that asks is left. */
+/** Return whether a part is complete. */
 function isOver({ first, practice, next }, answers) {
   if (first.type === "adaptive") return replayed(first, answers).over;
   if (!practice) return answers.has(first.id);
-  if (next?.type === "trial" && answers.has(next.id)) return true; // what it was for has begun
+  if (next?.type === "trial" && answers.has(next.id)) return true; // main trials have begun
   return !practice.some((round, i) =>
     isWanted(practice, i, answers) && round.some(({ id }) => !answers.has(id)));
 }
@@ -66,26 +65,26 @@ function replayed(step, answers) {
   return run;
 }
 
-/** Whether a round (from 0) of practice comes: those before were answered, too few of them right. */
+/** Return whether a practice round (from 0) is needed: all earlier rounds failed the criterion. */
 export function isWanted(rounds, round, answers) {
   return rounds.slice(0, round).every((before) => {
-    const told = before.map(({ id }) => answers.get(id));
-    const right = told.filter((one) => one?.correct === true).length;
-    return !told.includes(undefined) && right < before[0].criterion * before.length;
+    const results = before.map(({ id }) => answers.get(id));
+    const right = results.filter((one) => one?.correct === true).length;
+    return !results.includes(undefined) && right < before[0].criterion * before.length;
   });
 }
 
-/** Whether instructions or a break come: something of their block is left; a break only before it. */
+/** Return whether instructions or a break are needed: steps of the block remain; a break only at its start. */
 function isNeeded(parts, at, answers) {
   const { first: { type, block } } = parts[at];
-  const asked = parts.slice(at + 1).filter(({ first }) =>
-    ASKS.has(first.type) && first.block === block);
-  const left = asked.some((part) => !isOver(part, answers));
-  return left && (type !== "break" || !asked.some(({ first, practice }) =>
+  const answerable = parts.slice(at + 1).filter(({ first }) =>
+    ANSWERED.has(first.type) && first.block === block);
+  const left = answerable.some((part) => !isOver(part, answers));
+  return left && (type !== "break" || !answerable.some(({ first, practice }) =>
     (practice ? practice[0] : [first]).some(({ id }) => answers.has(id) || answers.has(`${id}-001`))));
 }
 
-/** How many answers a list asks for at most, and how many are there; repeated practice is no more. */
+/** Return the maximum number of answers and the number stored; repeated practice does not count. */
 export function progressOf(steps, answers) {
   let [done, total] = [0, 0];
   for (const step of steps) {
@@ -93,7 +92,7 @@ export function progressOf(steps, answers) {
       const run = replayed(step, answers);
       total += step.most;
       done += run.over ? step.most : run.count;
-    } else if (ASKS.has(step.type)) {
+    } else if (ANSWERED.has(step.type)) {
       total += 1;
       done += Number(answers.has(step.id));
     }

@@ -1,33 +1,33 @@
-// QUEST+ over a table of hypotheses: the next level is the one whose answer is expected to leave
-// the least entropy (Watson 2017). The table comes with the list; nothing here is random.
+// QUEST+ over a table of hypotheses: the next level minimizes the expected entropy
+// (Watson 2017). The table comes with the list; nothing here is random.
 
 export class Quest {
-  /** `p[level][hypothesis]`: the probability of a right answer; `prior`: of each hypothesis. */
+  /** `p[level][hypothesis]`: probability of a correct answer; `prior`: probability of each hypothesis. */
   constructor({ quest: { p, prior } }) {
     this.p = p;
-    this.belief = prior;
-    this.over = false; // it ends after the step's `most`
+    this.posterior = prior;
+    this.over = false; // the run ends after `most` trials
   }
 
-  /** Index of the level that comes next. */
+  /** Return the index of the next level. */
   next() {
-    // levels that tell as much are told apart by their order, not by rounding
-    const expected = this.p.map((row) => Math.round(1e9 * expectedEntropy(row, this.belief)));
+    // rounding lets the order decide between equally informative levels
+    const expected = this.p.map((row) => Math.round(1e9 * expectedEntropy(row, this.posterior)));
     return expected.indexOf(Math.min(...expected));
   }
 
-  /** What the answer at that level was. */
-  tell(right) {
+  /** Record whether the answer at that level was correct. */
+  addResponse(right) {
     const row = this.p[this.next()];
-    const weighed = this.belief.map((q, i) => q * (right ? row[i] : 1 - row[i]));
+    const weighed = this.posterior.map((q, i) => q * (right ? row[i] : 1 - row[i]));
     const sum = total(weighed);
-    this.belief = weighed.map((q) => q / sum);
+    this.posterior = weighed.map((q) => q / sum);
   }
 }
 
-function expectedEntropy(row, belief) {
-  const right = belief.map((q, i) => q * row[i]);
-  const wrong = belief.map((q, i) => q * (1 - row[i]));
+function expectedEntropy(row, posterior) {
+  const right = posterior.map((q, i) => q * row[i]);
+  const wrong = posterior.map((q, i) => q * (1 - row[i]));
   const m = total(right);
   return m * entropy(right, m) + (1 - m) * entropy(wrong, 1 - m);
 }

@@ -1,10 +1,10 @@
-// What is no trial, as a jsPsych plugin: instructions, breaks, consent and questionnaires.
+// jsPsych plugin for screens without trials: instructions, breaks, consent and questionnaires.
 
 import { formOf } from "./forms.js";
-import { button, insisted, make, paragraphs, pressed } from "./make.js";
+import { button, retryUntilDone, make, paragraphs, pressed } from "./make.js";
 import { VERSION } from "./trial.js";
 
-/** The plugin for one session; `kit` as `trialPlugin`'s. */
+/** Return the plugin of one session; `kit` is that of `trialPlugin`. */
 export function screenPlugin(kit) {
   const { ParameterType } = /** @type {any} */ (globalThis).jsPsychModule;
   return class OverviewScreen {
@@ -17,17 +17,17 @@ export function screenPlugin(kit) {
 
     async trial(display, { step }, onLoad) {
       kit.progress();
-      const shown = step.type === "form" ? ask(kit, display, step, onLoad) : tell(kit, display, step, onLoad);
-      return { trial_id: step.id, response: await shown };
+      const response = await (step.type === "form" ? showForm : showText)(kit, display, step, onLoad);
+      return { trial_id: step.id, response };
     }
   };
 }
 
-/** Text, read on by a button. */
-async function tell(kit, display, step, onLoad) {
+/** Show text until a button is pressed. */
+async function showText(kit, display, step, onLoad) {
   const heading = make("h1", { text: headingOf(step), tabindex: -1 });
   display.replaceChildren(heading, ...linesOf(kit.study, step).flatMap(paragraphs));
-  const go = pressed(step.type === "break" ? "Go on" : "Start", { class: "done" }, display);
+  const go = pressed(step.type === "break" ? "Continue" : "Start", { class: "done" }, display);
   heading.focus();
   window.scrollTo(0, 0);
   onLoad();
@@ -42,16 +42,16 @@ const headingOf = ({ type, again }) => {
 };
 
 function linesOf({ text }, { type, again, text: own, practice }) {
-  if (again) return ["Too few were right: please practise once more."];
+  if (again) return ["Too few answers were correct. Please practise once more."];
   if (type === "break") return ["Rest as long as you like."];
-  return [text.instructions, own, practice ? "It begins with some practice." : ""].filter(Boolean);
+  return [text.instructions, own, practice ? "Practice trials come first." : ""].filter(Boolean);
 }
 
-/** A form, until it is filled in; what was filled in. */
-async function ask(kit, display, step, onLoad) {
+/** Show a form until it is complete; return its values. */
+async function showForm(kit, display, step, onLoad) {
   const { study, fault } = kit;
   display.replaceChildren();
-  const form = await insisted(() => formOf(study.forms[step.form], kit), display, fault);
+  const form = await retryUntilDone(() => formOf(study.forms[step.form], kit), display, fault);
   const heading = make("h1", { text: form.consent ? "Consent" : titleOf(step), tabindex: -1 });
   const started = new Date();
   const begun = performance.now();
@@ -63,7 +63,7 @@ async function ask(kit, display, step, onLoad) {
   const row = {
     response, rt_ms: performance.now() - begun, started_utc: started.toISOString(), version: VERSION,
   };
-  await insisted(() => kit.answers.add(step.id, row), display, fault, "Keep it again");
+  await retryUntilDone(() => kit.answers.add(step.id, row), display, fault, "Store it again");
   return response;
 }
 
@@ -78,7 +78,7 @@ function filled(kit, display, form) {
     };
     const done = button(form.consent ? "Take part" : "Next", take, { class: "done" });
     display.append(done);
-    if (form.consent) display.append(button("I don't agree", () => kit.leave()));
+    if (form.consent) display.append(button("I do not agree", () => kit.leave()));
   });
 }
 

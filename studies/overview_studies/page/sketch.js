@@ -1,12 +1,12 @@
-// A curve drawn by a person: with a finger over the whole field, or handle by handle with keys.
+// Control for drawing a curve, with a pointer over the field or with handles and keys.
 
 import { Curve, HANDLES } from "./curve.js";
 import { boxOf, newSvg } from "./drawing.js";
 import { button, make } from "./make.js";
 import { SvgContext } from "./svg.js";
 
-/** The answer of the task `draw`. */
-export function sketch({ answer }) {
+/** Return the controls of the task `draw`. */
+export function drawCurve({ answer }) {
   const curve = new Curve();
   const svg = newSvg();
   svg.setAttribute("aria-hidden", "true");

@@ -1,5 +1,4 @@
-// What a trial presents: one stimulus or two, played as often as wanted or felt by the person's own
-// hand, and what is kept of that.
+// Presentation of a trial: one or two stimuli, played on request or explored freely, with their takes.
 
 import { legendOf, View } from "./drawing.js";
 import { button, make, pause } from "./make.js";
@@ -10,7 +9,7 @@ const NAMES = ["first", "second"]; // of a pair's stimuli
 
 export class Stage {
   /**
-   * `onready()` is called once all stimuli were felt or played, `onfault(line)` when one can't be.
+   * `onready()` is called when all stimuli were explored or played, `onfault(line)` on errors.
    */
   constructor({ study, felt, twist }, trial, onfault) {
     this.study = study;
@@ -21,10 +20,10 @@ export class Stage {
     this.onfault = onfault;
     this.onready = () => {};
     this.free = study.stimuli[this.stimuli[0]].events === null;
-    this.present = null; // the presentation
-    this.at = 0; // which of the stimuli it is of
-    this.count = 0; // of presentations that were felt
-    this.known = new Set(); // stimuli, by number, that were felt
+    this.present = null; // the current presentation
+    this.at = 0; // index of its stimulus
+    this.count = 0; // number of presentations
+    this.known = new Set(); // indexes of presented stimuli
     this.takes = [];
     this.pad = null;
     this.element = make("div", { class: "stage" });
@@ -37,12 +36,12 @@ export class Stage {
     return this.stimuli.length > 1;
   }
 
-  /** What a person begins with. */
+  /** Element that gets the focus first. */
   get first() {
     return this.free ? this.pad.slider : this.element.querySelector("button");
   }
 
-  // --- by the person's own hand -----------------------------------------------------------------
+  // --- free exploration -------------------------------------------------------------------------
 
   buildFree() {
     const { trial, study } = this;
@@ -50,7 +49,7 @@ export class Stage {
       input: trial.output.input, label: "Field to feel", kinds: study.kinds, twist: this.twist,
       onfault: this.onfault,
     });
-    this.pad.onfelt = () => this.wasFelt();
+    this.pad.ontouched = () => this.markTouched();
     if (this.pair) {
       this.tabs = NAMES.map((name, i) =>
         button(`Feel the ${name}`, () => this.choose(i), { "aria-pressed": i === 0 }));
@@ -64,7 +63,7 @@ export class Stage {
     this.go(number).catch((error) => this.onfault(error.message));
   }
 
-  /** Put a stimulus under the hand. */
+  /** Connect a stimulus to the pad. */
   async go(number) {
     this.going = number;
     this.tabs?.forEach((tab, i) => tab.setAttribute("aria-pressed", String(i === number)));
@@ -74,7 +73,7 @@ export class Stage {
     const presentation = await this.open(key, null);
     const view = output.visual ? await this.felt.drawn(key) : null;
     if (this.going !== number || this.ended) {
-      presentation.stop(); // meanwhile the person went to the other one
+      presentation.stop(); // the participant selected the other one
       return;
     }
     this.at = number;
@@ -82,7 +81,7 @@ export class Stage {
     this.pad.begin(presentation, view);
   }
 
-  wasFelt() {
+  markTouched() {
     this.felt.start().catch((error) => this.onfault(error.message));
     this.count += 1;
     this.know(this.at);
@@ -93,8 +92,8 @@ export class Stage {
   buildPlayed() {
     const { trial } = this;
     const act = (numbers) => () => this.play(numbers);
-    const apart = trial.task === "adjust";
-    this.buttons = apart
+    const separate = trial.task === "adjust";
+    this.buttons = separate
       ? NAMES.map((name, i) => button(`Play the ${name}`, act([i])))
       : [button("Play", act(this.stimuli.map((_, i) => i)), { class: "play" })];
     this.element.append(make("div", { class: "tabs" }, ...this.buttons));
@@ -107,7 +106,7 @@ export class Stage {
   async play(numbers) {
     if (this.playing) return;
     this.playing = true;
-    // still focusable, so that a keyboard doesn't lose its place
+    // the buttons stay focusable for keyboard users
     this.buttons.forEach((one) => one.setAttribute("aria-disabled", "true"));
     try {
       await this.felt.start();
@@ -147,26 +146,26 @@ export class Stage {
     if (this.known.size === this.stimuli.length) this.onready();
   }
 
-  /** Another stimulus in a pair's second place, from its next presentation on. */
+  /** Replace the second stimulus of a pair, from its next presentation on. */
   replace(key) {
     this.stimuli[1] = key;
     if (this.free && this.at === 1) return this.go(1);
     return Promise.resolve();
   }
 
-  /** End the presentation; a hand's take of it is kept. */
+  /** Stop the presentation and store its take. */
   async stop() {
     const { present, pad } = this;
     if (present === null || present.stopped) return;
     pad?.release();
     if (this.free) {
       const stimulus = this.stimuli[this.at];
-      if (pad.felt) this.takes.push({ stimulus, ...(await present.take()) });
+      if (pad.touched) this.takes.push({ stimulus, ...(await present.take()) });
     }
     present.stop();
   }
 
-  /** Nothing sounds any more. */
+  /** End all presentations. */
   async end() {
     this.ended = true;
     await this.stop();

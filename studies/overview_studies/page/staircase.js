@@ -1,4 +1,4 @@
-// Interleaved staircases: each goes down after some right answers in a row, up after a wrong one.
+// Interleaved staircases: down after several correct answers in a row, up after a wrong one.
 
 export class Staircases {
   /** `step`: an adaptive step of a list (docs/explanation/study-format.md). */
@@ -13,16 +13,16 @@ export class Staircases {
     return this.tracks.every(isOver);
   }
 
-  /** Index of the level that comes next. */
+  /** Return the index of the next level. */
   next() {
-    return this.tracks[this.whose()].at;
+    return this.tracks[this.activeTrack()].at;
   }
 
-  /** What the answer at that level was. */
-  tell(right) {
-    const whose = this.whose();
-    this.turn = (whose + 1) % this.tracks.length;
-    const track = this.tracks[whose];
+  /** Record whether the answer at that level was correct. */
+  addResponse(right) {
+    const index = this.activeTrack();
+    this.turn = (index + 1) % this.tracks.length;
+    const track = this.tracks[index];
     track.right = right ? track.right + 1 : 0;
     if (right && track.right < track.down) return;
     track.right = 0;
@@ -33,8 +33,8 @@ export class Staircases {
     track.at = Math.min(Math.max(track.at + move * step, 0), this.last);
   }
 
-  /** The first track at or after the turn that isn't over. */
-  whose() {
+  /** Return the index of the first unfinished track at or after `turn`. */
+  activeTrack() {
     const { length } = this.tracks;
     for (let i = 0; i < length; i += 1) {
       const at = (this.turn + i) % length;

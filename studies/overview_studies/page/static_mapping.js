@@ -1,12 +1,12 @@
-// The control condition: no disk. The place under the hand says how strong the vibration is, however
-// fast it moves; events click as it passes them. docs/explanation/study-format.md has it step by step,
-// and overView's Python the same, bit for bit: no object is made for a sample.
+// Control condition without a disk: the input position sets the vibration amplitude at any speed, and
+// events click when passed. docs/explanation/study-format.md describes each step. The Python version
+// is bit-identical. No object is allocated per sample.
 
 const COLUMNS = 1024;
 const VOICES = 1024; // waves that may sound at once
 
 export class StaticMapping {
-  /** `data`: a stimulus' `static-RATE.json`. */
+  /** `data`: a stimulus's `static-RATE.json`. */
   constructor({ rate, ramp, amplitude, carrier, clicks, waves, ceiling }) {
     this.rate = rate;
     this.ramp = ramp;
@@ -16,51 +16,51 @@ export class StaticMapping {
     this.waveOf = clicks.map(({ wave }) => wave);
     this.waves = waves.map((wave) => Float64Array.from(wave));
     this.ceiling = ceiling;
-    this.clock = 0; // samples made
+    this.clock = 0; // rendered samples
     this.cursor = this.from = this.to = 0;
     this.gain = this.gainFrom = this.gainTo = 0;
     this.k = ramp;
     this.voiceWave = new Int32Array(VOICES).fill(-1);
     this.voiceAt = new Int32Array(VOICES);
     this.voices = 0;
-    this.level = 0; // the tactor's present amplitude
-    this.waiting = []; // events to come, in order: [sample, theta2, touching, source]
-    this.applied = []; // events that were, with the sample they came at
+    this.level = 0; // current amplitude of the tactor
+    this.pending = []; // pending events, in order: [sample, theta2, touching, source]
+    this.applied = []; // applied events with their sample
   }
 
-  /** Events as rows of sample (-1: at once), source, theta2, touching. */
+  /** Add events: rows of sample (-1: immediately), source, theta2, touching. */
   control(rows) {
     for (let i = 0; i + 4 <= rows.length; i += 4) {
       const sample = Math.max(rows[i], this.clock);
-      let at = this.waiting.length;
-      while (at > 0 && this.waiting[at - 1][0] > sample) at -= 1;
-      this.waiting.splice(at, 0, [sample, rows[i + 2], rows[i + 3], rows[i + 1]]);
+      let at = this.pending.length;
+      while (at > 0 && this.pending[at - 1][0] > sample) at -= 1;
+      this.pending.splice(at, 0, [sample, rows[i + 2], rows[i + 3], rows[i + 1]]);
     }
   }
 
-  /** Overwrite a block, click and tactor. */
+  /** Overwrite a block of click and tactor samples. */
   render(click, tactor) {
     for (let i = 0; i < click.length; i += 1) {
-      while (this.waiting.length > 0 && this.waiting[0][0] <= this.clock) this.apply();
+      while (this.pending.length > 0 && this.pending[0][0] <= this.clock) this.apply();
       tactor[i] = this.step();
-      click[i] = this.ring();
+      click[i] = this.mixClicks();
       this.clock += 1;
     }
   }
 
   apply() {
-    const [, theta2, touching, source] = this.waiting.shift();
+    const [, theta2, touching, source] = this.pending.shift();
     this.applied.push([this.clock, theta2, touching, source]);
-    const place = theta2 / Math.PI;
+    const position = theta2 / Math.PI;
     if (this.gainTo === 1) this.from = this.cursor;
-    else this.cursor = this.from = place;
-    this.to = place;
+    else this.cursor = this.from = position;
+    this.to = position;
     this.gainFrom = this.gain;
     this.gainTo = touching ? 1 : 0;
     this.k = 0;
   }
 
-  /** Move on by a sample; the tactor's. */
+  /** Advance by one sample; return the tactor sample. */
   step() {
     const before = this.cursor;
     if (this.k < this.ramp) {
@@ -77,7 +77,7 @@ export class StaticMapping {
     return this.gain * a * this.carrier[this.clock % this.carrier.length];
   }
 
-  /** Start the clicks between two places. */
+  /** Start the clicks between two positions. */
   pass(from, to) {
     if (from === to) return;
     for (let j = 0; j < this.places.length; j += 1) {
@@ -91,8 +91,8 @@ export class StaticMapping {
     }
   }
 
-  /** The sum of all waves that sound, in the order they started. */
-  ring() {
+  /** Return the sum of all active waves, in order of onset. */
+  mixClicks() {
     let sum = 0;
     for (let v = 0; v < this.voices; v += 1) {
       const wave = this.waves[this.voiceWave[v]];

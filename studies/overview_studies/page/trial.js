@@ -1,21 +1,21 @@
-// A trial as a jsPsych plugin: it presents, waits for one answer, keeps it, and says whether it was
-// right where the list asks for that.
+// jsPsych plugin for trials: presents stimuli, records one answer and shows optional feedback.
 
-import { compare, detect, identify } from "./choose.js";
-import { judged, told } from "./judging.js";
-import { button, insisted, make } from "./make.js";
+import { compare, detectYesNo, identify } from "./choose.js";
+import { isCorrect, feedbackText } from "./feedback.js";
+import { button, retryUntilDone, make } from "./make.js";
 import { adjust, count, locate } from "./measure.js";
-import { sketch } from "./sketch.js";
+import { drawCurve } from "./sketch.js";
 import { Stage } from "./stage.js";
 
 export const VERSION = "0.1.0";
-const CONTROLS = { identify, locate, count, compare, adjust, draw: sketch };
+const CONTROLS = { identify, locate, count, compare, adjust, draw: drawCurve };
 
-const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detect : compare);
+const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detectYesNo : compare);
 
 /**
- * The plugin for one session. `kit`: study, felt, answers, twist, `say(line)` to whoever listens,
- * `fault(line)`, `file(path)`, `progress()`, `ahead(trial)` fetches what comes next, `leave()` ends without consent.
+ * Return the plugin of one session. `kit` has study, felt (the player), answers, twist, `say(line)` for
+ * status messages, `fault(line)` for errors, `file(path)`, `progress()`, `preload(trial)` for the next
+ * trial, and `leave()` for missing consent.
  */
 export function trialPlugin(kit) {
   const { ParameterType } = /** @type {any} */ (globalThis).jsPsychModule;
@@ -32,18 +32,18 @@ export function trialPlugin(kit) {
     };
 
     async trial(display, { trial }, onLoad) {
-      const asked = new Asked(kit, display, trial);
-      await asked.load();
+      const screen = new TrialScreen(kit, display, trial);
+      await screen.load();
       onLoad();
-      const row = await asked.answered;
-      await asked.keep(row);
-      if (trial.feedback) await asked.feedback(row);
+      const row = await screen.answered;
+      await screen.store(row);
+      if (trial.feedback) await screen.feedback(row);
       return { trial_id: trial.id, ...row };
     }
   };
 }
 
-class Asked {
+class TrialScreen {
   constructor(kit, display, trial) {
     this.kit = kit;
     this.trial = trial;
@@ -63,22 +63,22 @@ class Asked {
     });
     this.question = make("h1", { id: "question", text: question });
     this.stage.onready = () => this.enable();
-    this.heard = (event) => this.key(event);
+    this.onKey = (event) => this.key(event);
   }
 
-  /** Fetch what is presented; the trial begins. */
+  /** Load the stimuli and start the trial. */
   async load() {
     const { kit, stage, trial, display } = this;
     display.replaceChildren(make("p", { class: "note", text: "One moment\u2026" }));
-    await insisted(async () => {
+    await retryUntilDone(async () => {
       await kit.felt.load(trial);
       if (stage.free) await stage.go(0);
     }, display, this.fault);
-    kit.ahead(trial);
+    kit.preload(trial);
     display.replaceChildren(this.question, stage.element, this.controls.element);
     this.started = new Date();
     await kit.felt.mask(trial.output.mask);
-    document.addEventListener("keydown", this.heard);
+    document.addEventListener("keydown", this.onKey);
     stage.first.setAttribute("aria-describedby", "question");
     stage.first.focus({ preventScroll: true });
     window.scrollTo(0, 0);
@@ -86,7 +86,7 @@ class Asked {
     if (trial.attention !== null) this.enable();
   }
 
-  /** It can be answered from now on. */
+  /** Allow an answer from now on. */
   enable() {
     if (this.since !== undefined) return;
     this.since = performance.now();
@@ -99,13 +99,13 @@ class Asked {
     if (this.since !== undefined && this.controls.key?.(key)) event.preventDefault();
   }
 
-  /** The first answer counts, no second. */
+  /** Record the first answer; later answers are ignored. */
   answer(response) {
     if (this.since === undefined || this.row) return;
     const { kit, trial, stage, started } = this;
     const rt_ms = Math.round(1e3 * (performance.now() - this.since)) / 1e3;
     this.row = {
-      response, correct: judged(trial, response), rt_ms, started_utc: started.toISOString(),
+      response, correct: isCorrect(trial, response), rt_ms, started_utc: started.toISOString(),
       stimulus: trial.stimulus ?? null, level: trial.level ?? null, presentations: stage.count,
       source: stage.free ? [...stage.pad.sources].join("+") || null : null,
       device: kit.felt.device, version: VERSION,
@@ -115,7 +115,7 @@ class Asked {
 
   async end() {
     const { stage, kit } = this;
-    document.removeEventListener("keydown", this.heard);
+    document.removeEventListener("keydown", this.onKey);
     for (const one of this.display.querySelectorAll("button, input")) one.disabled = true;
     await stage.end();
     await kit.felt.mask(false);
@@ -123,15 +123,15 @@ class Asked {
     else this.row.take = stage.takes[0] ?? null;
   }
 
-  /** The answer on this browser's disk, whatever that takes. */
-  keep(row) {
+  /** Store the answer in this browser, with retries. */
+  store(row) {
     const { kit, trial, display } = this;
-    return insisted(() => kit.answers.add(trial.id, row), display, this.fault, "Keep it again");
+    return retryUntilDone(() => kit.answers.add(trial.id, row), display, this.fault, "Store it again");
   }
 
-  /** Say how it was, and wait until that is read. */
+  /** Show the feedback until a button is pressed. */
   feedback({ response, correct }) {
-    const line = told(this.trial, this.kit.study, response, correct);
+    const line = feedbackText(this.trial, this.kit.study, response, correct);
     const next = make("div", { class: "feedback", "data-right": String(correct) }, make("p", { text: line }));
     this.display.replaceChildren(this.question, next);
     this.kit.say(line);

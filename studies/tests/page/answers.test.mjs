@@ -111,7 +111,7 @@ test("a refused answer is said and kept", async () => {
 const NEVER = new Promise(() => {});
 
 /** One life of a tab: it asks for what is left until it is done or dies. What it did stays. */
-async function life(disk, server, ids, acknowledged, chance) {
+async function life(disk, server, ids, acknowledged, random) {
   let alive = true;
   let deaths = 0;
   let die;
@@ -120,7 +120,7 @@ async function life(disk, server, ids, acknowledged, chance) {
   });
   /** Go on, or never again. */
   const unless = (part) => {
-    if (alive && chance() < part) {
+    if (alive && random() < part) {
       alive = false;
       deaths += 1;
       die();
@@ -137,7 +137,7 @@ async function life(disk, server, ids, acknowledged, chance) {
     entries: (prefix) => disk.entries(prefix),
   };
   const fails = (part) => {
-    if (chance() >= part) return;
+    if (random() >= part) return;
     deaths += 1;
     throw new Error("nothing answers");
   };
@@ -155,7 +155,7 @@ async function life(disk, server, ids, acknowledged, chance) {
     for (const id of ids.filter((one) => !answers.has(one))) {
       assert.ok(!acknowledged.has(id), `${id} is asked for again`);
       await unless(0.05); // while it is shown
-      await answers.add(id, row(`${id} ${chance()}`));
+      await answers.add(id, row(`${id} ${random()}`));
       acknowledged.add(id);
     }
     await answers.sent();
@@ -165,7 +165,7 @@ async function life(disk, server, ids, acknowledged, chance) {
 }
 
 test("tabs and servers that die at 1000 random points lose and repeat no answer", async () => {
-  const chance = seeded(7);
+  const random = seeded(7);
   const ids = Array.from({ length: 12 }, (_, i) => `t${i}`);
   let deaths = 0;
   while (deaths < 1000) {
@@ -173,7 +173,7 @@ test("tabs and servers that die at 1000 random points lose and repeat no answer"
     const server = new Map(); // the first of each id
     const acknowledged = new Set();
     while (server.size < ids.length) {
-      deaths += await life(disk, server, ids, acknowledged, chance);
+      deaths += await life(disk, server, ids, acknowledged, random);
       for (const id of acknowledged) assert.ok(disk.map.has(`row s/${id}`), `${id} is lost`);
     }
     assert.deepEqual([...server.keys()].sort(), [...ids].sort());
@@ -210,7 +210,7 @@ test("what would be refused again is told apart from what passes", async () => {
     assert.equal(error.message, "why");
   }
   const gone = new Server(null, () => Promise.reject(new TypeError("failed to fetch")));
-  await assert.rejects(gone.file("a"), /nothing answers/);
+  await assert.rejects(gone.file("a"), /the server does not respond/);
 });
 
 test("the CSV quotes what would end a field, and has a line for each answer", () => {

@@ -100,7 +100,7 @@ def step(reader: Reader, answer: Callable[[Reader], None], question: str) -> Non
         reader.press("Space")
         reader.push("Take part")
     elif heading in TEXTS:
-        reader.push("Go on" if heading == "A break" else "Start")
+        reader.push("Continue" if heading == "A break" else "Start")
     elif heading == "How was it?":
         for scale in [one for one in reader.tree() if one["role"] == "slider"]:
             reader.go_to("slider", scale["name"])
@@ -118,7 +118,7 @@ def step(reader: Reader, answer: Callable[[Reader], None], question: str) -> Non
         reader.page.keyboard.type('well, "fine"')
         reader.push("Next")
     elif heading == "Welcome back":
-        reader.push("Go on")
+        reader.push("Continue")
     elif heading == "Thank you":
         return
     elif heading != "Almost done":

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Curve } from "../../overview_studies/page/curve.js";
-import { judged, told } from "../../overview_studies/page/judging.js";
+import { isCorrect, feedbackText } from "../../overview_studies/page/feedback.js";
 import { isWanted, planOf, progressOf } from "../../overview_studies/page/plan.js";
 
 const trial = (id, phase, block) =>
@@ -64,15 +64,15 @@ test("practice is repeated while too few are right, at most twice, and never onc
 });
 
 test("right is what the list says, where that can be said", () => {
-  assert.equal(judged({ task: "identify", correct: "goal" }, "goal"), true);
-  assert.equal(judged({ task: "count", correct: 3 }, 2), false);
-  assert.equal(judged({ task: "compare", correct: null }, 1), null);
-  assert.equal(judged({ task: "locate", correct: [0.4] }, 0.4), null);
+  assert.equal(isCorrect({ task: "identify", correct: "goal" }, "goal"), true);
+  assert.equal(isCorrect({ task: "count", correct: 3 }, 2), false);
+  assert.equal(isCorrect({ task: "compare", correct: null }, 1), null);
+  assert.equal(isCorrect({ task: "locate", correct: [0.4] }, 0.4), null);
   const study = { task: { words: { goal: "a goal", foul: "a foul" } } };
   const asked = { task: "identify", correct: "goal" };
-  assert.equal(told(asked, study, "foul", false), "That was a foul? No: it was a goal.");
-  assert.equal(told({ task: "locate", correct: [0.4] }, study, 0.5, null),
-    "It was at 40 % of the way. You said 50 %.");
+  assert.equal(feedbackText(asked, study, "foul", false), "Your answer: a foul. Correct: a goal.");
+  assert.equal(feedbackText({ task: "locate", correct: [0.4] }, study, 0.5, null),
+    "Your answer: 50 %. Correct: 40 %.");
 });
 
 test("a curve follows the pen between the places it was seen at, and its handles", () => {

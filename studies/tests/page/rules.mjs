@@ -7,7 +7,7 @@ import { StaticMapping } from "../../overview_studies/page/static_mapping.js";
 
 const { runs = [], mapped = [] } = JSON.parse(readFileSync(0, "utf8"));
 
-/** The trials of a step whose answers are right as `rights` says, and whether the run is over. */
+/** The trials of a step whose answers are correct as `rights` says, and whether the run is over. */
 function trialsOf({ step, rights }) {
   const run = new Run(step);
   const trials = [];
@@ -15,7 +15,7 @@ function trialsOf({ step, rights }) {
     if (run.over) break;
     const next = run.next();
     trials.push([next.id, next.phase, next.stimulus, next.correct]);
-    run.tell(right ? next.correct : 1 - next.correct);
+    run.addResponse(right ? next.correct : 1 - next.correct);
   }
   // a page that was closed goes on where it was
   const again = new Run(step);

@@ -10,10 +10,10 @@ import pytest
 
 from overview_studies.answers import read_answers
 from overview_studies.design import load_design
-from overview_studies.items import items_of
-from overview_studies.replay import replayed
+from overview_studies.replay import replay_trial
+from overview_studies.stimuli import stimuli_of
 from studies.tests.page.participant import Reader, step, take_part
-from studies.tests.page.studied import built, served_study, trials_of
+from studies.tests.page.study_server import built, served_study, trials_of
 from tests.web.driving import PHONE
 from tests.web.exported import opened_host
 
@@ -266,11 +266,12 @@ def test_a_whole_session_without_a_network(chromium, tmp_path):
 
 
 FELT = """async ([key, output, events, frames]) => {
-    const [{ Felt }, { Server }] = await Promise.all([
-        import("./felt.js"), import("./client.js")]);
+    const [{ StimulusPlayer }, { Server }] = await Promise.all([
+        import("./stimulus_player.js"),
+        import("./client.js")]);
     const file = (path) => new Server(null).file(path);
     const study = await (await file("study.json")).json();
-    const felt = new Felt(study, file);
+    const felt = new StimulusPlayer(study, file);
     felt.context = new OfflineAudioContext(2, frames, 48000);
     const presentation = await felt.open(key, output, []);
     let done = 0;
@@ -298,7 +299,7 @@ FELT = """async ([key, output, events, frames]) => {
 
 @pytest.mark.parametrize("mapping", ["friction", "static"])
 def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
-    """The hand comes when it likes; its take, replayed in Python, has the samples played."""
+    """A take of free exploration, replayed in Python, has the samples of the page."""
     study = json.loads((identify / "study.json").read_text())
     key = next(key for key, one in study["stimuli"].items() if one["answer"] == "goal")
     output = {"mapping": mapping, "click_db": -6.0, "tactor_db": None}
@@ -307,19 +308,20 @@ def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
     with opened_host(identify) as host, page_at(chromium, host.url) as (page, wrong):
         found = page.evaluate(FELT, [key, output, hand, frames])
     assert wrong == []
-    item = {one.key: one for one in items_of(load_design(identify.parent / "study.toml"))}[key]
+    item = {one.key: one for one in stimuli_of(load_design(identify.parent / "study.toml"))}[key]
     assert len(found["take"]["events"]) == len(hand)
-    again = replayed(item, found["take"], output)
-    played = np.array(found["samples"], np.float32).T
-    assert np.array_equal(played, again)
+    again = replay_trial(item, found["take"], output)
+    presented_stimuli = np.array(found["samples"], np.float32).T
+    assert np.array_equal(presented_stimuli, again)
     assert np.abs(again[:, 0]).max() > 0.01
     assert not again[:, 1].any()
 
 
 MASKED = """async () => {
-    const [{ Felt }, { Server }] = await Promise.all([import("./felt.js"), import("./client.js")]);
+    const [{ StimulusPlayer }, { Server }] = await Promise.all([import("./stimulus_player.js"),
+        import("./client.js")]);
     const file = (path) => new Server(null).file(path);
-    const felt = new Felt(await (await file("study.json")).json(), file);
+    const felt = new StimulusPlayer(await (await file("study.json")).json(), file);
     felt.context = new OfflineAudioContext(2, 48000, 48000);
     await felt.mask(true);
     const sound = await felt.context.startRendering();
@@ -342,8 +344,8 @@ def test_who_does_not_agree_leaves_nothing(chromium, identify, tmp_path):
         page_at(chromium, server.url) as (page, wrong),
     ):
         page.click("text=Begin")
-        page.click("text=I don't agree")
-        page.wait_for_selector("text=nothing was kept")
+        page.click("text=I do not agree")
+        page.wait_for_selector("text=nothing was stored")
         page.reload()
         page.wait_for_selector("text=Begin")  # ready for somebody else
         assert server.rows() == {}
@@ -359,10 +361,10 @@ def test_a_session_is_open_in_one_tab(chromium, identify, tmp_path):
         page.wait_for_selector("text=Consent")
         other = page.context.new_page()
         other.goto(server.url)
-        other.click("text=Go on")
+        other.click("text=Continue")
         other.wait_for_selector("text=open in another tab")
         page.close()
         other.reload()
-        other.click("text=Go on")
+        other.click("text=Continue")
         other.wait_for_selector("text=Consent")
     assert wrong == []

@@ -32,7 +32,7 @@ def in_node(given):
     return json.loads(done.stdout)
 
 
-def step_of(task, method, rng, levels=7):
+def find_step(task, method, rng, levels=7):
     most = 40
     table = quest_table(levels, 0.0 if method == "yesno" else 0.5)
     tracks = [
@@ -55,11 +55,11 @@ def by_python(step, rights):
     for right in rights:
         if run.over:
             break
-        played = step["standard"] if run.catch else step["stimuli"][run.level]
+        presented_stimuli = step["standard"] if run.catch else step["stimuli"][run.level]
         phase = "catch" if run.catch else "main"
         correct = step["sides"][run.trial] if step["method"] == "2afc" else int(not run.catch)
-        trials.append([f"b1-a1-{run.trial + 1:03d}", phase, played, correct])
-        run.answered(bool(right))
+        trials.append([f"b1-a1-{run.trial + 1:03d}", phase, presented_stimuli, correct])
+        run.record(bool(right))
     return {"trials": trials, "over": run.over}
 
 
@@ -68,9 +68,9 @@ def test_a_page_takes_the_levels_that_python_takes():
     given = []
     for task in ("staircase", "quest"):
         for method in ("2afc", "yesno"):
-            for chance in (0.5, 0.75, 0.95):
-                step = step_of(task, method, rng)
-                given.append({"step": step, "rights": (rng.random(40) < chance).tolist()})
+            for share in (0.5, 0.75, 0.95):
+                step = find_step(task, method, rng)
+                given.append({"step": step, "rights": (rng.random(40) < share).tolist()})
     found = in_node({"runs": given})["runs"]
     for one, told in zip(given, found, strict=True):
         assert told == by_python(one["step"], one["rights"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from studies.tests.page.participant import Reader, step
-from studies.tests.page.studied import built, trials_of
+from studies.tests.page.study_server import built, trials_of
 from studies.tests.page.test_page import page_at
 from tests.web.driving import violations
 from tests.web.exported import opened_host

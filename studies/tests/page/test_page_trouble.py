@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.tests.page.studied import built, served_study, trials_of
+from studies.tests.page.study_server import built, served_study, trials_of
 from tests.web.exported import opened_host
 
 MANY = int(os.environ.get("OVERVIEW_STUDY_TROUBLES", "200"))
@@ -86,7 +86,7 @@ class Person:
 
     def go_on(self):
         """Press what leads to the next trial, or to the end."""
-        buttons = {"start": "Begin", "again": "Go on", "text": "Start"}
+        buttons = {"start": "Begin", "again": "Continue", "text": "Start"}
         while (now := self.until(self.shown)) not in ("trial", "end"):
             if now == "start" and self.given:
                 return "end"  # the session was over, and the page is ready for somebody else
@@ -214,7 +214,7 @@ def test_a_killed_browser_goes_on_where_it_was_without_a_server(driver, folder, 
             with contextlib.suppress(Exception):
                 context.close()
             context, page = opened()
-            page.click("text=Go on")
+            page.click("text=Continue")
             page.click("text=Start")
             page.wait_for_selector(".pad")
             assert page.inner_text("#count").startswith(f"{answers} of ")

@@ -1,4 +1,4 @@
-"""Feeds for tests: a recorded match told line by line, and what a reader makes of a part of it."""
+"""Feeds for tests: lines of a recorded match, and timelines of its first part."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import encode_line, feed_of, take_line
+from overview_dsp.data.feeds.feed_lines import apply_line, encode_line, lines_of_timeline
 from overview_dsp.data.readers.events import event_table
 
 MATCHES = (
@@ -23,20 +23,20 @@ def matches(folder: Path) -> list[ov.Timeline]:
     return [ov.load_timeline(folder / name) for name in MATCHES]
 
 
-def tell(live: ov.LiveTimeline, timeline: ov.Timeline) -> None:
-    """All of a timeline, through the feed's lines."""
-    for _, line in feed_of(timeline):
-        take_line(live, encode_line(line))
+def apply_all(live: ov.LiveTimeline, timeline: ov.Timeline) -> None:
+    """Apply all lines of a timeline's feed."""
+    for _, line in lines_of_timeline(timeline):
+        apply_line(live, encode_line(line))
 
 
 def lines_of(timeline: ov.Timeline) -> list[dict[str, Any]]:
-    return [line for _, line in feed_of(timeline)]
+    return [line for _, line in lines_of_timeline(timeline)]
 
 
 def read_prefix(events: list[ov.Event], now_s: float) -> ov.Timeline:
-    """What the reader of event lists makes of the events up to now."""
+    """Return the events until now as read from an event list."""
     rows = ["time_s,kind,label"]
-    # products of the curve are rounded in the order of the file: that of the readers of matches
+    # in the order of the match readers, so that the curve is bit-identical
     for event in sorted(events, key=lambda one: one.kind != "period"):
         label = event.label.replace('"', '""')
         rows.append(f'{event.time_s!r},{event.kind},"{label}"')

@@ -1,4 +1,4 @@
-"""Servers of feeds that can be killed."""
+"""Feed servers that can be killed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 
 def wait_until(condition, seconds=60.0):
-    """Whether something becomes true; the limit is for a machine that is busy."""
+    """Return whether a condition becomes true; the timeout allows for a busy machine."""
     until = time.monotonic() + seconds
     while time.monotonic() < until:
         if condition():
@@ -19,13 +19,13 @@ def wait_until(condition, seconds=60.0):
 
 
 class FeedServer:
-    """`/feed`: the lines so far, with an ETag; `/events`: all of them as server-sent events.
+    """HTTP server of a feed: `/feed` has its lines and an ETag, `/events` server-sent events.
 
-    `told` lines of it are there. A killed one closes its connections without a word.
+    Only the first `available` lines are served. `kill` closes the connections abruptly.
     """
 
     def __init__(self, port=0):
-        self.lines, self.told, self.asked, self.answers = [], 0, [], []
+        self.lines, self.available, self.requests, self.statuses = [], 0, [], []
         self.port = port
         self._server = None
 
@@ -41,7 +41,7 @@ class FeedServer:
                 pass
 
             def do_GET(self):
-                outer.asked.append(dict(self.headers))
+                outer.requests.append(dict(self.headers))
                 with contextlib.suppress(OSError):
                     if self.path == "/events":
                         self._events()
@@ -51,11 +51,11 @@ class FeedServer:
                         self._file()
 
             def _file(self):
-                body = "".join(outer.lines[: outer.told]).encode()
+                body = "".join(outer.lines[: outer.available]).encode()
                 tag = f'"{len(body)}"'
                 same = self.headers.get("If-None-Match") == tag
-                outer.answers.append(304 if same else 200)
-                self.send_response(outer.answers[-1])
+                outer.statuses.append(304 if same else 200)
+                self.send_response(outer.statuses[-1])
                 self.send_header("ETag", tag)
                 self.send_header("Content-Length", str(0 if same else len(body)))
                 self.end_headers()
@@ -68,15 +68,15 @@ class FeedServer:
                 sent = int(self.headers.get("Last-Event-ID", 0))
                 while not outer.killed.is_set():
                     self.wfile.write(b": alive\n\n")
-                    there = outer.told  # the test may tell more meanwhile
-                    for n in range(sent, there):
+                    count = outer.available  # the test may add more at any time
+                    for n in range(sent, count):
                         data = outer.lines[n].rstrip()
-                        told = f"id: {n + 1}\ndata: {data}\n\n".encode()
+                        event = f"id: {n + 1}\ndata: {data}\n\n".encode()
                         if outer.killed.is_set():  # in the middle of an event
-                            self.wfile.write(told[: n % len(told)])
+                            self.wfile.write(event[: n % len(event)])
                             return
-                        self.wfile.write(told)
-                    sent = there
+                        self.wfile.write(event)
+                    sent = count
                     time.sleep(0.01)
 
         self.killed = threading.Event()

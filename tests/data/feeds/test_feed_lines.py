@@ -1,4 +1,4 @@
-"""The feed's lines: what they say, and what is no line."""
+"""Lines of the feed format: their effects, and the errors of invalid lines."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, encode_line, take_line
-from tests.data.feeds.feeds import lines_of, tell
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, apply_line, encode_line
+from tests.data.feeds.feeds import apply_all, lines_of
 
-HEADER = {"overview_feed": 1, "title": "A - B", "expect_s": 5700}
+HEADER = {"overview_feed": 1, "title": "A - B", "expected_duration_s": 5700}
 
 
-def told(*lines):
+def timeline_of(*lines):
     live = ov.LiveTimeline()
     for line in lines:
-        take_line(live, encode_line(line))
+        apply_line(live, encode_line(line))
     return live
 
 
-def test_each_kind_of_line_does_what_it_says():
-    live = told(
+def test_each_kind_of_line_has_its_effect():
+    live = timeline_of(
         HEADER,
         {"event": {"time_s": 60, "kind": "goal", "label": "1-0", "weight": 2}, "id": 7},
         {"event": {"time_s": 70, "kind": "foul"}},
@@ -43,11 +43,11 @@ def test_each_kind_of_line_does_what_it_says():
     assert shown.intensity.count == 3
     assert (30.0, 40.0) in shown.gaps
     assert (shown.duration_s, shown.known_until_s) == (5700.0, 100.0)
-    take_line(live, encode_line({"retract": 7}))
-    take_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
+    apply_line(live, encode_line({"retract": 7}))
+    apply_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
     assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)
     assert live.snapshot().events == ()
-    assert take_line(live, '{"subtitle": "of a later version"}') == "later"
+    assert apply_line(live, '{"subtitle": "of a later version"}') == "later"
     assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 0 events>"
 
 
@@ -66,37 +66,37 @@ def test_each_kind_of_line_does_what_it_says():
         (b'{"clock": 1e99}', "0 to"),
         (b'{"sample": [1, 2, 3]}', "sample"),
         (b'{"sample": [1, Infinity]}', "finite"),
-        (b'{"gap": [9, 3]}', "before it ends"),
+        (b'{"gap": [9, 3]}', "before its end"),
         (b'{"retract": null}', "object"),
         (b'{"end": -3}', "above 0"),
-        (b'{"overview_feed": 2}', "version 1"),
-        (b'{"overview_feed": 1, "map": "half"}', "whole, so far"),
+        (b'{"overview_feed": 2}', "must be 1, the version"),
+        (b'{"overview_feed": 1, "layout": "half"}', "whole, so far"),
         (b"[" * 100_000, "JSON"),
     ],
 )
-def test_a_line_that_is_wrong_is_one_clear_line_and_changes_nothing(line, word):
-    live = told({"event": {"time_s": 5, "kind": "foul"}})
+def test_an_invalid_line_is_a_one_line_error_and_changes_nothing(line, word):
+    live = timeline_of({"event": {"time_s": 5, "kind": "foul"}})
     before = live.snapshot()
-    with pytest.raises(ov.InputError, match=word) as refused:
-        take_line(live, line)
-    assert "\n" not in str(refused.value)
+    with pytest.raises(ov.InputError, match=word) as raised:
+        apply_line(live, line)
+    assert "\n" not in str(raised.value)
     assert live.snapshot() is before
 
 
 @given(st.binary(max_size=300) | st.text(max_size=100).map(json.dumps).map(str.encode))
 @settings(max_examples=150)
-def test_nonsense_is_refused_or_passed_over(line):
-    live = told({"event": {"time_s": 5, "kind": "foul"}})
+def test_random_bytes_are_rejected_or_skipped(line):
+    live = timeline_of({"event": {"time_s": 5, "kind": "foul"}})
     before = live.snapshot()
     for part in line.split(b"\n"):
         with contextlib.suppress(ov.InputError):
-            assert take_line(live, part) in ("", "later")
+            assert apply_line(live, part) in ("", "later")
     assert live.snapshot() is before
 
 
 @given(st.data())
 @settings(max_examples=50)
-def test_however_the_bytes_come_the_lines_are_the_same(data):
+def test_the_lines_do_not_depend_on_how_the_bytes_are_split(data):
     lines = [b"a", b"", b"x" * MAX_LINE_BYTES, b"y" * (MAX_LINE_BYTES + 1), b"z" * 1_000_000, b"b"]
     lines = data.draw(st.permutations(lines))
     whole = b"\n".join(lines) + b"\nlast"
@@ -110,7 +110,7 @@ def test_however_the_bytes_come_the_lines_are_the_same(data):
     assert splitter.too_long == 2
 
 
-def test_a_line_without_end_is_never_kept_whole():
+def test_an_endless_line_takes_bounded_memory():
     splitter = Lines()
     for _ in range(200):
         assert list(splitter.cut(b"x" * 10_000)) == []
@@ -118,18 +118,23 @@ def test_a_line_without_end_is_never_kept_whole():
     assert list(splitter.cut(b"\n{}\n")) == [b"{}"]
 
 
-def test_a_listeners_choice_of_map_and_length_stands(match):
-    live = ov.LiveTimeline(expect_s=7000.0, map="so far")
-    take_line(live, encode_line({**HEADER, "map": "whole"}))
-    assert (live.expect_s, live.map) == (7000.0, "so far")
+def test_the_layout_and_duration_of_the_user_take_precedence_over_the_feed(match):
+    live = ov.LiveTimeline(expected_duration_s=7000.0, layout="so far")
+    apply_line(live, encode_line({**HEADER, "layout": "whole"}))
+    assert (live.expected_duration_s, live.layout) == (7000.0, "so far")
 
 
-def test_a_feed_says_no_score_before_its_end(match):
+def test_a_header_with_the_keys_of_version_0_1_is_read():
+    live = timeline_of({"overview_feed": 1, "expected_duration_s": 5700, "map": "so far"})
+    assert (live.expected_duration_s, live.layout) == (5700.0, "so far")
+
+
+def test_a_feed_has_no_score_before_its_end(match):
     assert "4-2" in match.title
     live = ov.LiveTimeline()
     first, *_ = lines_of(match)
-    take_line(live, encode_line(first))
+    apply_line(live, encode_line(first))
     assert "4-2" not in live.snapshot().title
     assert "France - Croatia" in live.snapshot().title
-    tell(live, match)
+    apply_all(live, match)
     assert live.snapshot() == match

@@ -1,4 +1,4 @@
-"""Files that grow, streams, addresses: what comes from them is in the timeline, once."""
+"""Sources of live timelines: growing files, streams and URLs; each event is added once."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.feeds import follower as follower_module
-from overview_dsp.data.feeds import net, sources
-from overview_dsp.data.feeds.feed_lines import encode_line, take_line
+from overview_dsp.data.feeds import network_sources, sources
+from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
 from overview_dsp.data.feeds.follower import Follower
-from overview_dsp.data.feeds.sources import Crowd
-from overview_dsp.live.inputs.feeds import source_named
+from overview_dsp.data.feeds.sources import LoudnessMonitor
+from overview_dsp.live.inputs.feeds import open_source
 from tests.data.feeds.feeds import lines_of
 from tests.data.feeds.servers import FeedServer, wait_until
 
 
 @pytest.fixture(autouse=True)
-def in_a_hurry(monkeypatch):
-    monkeypatch.setattr(net, "ASK_EVERY_S", 0.02)
-    monkeypatch.setattr(follower_module, "AGAIN_S", (0.005, 0.01))
-    monkeypatch.setattr(sources, "LOOK_EVERY_S", 0.005)
+def short_intervals(monkeypatch):
+    monkeypatch.setattr(network_sources, "POLL_EVERY_S", 0.02)
+    monkeypatch.setattr(follower_module, "RETRY_S", (0.005, 0.01))
+    monkeypatch.setattr(sources, "POLL_EVERY_S", 0.005)
     monkeypatch.setattr(sources, "READ_AGAIN_S", 0.005)
 
 
@@ -36,7 +36,7 @@ def follow():
     followers = []
 
     def following(text, stdin=None, **live):
-        one = Follower(ov.LiveTimeline(**live), source_named(str(text), stdin))
+        one = Follower(ov.LiveTimeline(**live), open_source(str(text), stdin))
         followers.append(one)
         return one.start()
 
@@ -46,14 +46,14 @@ def follow():
 
 
 @pytest.fixture(scope="module")
-def told(match):
+def feed_text(match):
     return [encode_line(line) for line in lines_of(match)]
 
 
-def test_a_feed_in_a_file_is_read_on_as_it_grows(follow, told, match, tmp_path):
+def test_a_feed_in_a_file_is_read_on_as_it_grows(follow, feed_text, match, tmp_path):
     path = tmp_path / "match.feed"
     one = follow(path)
-    whole = "".join(told)
+    whole = "".join(feed_text)
     cuts = [0, 10, len(whole) // 3, len(whole) // 2, len(whole)]
     for start, end in itertools.pairwise(cuts):
         with open(path, "a", encoding="utf-8") as file:
@@ -62,17 +62,17 @@ def test_a_feed_in_a_file_is_read_on_as_it_grows(follow, told, match, tmp_path):
         assert wait_until(lambda n=whole_lines: len(one.live.snapshot().events) == n)
     assert wait_until(lambda: one.live.ended)
     assert one.live.snapshot() == match
-    assert one.words.startswith("the end, data until 1:38:00")
+    assert one.status_text.startswith("the end, data until 1:38:00")
 
 
-def test_a_feed_that_begins_again_in_its_file_changes_nothing(follow, told, match, tmp_path):
+def test_a_feed_that_restarts_in_its_file_changes_nothing(follow, feed_text, match, tmp_path):
     path = tmp_path / "match.feed"
-    path.write_text("".join(told))
+    path.write_text("".join(feed_text))
     one = follow(path)
     assert wait_until(lambda: one.live.ended)
     revision = one.live.revision
     other = tmp_path / "other"
-    other.write_text("".join(told[: len(told) // 2]))
+    other.write_text("".join(feed_text[: len(feed_text) // 2]))
     os.replace(other, path)
     with open(path, "a", encoding="utf-8") as file:
         file.write('{"event": {"time_s": 5000.5, "kind": "foul", "label": "late"}}\n')
@@ -89,13 +89,11 @@ def test_a_feed_that_begins_again_in_its_file_changes_nothing(follow, told, matc
         ("s.jsonl", "", [f'{{"time_s": {n}, "value": {n * n}}}\n' for n in range(1, 12)]),
     ],
 )
-def test_a_table_that_grows_is_what_its_reader_reads_at_every_step(
-    follow, tmp_path, name, header, rows
-):
+def test_a_growing_table_equals_the_file_at_every_step(follow, tmp_path, name, header, rows):
     path, whole = tmp_path / name, tmp_path / f"whole-{name}"
     text = header + "".join(rows[:3])
     path.write_text(text)
-    one = follow(path, map="so far")
+    one = follow(path, layout="so far")
     for row in (*rows[3:], ""):
         whole.write_text(text)
         read = ov.load_timeline(whole)
@@ -108,39 +106,41 @@ def test_a_table_that_grows_is_what_its_reader_reads_at_every_step(
             )
         ), (one.take_messages(), one.live.snapshot(), read)
         with open(path, "a", encoding="utf-8") as file:
-            file.write(row[:4])  # a line that isn't whole yet
+            file.write(row[:4])  # an incomplete line
             file.flush()
             file.write(row[4:])
         text += row
-    assert one.lost == one.refused == 0
+    assert one.lost == one.rejected == 0
 
 
-def test_standard_input_is_followed_to_its_end(follow, told, match):
+def test_standard_input_is_followed_to_its_end(follow, feed_text, match):
     reading, writing = os.pipe()
     with os.fdopen(reading, "rb") as stdin, os.fdopen(writing, "wb") as out:
         one = follow("-", stdin)
-        threading.Thread(target=lambda: (out.write("".join(told).encode()), out.close())).start()
+        threading.Thread(
+            target=lambda: (out.write("".join(feed_text).encode()), out.close())
+        ).start()
         assert wait_until(lambda: one.over)
     assert one.live.snapshot() == match
 
 
-def test_an_address_is_asked_again_and_says_so_when_nothing_is_new(follow, told, match):
+def test_a_feed_at_a_url_is_requested_again_with_its_etag(follow, feed_text, match):
     server = FeedServer().start()
-    server.lines = told
+    server.lines = feed_text
     one = follow(f"{server.address}/feed")
-    for server.told in (1, 40, len(told) // 2, len(told)):
-        fresh = "".join(told[: server.told]).count('"event"')
-        assert wait_until(lambda n=fresh: len(one.live.snapshot().events) == n)
-        asked = len(server.asked)
-        assert wait_until(lambda n=asked: len(server.asked) > n + 2)
+    for server.available in (1, 40, len(feed_text) // 2, len(feed_text)):
+        events = "".join(feed_text[: server.available]).count('"event"')
+        assert wait_until(lambda n=events: len(one.live.snapshot().events) == n)
+        requests = len(server.requests)
+        assert wait_until(lambda n=requests: len(server.requests) > n + 2)
     assert one.live.snapshot() == match
-    assert server.answers[-1] == 304
-    assert server.answers.count(200) < 12
+    assert server.statuses[-1] == 304
+    assert server.statuses.count(200) < 12
     server.kill()
-    assert wait_until(lambda: one.words.startswith(("feed lost", "the end")))
+    assert wait_until(lambda: one.status_text.startswith(("feed lost", "the end")))
 
 
-def test_a_document_in_a_file_that_is_broken_for_once_is_read_when_it_is_whole(
+def test_a_document_that_is_invalid_for_a_moment_is_read_when_it_is_valid(
     follow, tmp_path, monkeypatch
 ):
     read = []
@@ -149,7 +149,7 @@ def test_a_document_in_a_file_that_is_broken_for_once_is_read_when_it_is_whole(
     )
     path = tmp_path / "events.csv"
     path.write_text("time_s,kind\n10,foul\n20,goal\n")
-    one = follow(path, map="so far")
+    one = follow(path, layout="so far")
     assert wait_until(lambda: one.live.snapshot().kinds() == {"foul": 1, "goal": 1})
     path.write_text("\0\0\n")
     assert wait_until(lambda: read[-1] == b"\0\0\n")
@@ -158,58 +158,56 @@ def test_a_document_in_a_file_that_is_broken_for_once_is_read_when_it_is_whole(
 
 
 @pytest.mark.parametrize(("rate", "channels"), [(768_001, 2), (99, 2), (48_000, 0), (48_000, 65)])
-def test_a_sound_that_cannot_be_measured_is_one_line(rate, channels):
-    with pytest.raises(ov.InputError, match=f"{channels} channels at {rate} Hz; loudness is"):
-        Crowd(rate, channels, print)
-    Crowd(768_000, 64, print)
+def test_a_sound_that_cannot_be_measured_is_a_one_line_error(rate, channels):
+    with pytest.raises(ov.InputError, match=f"{channels} channels at {rate} Hz; must be 1 to 64"):
+        LoudnessMonitor(rate, channels, print)
+    LoudnessMonitor(768_000, 64, print)
 
 
-def test_a_whole_document_at_an_address_is_read_anew(follow, match):
+def test_a_document_at_a_url_is_read_again_when_it_changes(follow, match):
     server = FeedServer().start()
     rows = ["time_s,kind\n", "10,foul\n", "20,goal\n", "50,foul\n"]
-    server.lines, server.told = rows, 3
-    one = follow(f"{server.address}/events.csv", map="so far")
+    server.lines, server.available = rows, 3
+    one = follow(f"{server.address}/events.csv", layout="so far")
     assert wait_until(lambda: one.live.snapshot().kinds() == {"foul": 1, "goal": 1})
     revision = one.live.revision
-    server.told = 4
+    server.available = 4
     assert wait_until(lambda: one.live.now_s == 50.0)
     assert [change.event.time_s for change in one.live.changes_since(revision)] == [50.0]
     server.kill()
 
 
-def test_a_server_that_is_killed_twenty_times_loses_nothing_and_tells_nothing_twice(
-    follow, told, match
-):
+def test_no_event_is_lost_or_repeated_when_the_server_is_killed(follow, feed_text, match):
     random.seed(7)
     server = FeedServer().start()
-    server.lines = told
+    server.lines = feed_text
     one = follow(f"{server.address}/events")
-    stops = sorted(random.sample(range(1, len(told)), 20))
+    stops = sorted(random.sample(range(1, len(feed_text)), 20))
     for stop in stops:
-        server.told = stop
-        until = "".join(told[:stop]).count('"event"')
-        if random.random() < 0.5:  # in the middle of what it says, or after
+        server.available = stop
+        until = "".join(feed_text[:stop]).count('"event"')
+        if random.random() < 0.5:  # while it sends, or after
             assert wait_until(lambda n=until: len(one.live.snapshot().events) >= n)
         server.kill()
-        assert wait_until(lambda: one.words.startswith("feed lost"))
+        assert wait_until(lambda: one.status_text.startswith("feed lost"))
         server.start()
-        assert wait_until(lambda: not one.words.startswith("feed lost"))
-    server.told = len(told)
+        assert wait_until(lambda: not one.status_text.startswith("feed lost"))
+    server.available = len(feed_text)
     assert wait_until(lambda: one.live.ended)
     assert one.live.snapshot() == match
     changes = one.live.changes_since(0)
     assert len(changes) == len(match.events)
     assert {change.event for change in changes} == set(match.events)
     assert one.lost == 20
-    said = one.take_messages()
-    assert sum("is tried again" in line for line in said) == 20
-    assert sum("is back" in line for line in said) >= 19
+    messages = one.take_messages()
+    assert sum("trying again" in line for line in messages) == 20
+    assert sum("connected again" in line for line in messages) >= 19
     server.kill()
 
 
-def test_an_event_that_is_cut_off_after_its_id_is_asked_for_again(follow, told, match):
-    """The server cuts every answer, each at another byte."""
-    lines = told[:40]
+def test_an_event_that_is_truncated_after_its_id_is_requested_again(follow, feed_text, match):
+    """The server truncates every response at a different byte."""
+    lines = feed_text[:40]
     whole = [f"id: {n + 1}\ndata: {line.rstrip()}\n\n".encode() for n, line in enumerate(lines)]
 
     class Cutting(BaseHTTPRequestHandler):
@@ -232,19 +230,19 @@ def test_an_event_that_is_cut_off_after_its_id_is_asked_for_again(follow, told, 
     one = follow(f"http://127.0.0.1:{server.server_port}/")
     known = ov.LiveTimeline()
     for line in lines:
-        take_line(known, line)
-    assert wait_until(lambda: one.live.felt() == known.felt())
+        apply_line(known, line)
+    assert wait_until(lambda: one.live.padded_snapshot() == known.padded_snapshot())
     server.shutdown()
     server.server_close()
 
 
-def test_a_websocket_is_followed_through_messages_of_one_and_of_many_lines(follow, told, match):
+def test_websocket_messages_of_one_and_of_many_lines_are_read(follow, feed_text, match):
     serve = pytest.importorskip("websockets.sync.server").serve
 
     def handler(socket):
-        socket.send(told[0])
-        socket.send("".join(told[1:2000]))
-        for number, line in enumerate(told[2000:]):
+        socket.send(feed_text[0])
+        socket.send("".join(feed_text[1:2000]))
+        for number, line in enumerate(feed_text[2000:]):
             text = line.rstrip("\n")
             socket.send(text.encode() if number % 2 else text)
 
@@ -257,8 +255,8 @@ def test_a_websocket_is_followed_through_messages_of_one_and_of_many_lines(follo
         server.shutdown()
 
 
-def test_what_is_broken_is_one_line_each_and_the_rest_is_followed(follow, told, match):
-    lines = [*told]
+def test_each_invalid_line_is_a_one_line_message_and_the_rest_is_read(follow, feed_text, match):
+    lines = [*feed_text]
     rng = random.Random(1)
     for junk in ("{", "x" * 1_000_000, '{"event": 3}', '{"clock": NaN}', "\x00\x01", '{"new": 1}'):
         for _ in range(3):
@@ -266,15 +264,15 @@ def test_what_is_broken_is_one_line_each_and_the_rest_is_followed(follow, told, 
     one = follow("-", io.BytesIO("".join(lines).encode()))
     assert wait_until(lambda: one.over)
     assert one.live.snapshot() == match
-    said = one.take_messages()
-    assert 5 <= len(said) <= 8
-    assert all(len(line) < 300 and "\n" not in line for line in said)
-    assert any("longer than 64 KB" in line for line in said)
-    assert any("a line of a later version" in line for line in said)
-    assert one.refused == 18
+    messages = one.take_messages()
+    assert 5 <= len(messages) <= 8
+    assert all(len(line) < 300 and "\n" not in line for line in messages)
+    assert any("longer than 64 KB" in line for line in messages)
+    assert any("a line of a later version" in line for line in messages)
+    assert one.rejected == 18
 
 
-def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):
+def test_ten_thousand_events_per_second_are_read_in_bounded_memory(follow):
     one = follow("-", io.BytesIO(b"".join(
         b'{"event": {"time_s": %d, "kind": "foul", "label": "%d"}}\n' % (n // 10, n)
         for n in range(50_000)
@@ -286,20 +284,20 @@ def test_ten_thousand_events_a_second_are_taken_and_kept_within_bounds(follow):
 
 @pytest.mark.parametrize(
     ("text", "word"),
-    [("", "names a file"), ("pcm:abc", "pcm:RATE"), ("pcm:48000:2:3", "pcm:RATE")],
+    [("", "must be a file"), ("pcm:abc", "pcm:RATE"), ("pcm:48000:2:3", "pcm:RATE")],
 )
-def test_a_source_that_cannot_be_is_one_line(text, word):
+def test_an_invalid_source_is_a_one_line_error(text, word):
     with pytest.raises(ov.InputError, match=word):
-        source_named(text, io.BytesIO())
+        open_source(text, io.BytesIO())
 
 
-def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):
+def test_a_source_that_cannot_be_read_ends_with_a_message(follow, tmp_path):
     bad = tmp_path / "x.csv"
     bad.write_text("this is no table\nof anything\n")
     one = follow(bad)
     assert wait_until(lambda: one.over)
     (line,) = one.take_messages()
-    assert "nothing more is followed" in line
+    assert "no longer followed" in line
     busy = FeedServer().start()
     two = follow(f"{busy.address}/busy")
     assert wait_until(lambda: two.lost == 1)
@@ -307,25 +305,25 @@ def test_a_source_that_cannot_be_read_says_so_and_ends(follow, tmp_path):
     busy.kill()
 
 
-def test_silence_is_said_once_and_how_far_the_data_reach(follow, monkeypatch, tmp_path):
+def test_silence_is_reported_once_with_the_time_of_the_latest_data(follow, monkeypatch, tmp_path):
     monkeypatch.setattr(follower_module, "SILENT_S", 0.2)
     path = tmp_path / "m.feed"
     path.write_text('{"event": {"time_s": 3780, "kind": "foul"}}\n')
     one = follow(path)
-    said = []
-    assert wait_until(lambda: bool(said.extend(one.take_messages()) or said))
+    messages = []
+    assert wait_until(lambda: bool(messages.extend(one.take_messages()) or messages))
     for _ in range(5):
-        said += one.take_messages()
-    assert said == [f"{path}: silent; data until 1:03:00.0"]
+        messages += one.take_messages()
+    assert messages == [f"{path}: silent; data until 1:03:00.0"]
     with open(path, "a") as file:
         file.write('{"end": 5700}\n')
     assert wait_until(lambda: one.live.ended)
-    assert one.words == "the end, data until 1:03:00.0"
+    assert one.status_text == "the end, data until 1:03:00.0"
 
 
 @pytest.fixture(scope="module")
 def crowd_file(tmp_path_factory):
-    """A minute and a half of murmur with two cheers and a whistle."""
+    """Return a file with 90 s of murmur, two cheers and a whistle."""
     import soundfile
 
     rng = np.random.default_rng(3)
@@ -339,36 +337,36 @@ def crowd_file(tmp_path_factory):
     return path
 
 
-def test_a_crowd_that_is_heard_cheers_as_the_one_that_is_read(follow, crowd_file):
+def test_a_live_sound_has_the_same_cheers_as_its_file(follow, crowd_file):
     import soundfile
 
     read = ov.load_timeline(crowd_file)
     sound, rate = soundfile.read(crowd_file, dtype="int16")
     reading, writing = os.pipe()
     with os.fdopen(reading, "rb") as stdin, os.fdopen(writing, "wb") as out:
-        one = follow(f"pcm:{rate}", stdin, map="so far")
+        one = follow(f"pcm:{rate}", stdin, layout="so far")
         data = sound.tobytes()
         for start in range(0, len(data), 9_999):  # any lengths, halves of samples too
             out.write(data[start : start + 9_999])
         out.close()
         assert wait_until(lambda: one.over)
-    heard = one.live.snapshot()
-    assert heard.kinds() == read.kinds()
-    assert heard.events == read.events
-    assert heard.intensity == read.intensity
+    live = one.live.snapshot()
+    assert live.kinds() == read.kinds()
+    assert live.events == read.events
+    assert live.intensity == read.intensity
     assert len(read.events) >= 3
 
 
-def test_a_source_that_was_back_is_tried_again_soon_when_it_is_lost_anew(monkeypatch):
-    monkeypatch.setattr(follower_module, "AGAIN_S", (0.001, 60.0))
+def test_the_wait_is_short_again_after_a_connection_succeeded(monkeypatch):
+    monkeypatch.setattr(follower_module, "RETRY_S", (0.001, 60.0))
 
     class Losing:
-        name, ends_within_s = "losing", 1.0
+        name, close_timeout_s = "losing", 1.0
         times = 0
 
-        def come(self):
+        def read(self):
             self.times += 1
-            if self.times > 25:  # without a reset, the wait has grown to a minute by then
+            if self.times > 25:  # without a reset the wait would be a minute by now
                 return
             yield b"\n"
             raise sources.LostError("gone")

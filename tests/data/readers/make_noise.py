@@ -81,5 +81,5 @@ def with_noise(
 
 def _usual(values: NDArray[np.float64]) -> float:
     ordered = np.sort(values)
-    left_out = int(0.05 * len(ordered))
-    return float(ordered[left_out : len(ordered) - left_out].mean())
+    omitted = int(0.05 * len(ordered))
+    return float(ordered[omitted : len(ordered) - omitted].mean())

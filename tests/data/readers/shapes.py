@@ -180,7 +180,7 @@ def event_files() -> Iterator[Shape]:
     yield shape("more columns", table(more))
     twice = [["id", "time", "event"], *([f"{i // 2}", f"{60 * at}", k]
                                         for i, (at, k) in enumerate(HAPPENED))]  # fmt: skip
-    yield shape("ids twice", table(twice), note="the same event id is there more than once")
+    yield shape("ids twice", table(twice), note="event ids occur more than once")
     lone = [["time", "event"], *([clock(ZERO_MIN + at), kind] for at, kind in HAPPENED)]
     yield shape(
         "a lone HH:MM", table(lone), seconds=tuple(ZERO_MIN + at for at, _ in HAPPENED),

@@ -92,13 +92,15 @@ def test_the_signal_is_chosen_by_name_number_or_by_being_the_only_one(tmp_path: 
         timeline = load_timeline(path, rate=RATE, value=value)
         assert timeline.provenance.startswith("ECG, chest at 250 Hz")
     refused(path, "2 columns may be the signal: temperature, chest; choose one", rate=RATE)
-    refused(path, "no column of samples is called 'back'", rate=RATE, value="back")
+    refused(path, "no column of samples is called 'back'; available: ", rate=RATE, value="back")
     named = write(tmp_path, ["sample,temperature,ecg", *rows], "named.csv")
     assert "ecg at" in load_timeline(named, rate=RATE).provenance
 
 
 def test_samples_called_ecg_without_times_ask_for_the_rate(tmp_path: Path) -> None:
-    refused(write(tmp_path, ["ecg", *(f"{v:.4f}" for v in LEAD)]), "has no times; give the rate")
+    refused(
+        write(tmp_path, ["ecg", *(f"{v:.4f}" for v in LEAD)]), "has no times; set the option rate"
+    )
 
 
 def test_missing_samples_and_a_lead_that_is_off_are_gaps(tmp_path: Path) -> None:
@@ -133,7 +135,10 @@ def test_times_in_whole_milliseconds_give_the_mean_rate(tmp_path: Path) -> None:
     ("change", "words"),
     [
         (lambda rows: [*rows[:100], "1.0,oops", *rows[100:]], "line 102.*oops"),
-        (lambda rows: [*rows[:100], "0.1,1.0", *rows[100:]], "row 101 .* before that of the row"),
+        (
+            lambda rows: [*rows[:100], "0.1,1.0", *rows[100:]],
+            "row 101 .* before that in the previous row",
+        ),
         (lambda rows: [*rows[:100], "", "9.9", *rows[100:]], "line 103"),
     ],
 )
@@ -147,7 +152,7 @@ def test_what_is_no_heart_is_one_line(tmp_path: Path) -> None:
     refused(flat, "no heartbeat was found", rate=RATE)
     lead = write(tmp_path, [f"{v:.4f}" for v in LEAD], "lead2.csv")
     refused(lead, "more than the", rate=RATE, max_mb=0.01)
-    refused(lead, "samples a second; a heart's signal has", rate=200_000.0)
+    refused(lead, "the rate is 200000 Hz; must be 50 to 100000", rate=200_000.0)
 
 
 def test_a_series_of_heart_rates_is_no_signal(tmp_path: Path) -> None:

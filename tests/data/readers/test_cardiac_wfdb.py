@@ -81,7 +81,7 @@ def test_a_file_of_another_kind_beside_a_record_is_not_the_record(record: Path) 
     np.save(record.with_suffix(".npy"), np.arange(50.0) % 7.0)
     assert load_timeline(record.with_suffix(".npy"), rate=10.0).duration_s == 4.9
     record.with_suffix(".wav").write_bytes(b"RIFF\x24\0\0\0WAVE")
-    refused(record.with_suffix(".wav"), "made_up.wav: a broken or unknown sound file")
+    refused(record.with_suffix(".wav"), "made_up.wav: invalid or unknown audio file")
 
 
 def test_an_annotation_file_that_is_given_outranks_the_usual_one(record: Path) -> None:
@@ -115,7 +115,7 @@ def test_kinds_and_words_of_annotations_are_kept(record: Path) -> None:
     }
     assert timeline.events[0].label == "rhythm (AFIB"
     assert [event.time_s for event in timeline.events] == [i * 200 / 250 for i in range(1, 8)]
-    assert "1 annotations of waves and measurements are left out" in timeline.notes
+    assert "1 annotations of waves and measurements were omitted" in timeline.notes
 
 
 def test_annotations_without_beats_leave_the_search_to_the_detector(record: Path) -> None:
@@ -123,7 +123,7 @@ def test_annotations_without_beats_leave_the_search_to_the_detector(record: Path
     timeline = load_timeline(record)
     assert timeline.kinds()["beat"] == len(beat_times(SECONDS))
     assert timeline.kinds()["rhythm"] == 1
-    assert any("names no beat" in note for note in timeline.notes)
+    assert any("has no beats" in note for note in timeline.notes)
 
 
 def test_annotations_beyond_the_end_are_left_out_and_said(record: Path) -> None:
@@ -136,14 +136,14 @@ def test_annotations_beyond_the_end_are_left_out_and_said(record: Path) -> None:
 def test_a_signal_is_chosen_by_name_or_number(record: Path) -> None:
     assert "V1 at" in load_timeline(record, value="v1").provenance
     assert "V1 at" in load_timeline(record, value="1").provenance
-    refused(record, "no signal is called 'V9'; there is V1, MLII", value="V9")
+    refused(record, "no signal is called 'V9'; available: V1, MLII", value="V9")
 
 
 def test_map_chooses_rate_or_variability(record: Path) -> None:
     timeline = load_timeline(record, map="variability")
     assert timeline.intensity is not None
     assert timeline.intensity.unit == "ms"
-    refused(record, "map is 'level'; for a heart it is one of rate, variability", map="level")
+    refused(record, "map is 'level'; must be one of rate, variability for a heart", map="level")
 
 
 def test_missing_and_flat_stretches_are_gaps(tmp_path: Path) -> None:
@@ -283,36 +283,48 @@ def test_annotations_alone_make_a_timeline(tmp_path: Path) -> None:
 )
 def test_a_signal_file_elsewhere_is_refused(name: str, record: Path) -> None:
     record.write_text(f"made_up 1 250 7500\n{name} 16 200 12 0 0 0 0 II\n")
-    refused(record, r"made_up\.hea: line 2: the signal file .* is no plain name")
+    refused(record, r"made_up\.hea: line 2: the signal file is .*; must be a plain name")
 
 
 def test_a_claim_of_a_trillion_samples_is_one_line(record: Path) -> None:
     record.write_text("made_up 1 250 1000000000000\nmade_up.dat 16 200 12 0 0 0 0 II\n")
-    refused(record, r"made_up\.dat has \d+ bytes and 1000000000000 frames take 2000000000000")
+    refused(record, r"made_up\.dat has \d+ bytes, but 1000000000000 frames require 2000000000000")
     record.write_text("made_up 1 250 1000000000000\nmade_up.dat 516 200 12 0 0 0 0 II\n")
-    refused(record, "1000000000000 samples, more than the")
+    refused(record, "the signal has 1000000000000 samples; must be at most")
     record.write_text("made_up 1 250 1000000000000\n~ 0 200 12 0 0 0 0 II\n")
-    refused(record, "1000000000000 samples, more than the")
+    refused(record, "the signal has 1000000000000 samples; must be at most")
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("made_up 1 250 7500\n", "not a format that can be read"),
-        ("made_up 2 250 7500\nmade_up.dat 16\n", "line 1 announces 2 signals and 1 follow"),
-        ("made_up 1 250 7500\nmissing.dat 16\n", r"signal file missing\.dat can't be opened"),
-        ("made_up 1 0 7500\nmade_up.dat 16\n", "line 1: the rate is '0'; it is 0.001 to"),
+        (
+            "made_up 2 250 7500\nmade_up.dat 16\n",
+            "line 1 lists 2 signals, but 1 signal lines follow",
+        ),
+        ("made_up 1 250 7500\nmissing.dat 16\n", r"signal file missing\.dat cannot be opened"),
+        ("made_up 1 0 7500\nmade_up.dat 16\n", "line 1: the rate is '0'; must be 0.001 to"),
         ("made_up 1 nan 7500\nmade_up.dat 16\n", "line 1: the rate is 'nan'"),
-        ("made_up 1 250 7500\nmade_up.dat 16 x\n", "line 2: the gain 'x' isn't a number"),
-        ("made_up 1 250 7500\nmade_up.dat 16x0\n", "line 2: 0 samples a frame"),
-        ("made_up 1 10 7500\nmade_up.dat 16\n", "10 samples a second; beats are found from 50"),
+        ("made_up 1 250 7500\nmade_up.dat 16 x\n", "line 2: the gain is 'x'; must be a number"),
+        ("made_up 1 250 7500\nmade_up.dat 16x0\n", "line 2: the samples per frame are 0"),
+        ("made_up 1 10 7500\nmade_up.dat 16\n", "is 10 Hz; must be at least 50 to find beats"),
         ("made_up 9999 250 7500\nmade_up.dat 16\n", "number of signals is '9999'"),
-        ("# c\n\nmade_up 2 250\nmade_up.dat 16\nmade_up.dat 212\n", "line 5: .*format 212 here"),
-        ("made_up 1 250 7500 25:00:00 1/1/2000\nmade_up.dat 16\n", "line 1: the start '25:00:00'"),
-        ("made_up 1 250 99999\nmade_up.dat 16\n", "the file is cut off or the header wrong"),
-        ("made_up/2 1 250 7500\na 10\n", "2 segments are announced and 1 follow"),
-        ("made_up/1 1 250 7500\nnone 7500\n", r"none\.hea: the header can't be read"),
-        ("made_up/1 1 250 7500\nmade_up 7500\n", "has segments itself|segments"),
+        (
+            "# c\n\nmade_up 2 250\nmade_up.dat 16\nmade_up.dat 212\n",
+            "line 5: .*format 212; must be 16",
+        ),
+        (
+            "made_up 1 250 7500 25:00:00 1/1/2000\nmade_up.dat 16\n",
+            "line 1: the start is '25:00:00'",
+        ),
+        ("made_up 1 250 99999\nmade_up.dat 16\n", "the file is truncated or the header is wrong"),
+        ("made_up/2 1 250 7500\na 10\n", "the header lists 2 segments, but 1 segment lines follow"),
+        ("made_up/1 1 250 7500\nnone 7500\n", r"none\.hea: the header cannot be read"),
+        (
+            "made_up/1 1 250 7500\nmade_up 7500\n",
+            "has segments; must be a record with signals|segments",
+        ),
     ],
 )
 def test_a_broken_header_is_one_line_that_names_the_line(
@@ -325,14 +337,14 @@ def test_a_broken_header_is_one_line_that_names_the_line(
 def test_a_folder_in_place_of_the_signal_file_is_one_line(record: Path) -> None:
     record.with_suffix(".dat").unlink()
     record.with_suffix(".dat").mkdir()
-    refused(record, "isn't a regular file")
+    refused(record, "not a regular file")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_a_pipe_in_place_of_the_signal_file_is_not_waited_for(record: Path) -> None:
     record.with_suffix(".dat").unlink()
     os.mkfifo(record.with_suffix(".dat"))
-    refused(record, "isn't a regular file")
+    refused(record, "not a regular file")
 
 
 def test_a_record_of_noise_or_nothing_has_no_heartbeat(tmp_path: Path) -> None:

@@ -104,19 +104,19 @@ def test_a_list_with_football_kinds_gets_a_crowd_curve(tmp_path: Path) -> None:
         ("time_s,kind,weight\n1,a,0\n", r"line 2, column 'weight' is 0\.0, not above 0"),
         ("time_s,kind,weight\n1,a,big\n", "line 2, column 'weight': 'big' isn't a number"),
         ("time_s,kind,colour\n1,a,red\n", "line 1, column 3: unknown column 'colour'"),
-        ("time_s,kind,kind\n1,a,b\n", "line 1, column 3: 'kind' is there twice"),
-        ("moment_s,kind\n1,a\n", "line 1, column 1: unknown column 'moment_s'; columns are time_s"),
-        ("# x\nkind\na\n", "line 2: no column 'time_s'"),
+        ("time_s,kind,kind\n1,a,b\n", "line 1, column 3: 'kind' is repeated"),
+        ("moment_s,kind\n1,a\n", "line 1, column 1: unknown column 'moment_s'; columns: time_s"),
+        ("# x\nkind\na\n", "line 2: the header has no column 'time_s'"),
         ("time_s,kind,label\n1,a,b\n1,a,b\n", "line 3 repeats line 2"),
         ("time_s,kind\n1,a,b,c\n", "line 2: 4 fields for 2 columns"),
         ('time_s,kind,label\n1,a,b\n2,a,"b\n', "line 3: .*check the quotes"),
         ('time_s,kind,label\n1,a,"b\nb"\n2,a,"c\nc"\nx,a,\n', "line 6, column 'time_s': 'x'"),
         ('time_s,kind,label\n1,a,b\nx,a,"c\nc"\n', "line 3, column 'time_s': 'x'"),
-        ("time_s,kind\n", "no events in it"),
-        ("time_s,kind\n0,a\n", "duration is unknown; give it"),
-        ("# duration_s: long\ntime_s,kind\n0,a\n", "line 1: 'long' isn't a number; a duration"),
+        ("time_s,kind\n", "the file has no events"),
+        ("time_s,kind\n0,a\n", "duration is unknown; set duration_s"),
+        ("# duration_s: long\ntime_s,kind\n0,a\n", "line 1: 'long' isn't a number; the duration"),
         ("# duration_s: 0\ntime_s,kind\n0,a\n", r"line 1, duration_s is 0\.0, not above 0"),
-        ("# title: a\n# title: b\ntime_s,kind\n0,a\n", "line 2: '# title:' is given twice"),
+        ("# title: a\n# title: b\ntime_s,kind\n0,a\n", "line 2: '# title:' is repeated"),
         ("# duration_s: 5\ntime_s,kind\n2,a\n6,a\n", r"line 4, .* 6 s is after the end"),
     ],
 )
@@ -140,7 +140,7 @@ def test_a_field_beyond_the_csv_modules_limit_is_one_line(tmp_path: Path) -> Non
 def test_what_is_written_is_read_back(tmp_path: Path) -> None:
     timeline = load(tmp_path, "# title: A, B\n# duration_s: 90\n" + SMALL)
     assert decode(encode(timeline).decode()) == timeline
-    with pytest.raises(InputError, match="no events, which is all an event list holds"):
+    with pytest.raises(InputError, match="no events, and an event list contains nothing else"):
         encode(Timeline("x", 9.0, (), Intensity(np.zeros(1), np.zeros(1))))
 
 

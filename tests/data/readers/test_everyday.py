@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.events.listing import are_kinds, kind_of
+from overview_dsp.data.readers.events.timeline_builder import are_kinds, kind_of
 from overview_dsp.data.readers.tables.column_names import (
     EVENT_EXTRAS,
     EVENT_KINDS,
@@ -75,7 +75,7 @@ def test_cues_have_text_without_style_and_sounds_in_brackets_are_kinds(tmp_path:
         (3605.0, "laughter", ""),
     ]
     assert timeline.duration_s == 3606.0
-    with pytest.raises(InputError, match=r"line 3: 'soon --> later' isn't a cue's times"):
+    with pytest.raises(InputError, match=r"line 3: 'soon --> later' is not the time of a cue"):
         load(tmp_path, "1\n\nsoon --> later\nx\n\n00:01:00,000 --> 00:01:02,000\ny\n")
 
 
@@ -117,9 +117,9 @@ def test_a_calendars_entries_lie_where_they_happened(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("20241027T013000Z", "soon", r"line 13, DTSTART: 'soon' isn't a calendar's time"),
-        ("DTSTART:20241027T013000Z\n", "", "a VEVENT without DTSTART"),
-        ("VEVENT", "VTODO", "a calendar without a VEVENT"),
+        ("20241027T013000Z", "soon", r"line 13, DTSTART: 'soon' isn't a time"),
+        ("DTSTART:20241027T013000Z\n", "", "the VEVENT has no DTSTART"),
+        ("VEVENT", "VTODO", "the calendar has no events; must contain a VEVENT"),
         ("20241027T013000Z", "20241399", "line 13, DTSTART"),
     ],
 )
@@ -140,7 +140,7 @@ def test_subtitles_are_named_by_their_format_with_and_without_a_mark(
 def test_weights_are_read_and_a_wrong_one_is_named(tmp_path: Path) -> None:
     rows = "clock,event,weight\n0:10,laugh,2.5\n0:50,laugh,\n1:00,laugh,NA\n"
     assert [event.weight for event in load(tmp_path, rows).events] == [2.5, 1.0, 1.0]
-    for wrong, words in (("x", "isn't a number; weights are above 0"), ("-1", "above 0")):
+    for wrong, words in (("x", "isn't a number; weights must be above 0"), ("-1", "above 0")):
         with pytest.raises(InputError, match=f"line 2, column 'weight'.*{words}"):
             load(tmp_path, rows.replace("2.5", wrong))
 
@@ -169,7 +169,7 @@ def test_a_length_is_taken_and_has_to_reach_to_the_last_event(tmp_path: Path) ->
     assert load(tmp_path, rows, duration_s=100.0).duration_s == 100.0
     with pytest.raises(InputError, match=r"line 3: 50 s is after the end .*duration_s 20\.0"):
         load(tmp_path, rows, duration_s=20.0)
-    with pytest.raises(InputError, match="all events are at one moment"):
+    with pytest.raises(InputError, match="all events have the same time"):
         load(tmp_path, "start,what\n0:00,a\n0:00,b\n")
 
 
@@ -187,7 +187,7 @@ def test_rows_without_a_time_and_repeated_rows_are_said(tmp_path: Path) -> None:
     timeline = load(tmp_path, "start,what\n0:10,a\n,b\n0:10,a\n0:50,c\n")
     assert len(timeline.events) == 2
     assert any("1 rows without a time" in note for note in timeline.notes)
-    assert any("1 rows repeat another" in note for note in timeline.notes)
+    assert any("1 rows repeat another row" in note for note in timeline.notes)
 
 
 def test_a_wrong_cell_is_named_with_line_and_column(tmp_path: Path) -> None:

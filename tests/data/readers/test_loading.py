@@ -164,7 +164,7 @@ def test_a_matlab_file_without_sound_is_named_as_one(tmp_path: Path) -> None:
     (tmp_path / "x.mat").write_bytes(
         b"MATLAB 5.0 MAT-file, Platform: GLNXA64".ljust(124) + bytes(99)
     )
-    refused(tmp_path / "x.mat", "a MATLAB file that holds no sound; write its columns as CSV")
+    refused(tmp_path / "x.mat", "a MATLAB file without sound; write its columns as CSV")
 
 
 def test_text_with_a_broken_quote_is_described_with_its_file(tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_a_row_given_twice_is_left_out_and_said() -> None:
     goal = next(i for i, line in enumerate(lines) if ",91.56," in line and "GOAL" in line)
     again = decode("\n".join([*lines[: goal + 1], lines[goal], *lines[goal + 1 :]]))
     assert again.events == decode(METRICA).events
-    assert again.notes == (f"line {goal + 2} repeats line {goal + 1}: left out",)
+    assert again.notes == (f"line {goal + 2} repeats line {goal + 1}: omitted",)
 
 
 def test_a_penalty_long_after_it_was_set_is_none() -> None:
@@ -74,14 +74,14 @@ def test_periods_lie_where_the_files_clock_has_them() -> None:
     ]
 
 
-def test_a_clock_that_begins_anew_is_laid_end_to_end_with_a_note() -> None:
+def test_periods_whose_clock_restarts_are_concatenated_with_a_note() -> None:
     text = metrica(
         "Home,PASS,,1,0,1,P", "Home,PASS,,1,2800,2801,P", "Home,SHOT,ON TARGET-GOAL,2,10,11,P",
         "Away,PASS,,2,2700,2701,P",
     )  # fmt: skip
     assert found(text, "goal") == [(2811.0, "1-0 P")]
     assert decode(text).duration_s == 5502.0
-    assert "begins anew in period 2" in decode(text).notes[0]
+    assert "clock restarts in period 2" in decode(text).notes[0]
 
 
 def test_extra_time_is_read_and_a_shoot_out_left_out() -> None:
@@ -108,11 +108,11 @@ def test_other_separators_and_cases_are_the_same(mark: str) -> None:
     [
         (",1,91.56,", ",1,soon,", "line 4, column 'Start Time .s.': 'soon' isn't a time"),
         (",1,91.56,", ",1,nan,", "line 4, column 'Start Time .s.': 'nan' isn't a time"),
-        (",1,91.56,", ",1,999999,", "line 4, .*times are seconds from 0"),
+        (",1,91.56,", ",1,999999,", "line 4, .*times must be 0 to 86400 s"),
         (
             "GOAL,1,1,91",
             "GOAL,7,1,91",
-            "column 'Period': '7' is no period; periods are 1 to 5",
+            "column 'Period': '7' is not a period; periods must be 1 to 5",
         ),
         ("Home,FAULT", "Third,FAULT", "line 9, column 'Team': 'Third' is a third team"),
         ("Player4", '"Player4', "line 4: .*check the quotes"),
@@ -165,7 +165,7 @@ def test_what_is_no_event_is_a_detail_that_is_felt_when_zoomed() -> None:
     ]
 
 
-def test_a_clock_that_begins_anew_in_each_period_lays_the_third_after_the_second() -> None:
+def test_the_third_period_follows_the_second_if_the_clock_restarts_in_each() -> None:
     text = metrica(
         "Home,PASS,,1,0,1,P", "Home,PASS,,1,2800,2801,P", "Home,PASS,,2,10,11,P",
         "Away,PASS,,2,2700,2701,P", "Home,SHOT,ON TARGET-GOAL,3,8,9,P", "Away,PASS,,3,900,901,P",

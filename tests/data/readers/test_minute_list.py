@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.football.minute_list import COLUMNS, decode, sniff
-from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import Clock, Minute, parse_minute
+from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
 from overview_dsp.data.readers.registry import list_matches
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
@@ -40,8 +40,12 @@ def test_a_list_is_detected_by_its_content_and_read(tmp_path: Path) -> None:
         (95 * 60, "red_card", "Friis (Sudbury), second yellow 90+3'"),
     ]
     assert timeline.duration_s == 95 * 60
-    assert any("left out, no football kind: 1 substitution" in note for note in timeline.notes)
-    assert any("own goals: the team listed" in note for note in timeline.notes)
+    assert any(
+        "omitted, not a football event kind: 1 substitution" in note for note in timeline.notes
+    )
+    assert any(
+        "own goals: the team in the list is that of the player" in note for note in timeline.notes
+    )
 
 
 @pytest.mark.parametrize(
@@ -193,7 +197,7 @@ def test_a_shoot_out_is_left_out() -> None:
                 header="period,minute,type,player,team")  # fmt: skip
     timeline = decode(text)
     assert timeline.kinds()["goal"] == 1
-    assert any("shoot-out is left out: 2 rows" in note for note in timeline.notes)
+    assert any("shoot-out is omitted: 2 rows" in note for note in timeline.notes)
 
 
 @pytest.mark.parametrize(
@@ -252,7 +256,7 @@ def test_a_shoot_out_is_left_out() -> None:
     ],
 )
 def test_words_mean_a_football_kind(words: str, details: str, kind: str, detail: str) -> None:
-    found = meaning(words_of(words), words_of(details), own=False, penalty=False)
+    found = meaning(normalize_terms(words), normalize_terms(details), own=False, penalty=False)
     assert found == (kind, detail)
 
 
@@ -292,7 +296,7 @@ def test_laid_minutes_keep_their_order_and_lie_within_the_match(
     listed: list[tuple[int, int]],
 ) -> None:
     minutes = [Minute(b, a if b in (45, 90, 105, 120) and a else None) for b, a in listed]
-    clock = Clock.laid(minutes)
+    clock = Clock.from_minutes(minutes)
     ordered = sorted(minutes, key=lambda m: (clock.period_of(m), m.on_clock))
     times = [clock.time_s(minute) for minute in ordered]
     assert times == sorted(times)
@@ -302,7 +306,7 @@ def test_laid_minutes_keep_their_order_and_lie_within_the_match(
 
 def test_goals_of_many_matches_need_a_choice(tmp_path: Path) -> None:
     (tmp_path / "g.csv").write_text(GOALSCORERS)
-    with pytest.raises(InputError, match=r"g\.csv: holds 2 matches; .*'sudbury eastham'"):
+    with pytest.raises(InputError, match=r"g\.csv: the file has 2 matches; .*'sudbury eastham'"):
         load_timeline(tmp_path / "g.csv")
     assert list_matches(tmp_path / "g.csv") == (
         "2014-07-08  Northport 1-2 Sudbury",
@@ -326,15 +330,15 @@ def test_goals_of_many_matches_need_a_choice(tmp_path: Path) -> None:
         (rows("soon,goal,A,N"), "line 2, column 'minute': 'soon' isn't a minute"),
         (rows(",goal,A,N"), r"line 2, .*: is missing; write a minute"),
         (rows("10,goal,A,N", "20,goal,B,S", "30,goal,C,T"), "line 4: the team is 'T'; .*'N' and"),
-        (rows("10,pass,A,N"), "no goal, card, foul or near miss in it"),
-        (rows(), "no rows below the header"),
+        (rows("10,pass,A,N"), "the list has no goal, card, foul or near miss"),
+        (rows(), "the list has no rows below the header"),
         (
             rows("9,1,goal", header="period,minute,type"),
-            "column 'period': '9' is no period; write 1",
+            "column 'period': '9' is not a period; must be 1",
         ),
         (
             rows("1,goal,maybe", header="minute,type,own goal"),
-            "column 'own goal': 'maybe' is no flag",
+            "column 'own goal': 'maybe' must be TRUE or FALSE",
         ),
         (
             rows("1,70,goal", header="minute,second,type"),

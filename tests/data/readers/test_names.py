@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from overview_dsp.data.readers.football.match import short_name
+from overview_dsp.data.readers.football.match_timeline import short_name
 
 
 @pytest.mark.parametrize(

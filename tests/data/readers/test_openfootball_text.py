@@ -77,7 +77,9 @@ def test_goals_are_at_their_minutes_for_their_team(cup: Path) -> None:
         "3-2 Firefly (pen) 69'",
         "3-3 Chico 90+4'",
     ]
-    assert any("the file states 4-2 and lists goals for 3-3" in note for note in final.notes)
+    assert any(
+        "the file has the final score 4-2, but goals for 3-3" in note for note in final.notes
+    )
 
 
 def test_extra_time_shoot_outs_and_goals_of_the_second_team_alone(cup: Path) -> None:
@@ -87,7 +89,7 @@ def test_extra_time_shoot_outs_and_goals_of_the_second_team_alone(cup: Path) -> 
         "1-1 Firefly 88'",
     ]
     assert timeline.duration_s == 7200.0
-    assert "the shoot-out is left out: Freedonia 2, Sylvania 1" in timeline.notes
+    assert "the shoot-out is omitted: Freedonia 2, Sylvania 1" in timeline.notes
     assert [label for _, label in told(load_timeline(cup, match="3"))] == ["0-1 Sponsz 105+1'"]
 
 
@@ -131,8 +133,8 @@ def test_scores_without_minutes_are_refused_with_what_is_missing(name: str, tmp_
         with pytest.raises(InputError) as refused:
             of_it(path)
         first, second = str(refused.value).splitlines()
-        assert "scores.txt: openfootball's text with the scores" in first
-        assert "no goal in minutes" in first
+        assert "scores.txt: the openfootball file has scores of matches" in first
+        assert "no goals with minutes" in first
         assert "write the goals below their match" in second
 
 

@@ -61,7 +61,7 @@ def test_a_period_lasts_until_its_latest_half_end() -> None:
     timeline = decode(document)
     assert found(document, "period")[1] == (2701.0, "half-time")
     assert timeline.duration_s == 2711.0
-    assert timeline.notes == ("period 2 has no 'Half End': it ends with its last event here",)
+    assert timeline.notes == ("period 2 has no 'Half End': it ends with its last event",)
 
 
 def test_what_is_listed_after_the_half_end_is_put_at_it_with_a_note() -> None:
@@ -163,7 +163,7 @@ def test_half_an_own_goal_counts_too() -> None:
     assert found(alone, "own_goal") == [(1080.0, "0-1 own goal")]
     alone = match(record(1, "00:18:00.000", "Own Goal Against", HOME, player="A One"))
     assert found(alone, "own_goal") == [(1080.0, "0-1 own goal, One")]
-    assert "without its 'Own Goal For'" in decode(alone).notes[0]
+    assert "without an 'Own Goal For'" in decode(alone).notes[0]
 
 
 @pytest.mark.parametrize(
@@ -259,7 +259,7 @@ def test_a_shoot_out_is_left_out_but_noted() -> None:
     assert timeline.title == "Northport 1-1 Sudbury"
     assert timeline.kinds()["goal"] == 1
     assert timeline.notes == (
-        "the shoot-out (period 5) is left out: 2 kicks; scored: Northport 1, Sudbury 0",
+        "the shoot-out (period 5) is omitted: 2 kicks; scored: Northport 1, Sudbury 0",
     )
     expected_s = FIRST_S + 47 * 60 + 0.25 + 15.5 * 60 + 16 * 60
     assert timeline.duration_s == expected_s
@@ -291,7 +291,7 @@ def test_an_event_listed_twice_is_taken_once_with_a_note() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"period": 6}, "period is 6; periods are 1 to 5"),
+        ({"period": 6}, "period is 6; must be 1 to 5"),
         ({"period": "1"}, "period is '1'"),
         ({"period": True}, "period is True"),
         ({"period": None}, "period is None"),
@@ -302,20 +302,20 @@ def test_an_event_listed_twice_is_taken_once_with_a_note() -> None:
         ({"type": None}, "type.name is missing"),
         ({"type": {"id": 3}}, "type.name is missing"),
         ({"shot": None}, "shot.outcome.name is None"),
-        ({"shot": [1]}, r"shot is \[1\], not an object"),
-        ({"shot": {"outcome": {"name": "Lost"}}}, "shot.outcome.name is 'Lost'; outcomes are"),
-        ({"shot": {"outcome": 5}}, "shot.outcome is 5; it needs a name"),
+        ({"shot": [1]}, r"shot is \[1\]; must be an object"),
+        ({"shot": {"outcome": {"name": "Lost"}}}, "shot.outcome.name is 'Lost'; must be one of"),
+        ({"shot": {"outcome": 5}}, "shot.outcome is 5; must have a name"),
         ({"shot": {"outcome": {"name": "Off T"}, "statsbomb_xg": "x"}}, "statsbomb_xg is 'x'"),
         ({"team": {"name": "Thirdtown"}}, "the goal's team is 'Thirdtown'; .* 'Northport' and"),
         ({"team": None}, "the goal's team is ''"),
-        ({"player": {"name": "a \ud800"}}, "label holds half a character"),
+        ({"player": {"name": "a \ud800"}}, "label has a lone surrogate"),
         (
             {"type": {"name": "Foul Committed"}, "foul_committed": {"card": {"name": "Blue"}}},
-            "foul_committed.card.name is 'Blue'; cards are Yellow Card",
+            "foul_committed.card.name is 'Blue'; must be one of Yellow Card",
         ),
         (
             {"type": {"name": "Bad Behaviour"}, "bad_behaviour": {"card": "Red Card"}},
-            "bad_behaviour.card is 'Red Card'; it needs a name",
+            "bad_behaviour.card is 'Red Card'; must have a name",
         ),
     ],
 )
@@ -335,7 +335,7 @@ def test_a_broken_record_is_named(changes: dict[str, Any], words: str, tmp_path:
 def test_a_record_that_is_no_object_is_named_by_its_place(entry: Any) -> None:
     document: list[Any] = match()
     document.insert(4, entry)
-    with pytest.raises(InputError, match=r"^event 5: is .*, not an object"):
+    with pytest.raises(InputError, match=r"^event 5: is .*; must be an object"):
         decode(document)
 
 
@@ -362,7 +362,7 @@ def test_what_is_not_needed_may_be_broken(changes: dict[str, Any]) -> None:
 
 def test_a_file_without_play_is_refused() -> None:
     for document in ([], [shot(5, "00:01:00.000", "Goal")], [record(1, "00:00:00.000", "Pass")]):
-        with pytest.raises(InputError, match="no time passes"):
+        with pytest.raises(InputError, match="no duration"):
             decode(document)
 
 

@@ -50,7 +50,7 @@ def test_a_match_is_read_from_its_tags() -> None:
     }
     # the team of the first event comes first, which is noted
     assert timeline.title == f"team {AWAY_ID} 3-1 team {HOME_ID}"
-    assert "who played at home" in timeline.notes[0]
+    assert "the home team is unknown" in timeline.notes[0]
 
 
 def test_the_keepers_tag_of_a_goal_is_no_goal_and_a_free_kick_is_one() -> None:
@@ -79,7 +79,7 @@ def test_a_second_yellow_is_one_red_card() -> None:
 
 def test_a_shoot_out_is_left_out_and_noted() -> None:
     note = decode(wyscout_match()).notes[-1]
-    assert note == f"the shoot-out is left out: 2 kicks; scored: team {AWAY_ID} 1, team {HOME_ID} 0"
+    assert note == f"the shoot-out is omitted: 2 kicks; scored: team {AWAY_ID} 1, team {HOME_ID} 0"
 
 
 def test_both_shapes_of_the_format_are_the_same() -> None:
@@ -119,7 +119,7 @@ def test_a_companion_whose_score_differs_is_noted(tmp_path: Path) -> None:
     write(tmp_path, [other], "matches.json")
     timeline = load_timeline(write(tmp_path, wyscout_match()))
     assert timeline.title.startswith("Northport City 4-3 Sudbury")
-    assert any("states 4-3 and lists goals for 1-3" in note for note in timeline.notes)
+    assert any("has the final score 4-3, but goals for 1-3" in note for note in timeline.notes)
 
 
 @pytest.mark.parametrize("content", ["{", "[1]", "{}", '[{"wyId": 2499773}]', "\x00", "hello"])
@@ -127,7 +127,7 @@ def test_a_broken_companion_is_no_obstacle(content: str, tmp_path: Path) -> None
     (tmp_path / "matches.json").write_text(content)
     timeline = load_timeline(write(tmp_path, wyscout_match()))
     assert timeline.kinds()["goal"] == 3
-    assert (content == "{") == any("weren't read" in note for note in timeline.notes)
+    assert (content == "{") == any("was not read" in note for note in timeline.notes)
 
 
 SEASON = [
@@ -141,7 +141,7 @@ SEASON = [
 
 def test_one_match_of_a_season_is_chosen_by_number_id_or_words(tmp_path: Path) -> None:
     path = write(tmp_path, SEASON)
-    with pytest.raises(InputError, match=r"holds 2 matches; .*--select"):
+    with pytest.raises(InputError, match=r"has 2 matches; .*--select"):
         load_timeline(path)
     assert load_timeline(path, match="1").duration_s == 50.0
     assert load_timeline(path, match="2499773").duration_s == 70.0
@@ -156,12 +156,15 @@ def test_one_match_of_a_season_is_chosen_by_number_id_or_words(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"matchPeriod": "3H"}, "matchPeriod is '3H'; periods are 1H, 2H"),
+        ({"matchPeriod": "3H"}, "matchPeriod is '3H'; must be one of 1H, 2H"),
         ({"matchPeriod": None}, "matchPeriod is None"),
         ({"eventSec": "x"}, "eventSec is 'x', not a number"),
-        ({"eventSec": -1}, r"eventSec is -1\.0; it is the time in the period"),
+        ({"eventSec": -1}, r"eventSec is -1\.0; must be the time in the period"),
         ({"eventSec": 1e9}, "eventSec is"),
-        ({"teamId": 5}, f"the goal's teamId is 5; the match's teams are {AWAY_ID} and {HOME_ID}"),
+        (
+            {"teamId": 5},
+            f"the goal's teamId is 5; must be one of the match's teams, {AWAY_ID} and {HOME_ID}",
+        ),
         ({"teamId": None}, "the goal's teamId is missing"),
     ],
 )
@@ -182,11 +185,11 @@ def test_a_goal_tagged_twice_counts_once() -> None:
 
 def test_an_id_of_several_events_is_said() -> None:
     events = wyscout_match()
-    words = "the same event id is there more than once"
+    words = "event ids occur more than once"
     assert not any(words in note for note in decode(events).notes)
     for event, name in zip(events, (7, 8, 7, 8, 9), strict=False):
         event["id"] = name
-    assert f"{words}: '7', '8'; all of them are kept" in decode(events).notes
+    assert f"{words}: '7', '8'; all these events were read" in decode(events).notes
 
 
 @given(st.data())

@@ -195,7 +195,7 @@ def test_a_series_too_long_for_a_native_file_is_refused_and_its_windows_are_not(
 
 
 def felt(timeline: Timeline) -> np.ndarray:
-    preset = plain_preset(surface__friction=1e-3, surface__ambience=1.0)
+    preset = plain_preset(surface__friction=1e-3, surface__intensity_gain=1.0)
     return np.log2(ov.build_surface(timeline, preset).friction / 1e-3)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.describe import describe, describe_json
-from overview_dsp.offline.rendering.event_log import as_records, as_text, happened, transcript
+from overview_dsp.offline.rendering.event_log import as_records, as_text, passed_events, transcript
 from overview_dsp.web.site_data import window_json
 
 LABELS = ("rhythm (N", "rhythm (AFIB", "rhythm (XYZ", "rhythm", "rhythm (N and more")
@@ -30,7 +30,7 @@ def test_screen_transcript_and_page_say_the_name(heart):
     assert tuple(event["label"] for event in page["events"]) == WORDS
     told = ov.render(heart, "heart", "sweep:2", sample_rate=8000)
     spoken = "\n".join(transcript(told.strikes, heart, None, 8000.0))
-    listed = as_text(happened(told.strikes, heart))
+    listed = as_text(passed_events(told.strikes, heart))
     for text in (describe(heart, events=True), spoken, listed):
         assert all(words in text for words in WORDS)
         assert "(AFIB" not in text
@@ -42,4 +42,4 @@ def test_what_is_written_keeps_the_code(heart, tmp_path):
     assert tuple(event.label for event in kept.events) == LABELS
     assert describe_json(kept, events=True)["event_list"][1]["label"] == "rhythm (AFIB"
     passed = ov.render(heart, "heart", "sweep:2", sample_rate=8000).strikes
-    assert as_records(happened(passed, heart))[1]["label"] == "rhythm (AFIB"
+    assert as_records(passed_events(passed, heart))[1]["label"] == "rhythm (AFIB"

@@ -48,7 +48,7 @@ def presets(draw: st.DrawFn, max_kinds: int = 5) -> ov.Preset:
     named["default"] = draw(kinds())
     for other in draw(st.lists(KIND_NAMES, unique=True, max_size=4)):
         like = draw(st.sampled_from(sorted(named)))
-        named[like] = replace(named[like], also=(*named[like].also, other))
+        named[like] = replace(named[like], aliases=(*named[like].aliases, other))
     given = {id: draw(values(known)) for id, known in PARAMETERS.items()}
     points = draw(st.just([]) | st.lists(st.floats(0.0, 1.0), min_size=2, max_size=9))
     return ov.Preset("drawn", draw(TEXT), draw(TEXT), given, named, points=tuple(points))
@@ -88,8 +88,8 @@ def toml_of(preset: ov.Preset) -> str:
             for key in KIND_PARAMETERS
             if (value := getattr(kind, key)) is not None
         ]
-        if kind.also:
-            lines.append(f"also = {json.dumps(kind.also)}")
+        if kind.aliases:
+            lines.append(f"aliases = {json.dumps(kind.aliases)}")
         if kind.points:
             lines.append(f"points = {list(kind.points)}")
         for mode in kind.modes:

@@ -19,7 +19,7 @@ from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets import library
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.measure.arm import arm_report
-from overview_dsp.measure.report import character_steps, feel_report
+from overview_dsp.measure.report import character_distance, feel_report
 from overview_dsp.offline.rendering.audition import pages
 from tests.design.presets.strategies import values
 
@@ -67,9 +67,9 @@ def test_no_two_kinds_feel_alike_and_none_is_masked_or_merged_from_1_to_6_second
     report = feel_report(preset, pages(preset), SWEEPS, RATE)
     for seconds in SWEEPS:
         stroke = report.stroke(seconds)
-        assert stroke.alike == (), seconds
+        assert stroke.indistinct == (), seconds
         assert sum(kind.masked + kind.merged for kind in stroke.kinds) == 0, seconds
-        assert {kind.kind for kind in stroke.kinds if kind.met} == set(preset.kinds), seconds
+        assert {kind.kind for kind in stroke.kinds if kind.passed} == set(preset.kinds), seconds
 
 
 @pytest.mark.parametrize("data", ["world-cup-final-2018", "made-up-share"])
@@ -82,7 +82,7 @@ def test_any_two_presets_are_two_steps_apart_on_one_timeline(data):
             name: feel_report(ov.load_preset(name), timeline, sample_rate=RATE) for name in NAMES
         }
     steps = {
-        (first, second): character_steps(reports[first], reports[second])
+        (first, second): character_distance(reports[first], reports[second])
         for first, second in itertools.combinations(NAMES, 2)
     }
     assert {pair: round(found, 2) for pair, found in steps.items() if found < 2.0} == {}

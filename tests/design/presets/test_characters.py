@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.library import serves, tagged
-from overview_dsp.measure.character import characters, level_matched_steps
+from overview_dsp.design.presets.library import has_tag, is_for_use
+from overview_dsp.measure.level_matching import level_matched_distance, perceptual_features
 from tests.cli.running import overview
 
 NAMES = ov.bundled_presets()
@@ -32,26 +32,26 @@ def timeline_of(data):
 
 @functools.cache
 def character_of(name, data):
-    """A preset's characters on a match, a share or a recording."""
+    """A preset's perceptual_features on a match, a share or a recording."""
     with warnings.catch_warnings():
         # kinds of other data are felt as the default
         warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
-        return characters(ov.load_preset(name), timeline_of(data), sample_rate=RATE)
+        return perceptual_features(ov.load_preset(name), timeline_of(data), sample_rate=RATE)
 
 
 def test_with_levels_matched_any_two_presets_differ_by_two_steps_on_a_match_or_a_series():
     nearest = dict.fromkeys(itertools.combinations(NAMES, 2), 0.0)
     for data in DATA:  # the next one only for pairs that this doesn't tell
         for first, second in [pair for pair, steps in nearest.items() if steps < 2.0]:
-            steps = level_matched_steps(character_of(first, data), character_of(second, data))
+            steps = level_matched_distance(character_of(first, data), character_of(second, data))
             nearest[first, second] = max(steps, nearest[first, second])
     assert {pair: round(steps, 2) for pair, steps in nearest.items() if steps < 2.0} == {}
 
 
 def test_gain_is_no_character(match, football):
     turned = football.with_changes({"tactor.gain_db": -7.0, "click.gain_db": -14.0})
-    one, other = (characters(preset, match, SWEEPS, RATE) for preset in (football, turned))
-    assert level_matched_steps(one, other) < 0.5
+    one, other = (perceptual_features(preset, match, SWEEPS, RATE) for preset in (football, turned))
+    assert level_matched_distance(one, other) < 0.5
 
 
 def test_a_telegraph_taps_high_and_dry_and_the_wind_is_low():
@@ -119,15 +119,15 @@ def test_presets_are_listed_by_use_and_by_scale():
 def test_a_tag_that_is_none_is_one_line(tag):
     done = overview("presets", "list", "--tag", tag)
     assert done.code == 2
-    assert done.errors[0].startswith(f"error: --tag {tag!r} is none; it is a use")
+    assert done.errors[0].startswith(f"error: --tag {tag!r} is not valid; allowed: a use")
 
 
 def test_a_use_is_found_by_its_words(football):
-    assert serves(football, "Football")
-    assert serves(football, "matches")
-    assert not serves(football, "foot")
-    assert tagged(football, "tempo>2")
-    assert not tagged(football, "tempo>3")
+    assert is_for_use(football, "Football")
+    assert is_for_use(football, "matches")
+    assert not is_for_use(football, "foot")
+    assert has_tag(football, "tempo>2")
+    assert not has_tag(football, "tempo>3")
 
 
 def test_a_new_preset_names_its_schema_for_editors(tmp_path):

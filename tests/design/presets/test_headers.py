@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets import library
-from overview_dsp.measure.felt import STEP_DB
+from overview_dsp.measure.perceived_level import STEP_DB
 from tests.feel.curves import steps_of
 
 FOLDER = library.LIBRARY.bundled_folder
@@ -132,7 +132,7 @@ SENTENCES = {
         taken(name, "foul", "nothing", "touch", ["1 s", "2 s"])
         == pytest.approx([3 / 4, 1 / 4], abs=0.05)
     ),
-    # --- its characters
+    # --- its character
     ("football-stadium", "the strongest of the three characters"): lambda name: all(
         quieter(other, name, "level_db") and quieter(other, name, "event_free_db")
         for other in ("football", "football-discreet")

@@ -161,10 +161,10 @@ def test_the_character_follows_from_the_disks_equation(football):
     ],
 )
 def test_the_preset_that_names_most_of_the_kinds_fits(kinds, name):
-    assert library.fitting(kinds) == name
+    assert library.best_preset(kinds) == name
 
 
 def test_a_recording_without_a_cheer_is_felt_as_a_recording():
     for unit, name in (("LUFS", "crowd"), ("°C", "series")):
         curve = ov.Intensity(np.arange(4.0), np.arange(4.0), unit)
-        assert library.fitting_preset(ov.Timeline("", 3.0, intensity=curve)) == name
+        assert library.best_preset_for(ov.Timeline("", 3.0, intensity=curve)) == name

@@ -117,7 +117,7 @@ def good_kind(**changes):
         ({"gain_db": math.inf}, "gain_db"),
         ({"modes": (ov.ClickMode(440.0, math.nan),)}, r"modes\.0\.decay_ms"),
         ({"modes": (ov.ClickMode(440.0, 5.0), ov.ClickMode(1.0, 5.0))}, r"modes\.1\.frequency_hz"),
-        ({"modes": (ov.ClickMode(440.0, 5.0),) * 7}, "up to 6"),
+        ({"modes": (ov.ClickMode(440.0, 5.0),) * 7}, "at most 6"),
     ],
 )
 def test_a_kind_made_in_python_is_held_to_the_same_ranges(changes, words):
@@ -132,7 +132,7 @@ def test_a_preset_has_capacity_for_so_many_kinds_as_the_engine():
 
     kinds = {f"kind_{i}": good_kind() for i in range(MAX_KINDS - 1)} | {"default": good_kind()}
     ov.Preset("full", "", "", {}, kinds)
-    with pytest.raises(ov.InputError, match="up to 32"):
+    with pytest.raises(ov.InputError, match="at most 32"):
         ov.Preset("over", "", "", {}, kinds | {"one_more": good_kind()})
 
 

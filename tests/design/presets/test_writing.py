@@ -12,12 +12,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.design.presets.blending import morph, randomized
 from overview_dsp.design.presets.comparing import differences
 from overview_dsp.design.presets.library import LIBRARY, bundled_presets
+from overview_dsp.design.presets.morphing import morph, randomize
 from overview_dsp.design.presets.reference import json_schema, reference
 from overview_dsp.design.presets.validation import parse_preset
-from overview_dsp.design.presets.writing import preset_toml, save_preset, started_from
+from overview_dsp.design.presets.writing import preset_template, preset_toml, save_preset
 from overview_dsp.errors import InputError
 from overview_dsp.signal.engine.engine import decode_state, encode_state
 from tests.design.presets.strategies import presets
@@ -69,7 +69,7 @@ def test_the_schema_is_json():
 
 
 def test_a_started_preset_is_its_base_until_it_is_changed(football):
-    text = started_from("football", football, "mine")
+    text = preset_template("football", football, "mine")
     own = parse_preset(text, "mine", "mine.toml", lambda name, _: (name, base_text(name)))
     assert own.title == "mine"
     assert differences(own, football) == []
@@ -102,8 +102,8 @@ def test_a_morph_goes_from_one_to_the_other_by_steps_of_one_ratio(football):
 
 @given(presets(), st.integers(0, 2**31), st.floats(0.0, 1.0))
 def test_chance_makes_valid_presets_and_the_same_seed_the_same_one(preset, seed, amount):
-    found = randomized(preset, seed, amount)
-    assert preset_toml(found) == preset_toml(randomized(preset, seed, amount))
+    found = randomize(preset, seed, amount)
+    assert preset_toml(found) == preset_toml(randomize(preset, seed, amount))
     assert same(parse_preset(preset_toml(found), found.name, "x"), found)
     if amount == 0.0:
         assert all(found.values[id] == pytest.approx(value) for id, value in preset.values.items())

@@ -23,11 +23,11 @@ from overview_dsp.devices.controllers.control_map import (
     write_map,
 )
 from overview_dsp.devices.controllers.control_messages import (
-    Dialled,
-    LetGo,
-    Nudged,
-    Touched,
-    Turned,
+    AngleChanged,
+    ScaleParameter,
+    StepParameter,
+    TouchEnded,
+    TouchStarted,
 )
 from overview_dsp.devices.controllers.learning import Learner
 from overview_dsp.devices.controllers.midi_messages import MidiReader
@@ -89,7 +89,7 @@ def test_a_coarse_half_without_its_fine_one_is_taken_after_5_ms():
 def test_a_control_32_above_that_is_one_of_its_own_stays_so():
     reader = MidiReader((Control("cc", 1), Control("cc", 33, to="tactor.gain_db")))
     assert read(reader, change(1, 127), change(33, 127)) == [
-        Turned("cc 1/0", math.pi), Dialled("tactor.gain_db", 1.0)
+        AngleChanged("cc 1/0", math.pi), ScaleParameter("tactor.gain_db", 1.0)
     ]  # fmt: skip
     assert read(reader, change(1, 0))[0].theta2 == 0.0
 
@@ -97,20 +97,22 @@ def test_a_control_32_above_that_is_one_of_its_own_stays_so():
 def test_keys_tap_across_the_timeline_and_hold_until_let_go():
     moves = read(MidiReader(), (0x90, 36, 100), (0x90, 66, 1), (0x80, 36, 0), (0x90, 66, 0))
     assert moves == [
-        Touched("key 1/36", 0.0), Touched("key 1/66", math.pi / 2), LetGo("key 1/36"),
-        LetGo("key 1/66"),
-    ]  # fmt: skip
+        TouchStarted("key 1/36", 0.0),
+        TouchStarted("key 1/66", math.pi / 2),
+        TouchEnded("key 1/36"),
+        TouchEnded("key 1/66"),
+    ]
     assert read(MidiReader(), (0x90, 97, 100)) == []
 
 
 def test_all_notes_off_lets_everything_go():
-    assert read(MidiReader(), change(123, 0), change(120, 0)) == [LetGo(), LetGo()]
+    assert read(MidiReader(), change(123, 0), change(120, 0)) == [TouchEnded(), TouchEnded()]
 
 
 def test_a_pedal_is_a_touch_and_the_wheel_then_a_finger():
     reader = MidiReader((Control("bend"), Control("cc", 64, to=TOUCH)))
     moves = read(reader, change(64, 0), bend(16383), change(64, 127), bend(8192), change(64, 0))
-    assert [type(move) for move in moves] == [LetGo, Touched, Touched, LetGo]
+    assert [type(move) for move in moves] == [TouchEnded, TouchStarted, TouchStarted, TouchEnded]
     assert moves[1].theta2 == pytest.approx(math.pi)
     assert moves[2].theta2 == 0.0
 
@@ -132,9 +134,9 @@ def test_a_channel_hears_only_its_own():
 def test_what_is_no_message_is_counted_and_clocks_are_nothing():
     reader = MidiReader()
     assert read(reader, (), (5, 5), (0x90, 60), (0x90, 200, 1), (0xB0, 1, 2, 3)) == []
-    assert reader.counters.refused == 5
+    assert reader.counters.rejected == 5
     assert read(reader, (0xF8,), (0xFE,), (0xF0, 1, 2, 0xF7)) == []
-    assert reader.counters.refused == 5
+    assert reader.counters.rejected == 5
 
 
 @given(st.lists(st.binary(max_size=5), max_size=30))
@@ -142,7 +144,7 @@ def test_no_bytes_break_it_and_every_angle_is_on_the_timeline(messages):
     reader = MidiReader()
     for n, one in enumerate(messages):
         for move in (*reader.read(one, 0.01 * n), *reader.tick(0.01 * n)):
-            if isinstance(move, Turned | Touched):
+            if isinstance(move, AngleChanged | TouchStarted):
                 assert 0.0 <= move.theta2 <= math.pi
 
 
@@ -302,7 +304,7 @@ def test_it_stays_at_its_ends_and_comes_back_at_once():
 def test_a_parameter_goes_on_by_steps_of_its_way():
     reader = MidiReader((Control("cc", 20, to="tactor.gain_db", relative="signed", steps=20.0),))
     assert read(reader, change(20, 2), change(20, 66)) == [
-        Nudged("tactor.gain_db", 0.1), Nudged("tactor.gain_db", -0.1)
+        StepParameter("tactor.gain_db", 0.1), StepParameter("tactor.gain_db", -0.1)
     ]  # fmt: skip
 
 

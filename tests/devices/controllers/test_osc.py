@@ -10,7 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.timeline.event import Event
-from overview_dsp.devices.controllers.control_messages import Asked, LetGo, Touched, Turned
+from overview_dsp.devices.controllers.control_messages import (
+    AngleChanged,
+    SetParameter,
+    TouchEnded,
+    TouchStarted,
+)
 from overview_dsp.devices.controllers.osc_messages import OscReader, encode_message, require_osc
 from overview_dsp.devices.controllers.osc_report import OscReport
 from tests.devices.controllers.osc_bytes import bundle, message
@@ -32,7 +37,7 @@ def test_a_message_is_the_specifications_bytes():
 def test_an_angle_alone_is_turned():
     reader = OscReader()
     moves = read(reader, message("/overview/theta2", 1.5), message("/overview/theta2", 2))
-    assert moves == [Turned("theta2", 1.5), Turned("theta2", 2.0)]
+    assert moves == [AngleChanged("theta2", 1.5), AngleChanged("theta2", 2.0)]
     assert reader.counters.messages == 2
 
 
@@ -50,8 +55,11 @@ def test_once_a_touch_was_said_it_decides_alone():
         message("/overview/theta2", 2.5),
     )
     assert moves == [
-        LetGo("theta2"), Touched("theta2", 1.5), Touched("theta2", 2.0), LetGo("theta2")
-    ]  # fmt: skip
+        TouchEnded("theta2"),
+        TouchStarted("theta2", 1.5),
+        TouchStarted("theta2", 2.0),
+        TouchEnded("theta2"),
+    ]
 
 
 def test_an_angle_and_a_touch_in_one_are_a_step_there():
@@ -65,15 +73,18 @@ def test_an_angle_and_a_touch_in_one_are_a_step_there():
         message("/overview/theta2", 1.0, 1),
     )
     assert moves[1:] == [
-        Touched("theta2", 2.0), Touched("theta2", 2.5), LetGo("theta2"), Touched("theta2", 1.0)
-    ]  # fmt: skip
+        TouchStarted("theta2", 2.0),
+        TouchStarted("theta2", 2.5),
+        TouchEnded("theta2"),
+        TouchStarted("theta2", 1.0),
+    ]
 
 
 def test_a_bundle_is_its_messages_whenever_they_are_due():
     reader = OscReader()
     inner = bundle(message("/overview/theta2", 1.0), seconds=0xFFFFFFFF)
     moves = read(reader, bundle(inner, message("/overview/tactor/gain_db", -6.0)))
-    assert set(moves) == {Asked("tactor.gain_db", -6.0), Turned("theta2", 1.0)}
+    assert set(moves) == {SetParameter("tactor.gain_db", -6.0), AngleChanged("theta2", 1.0)}
     assert reader.counters.messages == 2
 
 
@@ -85,9 +96,9 @@ def test_a_parameter_is_asked_for_by_its_id_with_dots_or_strokes():
         message("/overview/kinds/goal/height", 20.0),
         message("/overview/disk/release", "return"),
     ) == [
-        Asked("tactor.gain_db", -6),
-        Asked("kinds.goal.height", 20.0),
-        Asked("disk.release", "return"),
+        SetParameter("tactor.gain_db", -6),
+        SetParameter("kinds.goal.height", 20.0),
+        SetParameter("disk.release", "return"),
     ]
 
 
@@ -103,15 +114,15 @@ def test_a_parameter_is_asked_for_by_its_id_with_dots_or_strokes():
         (message("/overview/touch", 0.5), "0 or 1"),
         (message("/overview/touch"), "one value"),
         (message("/overview/tactor/gain_db", 1.0, 2.0), "one value"),
-        (b"", "no OSC"),
-        (b"GET / HTTP/1.1", "no OSC"),
-        (b"/overview/theta2\0\0\0\0,f\0\0\x3f", "no OSC"),
+        (b"", "not OSC"),
+        (b"GET / HTTP/1.1", "not OSC"),
+        (b"/overview/theta2\0\0\0\0,f\0\0\x3f", "not OSC"),
     ],
 )
 def test_what_can_not_be_is_counted_and_the_first_one_said(datagram, word):
     reader = OscReader()
     assert read(reader, datagram, datagram) == []
-    assert reader.counters.refused == 2
+    assert reader.counters.rejected == 2
     (line,) = reader.take_messages()
     assert word in line
     assert "\n" not in line
@@ -120,10 +131,10 @@ def test_what_can_not_be_is_counted_and_the_first_one_said(datagram, word):
 
 def test_beyond_an_end_is_the_end_and_that_is_said_once():
     reader = OscReader()
-    assert read(reader, message("/overview/theta2", math.pi)) == [Turned("theta2", math.pi)]
+    assert read(reader, message("/overview/theta2", math.pi)) == [AngleChanged("theta2", math.pi)]
     assert (reader.counters.clamped, reader.take_messages()) == (0, [])
     assert read(reader, message("/overview/theta2", 4.0), message("/overview/theta2", -1.0)) == [
-        Turned("theta2", math.pi), Turned("theta2", 0.0)
+        AngleChanged("theta2", math.pi), AngleChanged("theta2", 0.0)
     ]  # fmt: skip
     assert reader.counters.clamped == 2
     assert len(reader.take_messages()) == 1
@@ -151,7 +162,7 @@ def test_no_damage_breaks_the_reader(changes, cut):
     for at, byte in changes:
         data[at % len(data)] = byte
     for move in read(OscReader(), bytes(data)):
-        if isinstance(move, Turned | Touched):
+        if isinstance(move, AngleChanged | TouchStarted):
             assert 0.0 <= move.theta2 <= math.pi
 
 
@@ -161,7 +172,7 @@ def test_bundles_in_bundles_without_end_break_nothing():
         data = b"#bundle\0" + bytes(8) + struct.pack(">i", len(data)) + data
     reader = OscReader()
     read(reader, data)
-    assert reader.counters.refused == 1
+    assert reader.counters.rejected == 1
 
 
 def test_a_type_nobody_knows_writes_nothing_to_the_terminal(capfd):
@@ -172,16 +183,16 @@ def test_a_type_nobody_knows_writes_nothing_to_the_terminal(capfd):
 
 def test_the_report_says_what_is_new_and_now_and_then_that_it_is_there():
     report = OscReport()
-    first = report.due(0.0, 0.25, 0.001, True, [])
+    first = report.messages(0.0, 0.25, 0.001, True, [])
     assert first == [
         message("/overview/cursor", 0.25),
         message("/overview/torque", 0.001),
         message("/overview/touching", 1),
     ]
-    assert report.due(0.1, 0.25, 0.001, True, []) == []
-    assert report.due(0.2, 0.5, 0.001, True, [])[0] == message("/overview/cursor", 0.5)
-    assert len(report.due(0.8, 0.5, 0.001, True, [])) == 3
+    assert report.messages(0.1, 0.25, 0.001, True, []) == []
+    assert report.messages(0.2, 0.5, 0.001, True, [])[0] == message("/overview/cursor", 0.5)
+    assert len(report.messages(0.8, 0.5, 0.001, True, [])) == 3
     goal = Event(5340.0, "goal", "1-0 Müller")
-    assert report.due(0.81, 0.5, 0.001, True, [(goal, 0.5)]) == [
+    assert report.messages(0.81, 0.5, 0.001, True, [(goal, 0.5)]) == [
         message("/overview/event", "goal", "1-0 Müller", 5340.0, 0.5)
     ]

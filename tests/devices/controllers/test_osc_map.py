@@ -18,7 +18,12 @@ from overview_dsp.devices.controllers.control_map import (
     parse_osc_map,
     write_map,
 )
-from overview_dsp.devices.controllers.control_messages import Dialled, LetGo, Touched, Turned
+from overview_dsp.devices.controllers.control_messages import (
+    AngleChanged,
+    ScaleParameter,
+    TouchEnded,
+    TouchStarted,
+)
 from overview_dsp.devices.controllers.learning import DEVICE, OscLearner
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from tests.devices.controllers.osc_bytes import message
@@ -54,7 +59,7 @@ def test_a_phone_that_is_twisted_turns_the_disk(app, address, sign):
 
     theta2, reader = twisted(load_osc_map(app), said)
     assert theta2 == pytest.approx(20.0, abs=2.0)
-    assert reader.counters.refused == 0
+    assert reader.counters.rejected == 0
     assert reader.counters.messages == len(STATES)
     assert any("face up" in said for said in reader.take_messages())
 
@@ -91,7 +96,7 @@ def test_a_fader_is_the_timeline_and_a_button_holds_on():
         message("/3/fader1", 0.5),
         message("/1/push1", 0.0),
     )
-    assert [type(move) for move in moves] == [LetGo, Touched, Touched, LetGo]
+    assert [type(move) for move in moves] == [TouchEnded, TouchStarted, TouchStarted, TouchEnded]
     assert moves[2].theta2 == pytest.approx(math.pi / 2)
 
 
@@ -105,11 +110,11 @@ def test_ends_values_and_parameters_are_as_the_list_says():
     moves = read(reader, message("/xy", 5, 127), message("/xy", 5, 0), message("/vol", 0.75))
     assert moves[0].theta2 == pytest.approx(0.2 * math.pi)
     assert moves[1].theta2 == pytest.approx(0.6 * math.pi)
-    assert moves[2] == Dialled("tactor.gain_db", 0.75)
+    assert moves[2] == ScaleParameter("tactor.gain_db", 0.75)
     assert read(reader, message("/xy", 5), message("/xy", "a", "b"), message("/vol", 2.0)) == [
-        Dialled("tactor.gain_db", 1.0)
+        ScaleParameter("tactor.gain_db", 1.0)
     ]
-    assert (reader.counters.refused, reader.counters.clamped) == (2, 1)
+    assert (reader.counters.rejected, reader.counters.clamped) == (2, 1)
 
 
 def test_what_nobody_listens_to_is_counted_and_not_said():
@@ -133,9 +138,9 @@ def test_no_values_break_it_and_every_angle_is_on_the_timeline(address, values, 
     reader = OscReader(controls=controls)
     for n in range(repeats):
         for move in reader.read(message(address, *values), 0.6 * n):
-            if isinstance(move, Turned | Touched):
+            if isinstance(move, AngleChanged | TouchStarted):
                 assert 0.0 <= move.theta2 <= math.pi
-    assert reader.counters.messages + reader.counters.refused == repeats
+    assert reader.counters.messages + reader.counters.rejected == repeats
 
 
 # --- the file -------------------------------------------------------------------------------------
@@ -176,14 +181,14 @@ def test_a_list_is_written_as_it_is_read(tmp_path):
     ("before", "after", "words"),
     [
         ("schema = 1", "schema = 3", ("schema",)),
-        ('"*/fader1"', '"fader1"', ("control 1", "begins with /")),
+        ('"*/fader1"', '"fader1"', ("control 1", "begin with /")),
         ("[0.0, 100.0]", "[1.0, 1.0]", ("control 1", "different")),
-        ("[0.0, 100.0]", "[1.0]", ("control 1", "two numbers")),
+        ("[0.0, 100.0]", "[1.0]", ("control 1", "two different numbers")),
         ("[0.0, 100.0]", "[nan, 1.0]", ("control 1", "different")),
         ("low = 0.1", "low = 2.0", ("0 to 1",)),
         ("low = 0.1", "value = 0", ("value", "1 to 64")),
-        ("low = 0.1", "scale = 2.0", ("scale", "nothing of")),
-        ('["y", "-x", "z"]', '["y", "y", "z"]', ("control 2", "no rotation")),
+        ("low = 0.1", "scale = 2.0", ("scale", "does not apply")),
+        ('["y", "-x", "z"]', '["y", "y", "z"]', ("control 2", "not a rotation")),
         ('["y", "-x", "z"]', '["y"]', ("control 2", "three")),
         ('"wxyz"', '"zyx"', ("order", "xyzw or wxyz")),
         ('address = "/q"', 'adress = "/q"', ("adress", "address")),

@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.devices.controllers.control_map import Control
-from overview_dsp.devices.controllers.control_messages import Dialled
+from overview_dsp.devices.controllers.control_messages import ScaleParameter
 from overview_dsp.devices.controllers.parameters import (
-    PickUp,
+    SoftTakeover,
     find_parameter,
     require_parameters,
-    value_at,
+    scaled_value,
 )
 
 GAIN = "tactor.gain_db"
@@ -21,14 +21,14 @@ GAIN = "tactor.gain_db"
 
 def dialled(preset, part, pick_up, id=GAIN):
     """What a control at `part` sets, and the preset after it."""
-    value = pick_up.value(preset, Dialled(id, part))
+    value = pick_up.value(preset, ScaleParameter(id, part))
     return value, preset if value is None else preset.with_changes({id: value})
 
 
 def test_a_control_acts_from_where_it_has_met_the_parameter(football):
     known, _ = find_parameter(football, GAIN)
     preset = football.with_changes({GAIN: known.low + 0.5 * (known.high - known.low)})
-    pick_up = PickUp()
+    pick_up = SoftTakeover()
     for part in (0.1, 0.2, 0.4):
         value, preset = dialled(preset, part, pick_up)
         assert value is None
@@ -48,7 +48,7 @@ def test_it_never_jumps_by_more_than_the_control_was_moved(parts, start):
     known, _ = find_parameter(football, GAIN)
     span = known.high - known.low
     preset = football.with_changes({GAIN: known.low + start * span})
-    pick_up, before = PickUp(), None
+    pick_up, before = SoftTakeover(), None
     for part in parts:
         present = preset.values[GAIN]
         value, preset = dialled(preset, part, pick_up)
@@ -61,13 +61,15 @@ def test_it_never_jumps_by_more_than_the_control_was_moved(parts, start):
 def test_both_ends_are_reached_evenly_by_ratio_or_by_choice(football):
     for id in (GAIN, "tactor.frequency_hz", "kinds.goal.height"):
         known, _ = find_parameter(football, id)
-        assert value_at(known, Dialled(id, 0.0)) == pytest.approx(known.low)
-        assert value_at(known, Dialled(id, 1.0)) == pytest.approx(known.high)
-        known.check(value_at(known, Dialled(id, 0.5)))
+        assert scaled_value(known, ScaleParameter(id, 0.0)) == pytest.approx(known.low)
+        assert scaled_value(known, ScaleParameter(id, 1.0)) == pytest.approx(known.high)
+        known.check(scaled_value(known, ScaleParameter(id, 0.5)))
     known, _ = find_parameter(football, "disk.release")
-    assert [value_at(known, Dialled("", part)) for part in (0.0, 1.0)] == list(known.choices)
+    assert [scaled_value(known, ScaleParameter("", part)) for part in (0.0, 1.0)] == list(
+        known.choices
+    )
     known, _ = find_parameter(football, GAIN)
-    assert value_at(known, Dialled(GAIN, 0.25, -8.0, 0.0)) == -6.0
+    assert scaled_value(known, ScaleParameter(GAIN, 0.25, -8.0, 0.0)) == -6.0
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.timeline import Event
-from overview_dsp.devices.controllers.control_messages import Asked, LetGo, Touched
+from overview_dsp.devices.controllers.control_messages import SetParameter, TouchEnded, TouchStarted
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.devices.controllers.osc_report import OscReport
 
@@ -66,7 +66,7 @@ def moves_until(player, enough):
     reader, moves = OscReader(), []
     while not enough(moves):
         moves += reader.read(player.recv(4096), time.monotonic())
-    assert (reader.counters.unknown, reader.counters.refused, reader.counters.clamped) == (0, 0, 0)
+    assert (reader.counters.unknown, reader.counters.rejected, reader.counters.clamped) == (0, 0, 0)
     return moves
 
 
@@ -98,12 +98,17 @@ def test_the_patch_for_pd_plays_and_listens(port, tmp_path):
     patches = ("-open", PATCHES / "overview.pd", "-open", "shown.pd")
     command = ("pd", "-nogui", "-noaudio", "-stderr", *patches)
     with running(log, *command, *(word for pair in sends for word in pair)):
-        moves = moves_until(port, lambda moves: LetGo("theta2") in moves)
+        moves = moves_until(port, lambda moves: TouchEnded("theta2") in moves)
         report(listening, log, "cursor: 0.25", "torque: 0.0125", "touching: 1", "event: goal")
-    middle = Touched("theta2", pytest.approx(1.5708, abs=1e-4))
+    middle = TouchStarted("theta2", pytest.approx(1.5708, abs=1e-4))
     # a finger that is down says so again now and then
     news = [move for move, before in zip(moves, [None, *moves], strict=False) if move != before]
-    assert news == [Touched("theta2", 0.0), middle, Asked("tactor.gain_db", -6.0), LetGo("theta2")]
+    assert news == [
+        TouchStarted("theta2", 0.0),
+        middle,
+        SetParameter("tactor.gain_db", -6.0),
+        TouchEnded("theta2"),
+    ]
 
 
 def test_the_patch_for_supercollider_plays_and_listens(port, tmp_path):
@@ -121,13 +126,13 @@ def test_the_patch_for_supercollider_plays_and_listens(port, tmp_path):
     )
     (tmp_path / "played.scd").write_text(script)
     with running(log, "sclang", "played.scd", OVERVIEW_OSC=str(port.getsockname()[1])):
-        moves = moves_until(port, lambda moves: LetGo("theta2") in moves)
+        moves = moves_until(port, lambda moves: TouchEnded("theta2") in moves)
         (line,) = [line for line in log.read_text().splitlines() if line.startswith("port ")]
         report(int(line.split()[1]), log, "passed goal 1-0 Parris, strength 0.5", "torque 0.0125")
-    turned = [move.theta2 for move in moves if isinstance(move, Touched)]
+    turned = [move.theta2 for move in moves if isinstance(move, TouchStarted)]
     assert turned == sorted(turned)
     assert (turned[0], turned[-1]) == (0.0, pytest.approx(3.14159, abs=1e-4))
-    assert Asked("tactor.gain_db", -6.0) in moves
+    assert SetParameter("tactor.gain_db", -6.0) in moves
 
 
 def test_a_synth_of_scsynth_follows_the_disk(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.controllers.control_messages import LetGo, Touched, Turned
+from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
 from overview_dsp.devices.controllers.source import ControllerSource
 from tests.devices.sensors.moving import RULES
 
@@ -33,12 +33,12 @@ def turned(name, *points):
     """Moves of a control along straight lines between (time, theta2), every 10 ms."""
     times = np.arange(points[0][0], points[-1][0], 0.01)
     angles = np.interp(times, *zip(*points, strict=True))
-    return [(float(t), Turned(name, float(a))) for t, a in zip(times, angles, strict=True)]
+    return [(float(t), AngleChanged(name, float(a))) for t, a in zip(times, angles, strict=True)]
 
 
 def test_a_fader_takes_hold_where_the_disk_is_goes_over_and_lets_go_at_rest():
-    moves = [(0.0, Turned("fader", 1.0)), (0.1, Turned("fader", 2.0))]
-    moves += [(1.0, Turned("fader", 0.0))]
+    moves = [(0.0, AngleChanged("fader", 1.0)), (0.1, AngleChanged("fader", 2.0))]
+    moves += [(1.0, AngleChanged("fader", 0.0))]
     events = played(ControllerSource(RULES), moves, 2.0, place=0.4)
     assert events[0].theta2 == pytest.approx(0.4)
     assert events[0].time_s == pytest.approx(0.1)
@@ -58,7 +58,10 @@ def test_a_fader_that_lies_still_says_nothing_and_holds_on():
 def test_a_finger_is_a_step_wherever_the_disk_was():
     hand = ControllerSource(RULES)
     events = played(
-        hand, [(0.1, Touched("a", 1.0)), (0.2, Touched("a", 1.5)), (0.3, LetGo("a"))], 0.5, place=2
+        hand,
+        [(0.1, TouchStarted("a", 1.0)), (0.2, TouchStarted("a", 1.5)), (0.3, TouchEnded("a"))],
+        0.5,
+        place=2,
     )
     assert [(event.theta2, event.touching) for event in events] == [
         (1.0, True), (1.5, True), (1.5, False)
@@ -69,19 +72,19 @@ def test_a_finger_is_a_step_wherever_the_disk_was():
 def test_each_key_is_a_step_of_its_own_and_the_last_that_is_down_holds():
     hand = ControllerSource(RULES)
     moves = [
-        (0.1, Touched("a", 1.0)),
-        (0.2, Touched("b", 2.0)),
-        (0.3, LetGo("b")),
-        (0.4, LetGo("a")),
+        (0.1, TouchStarted("a", 1.0)),
+        (0.2, TouchStarted("b", 2.0)),
+        (0.3, TouchEnded("b")),
+        (0.4, TouchEnded("a")),
     ]
     events = played(hand, moves, 0.5)
-    assert [(event.theta2, event.touching, event.again) for event in events] == [
+    assert [(event.theta2, event.touching, event.retouch) for event in events] == [
         (1.0, True, False), (2.0, True, True), (1.0, True, False), (1.0, False, False)
     ]  # fmt: skip
 
 
 def test_a_key_that_was_not_the_last_lets_go_unfelt():
-    moves = [(0.1, Touched("a", 1.0)), (0.2, Touched("b", 2.0)), (0.3, LetGo("a"))]
+    moves = [(0.1, TouchStarted("a", 1.0)), (0.2, TouchStarted("b", 2.0)), (0.3, TouchEnded("a"))]
     events = played(ControllerSource(RULES), moves, 0.5)
     assert [event.theta2 for event in events] == [1.0, 2.0]
 
@@ -93,7 +96,9 @@ def test_two_faders_change_over_without_a_jump():
     assert np.abs(np.diff([event.theta2 for event in events])).max() < 0.25
     assert events[-1].theta2 == pytest.approx(0.99)
     # and back
-    back = played(hand, [(3, Turned("a", 2.5)), (3.05, Turned("a", 2.8))], 4.0, since=3.0)
+    back = played(
+        hand, [(3, AngleChanged("a", 2.5)), (3.05, AngleChanged("a", 2.8))], 4.0, since=3.0
+    )
     assert np.abs(np.diff([0.99, *(event.theta2 for event in back)])).max() < 0.1
     assert back[-1].theta2 == 2.8
 
@@ -102,17 +107,25 @@ def test_a_wheel_that_springs_back_takes_nothing_over():
     moves = [*turned("wheel", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
     hand = ControllerSource(RULES)
     before = played(hand, moves, 3.0)
-    after = played(hand, [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, Turned("wheel", 0.0))], 4.0,
-                   since=3.0)  # fmt: skip
+    after = played(
+        hand,
+        [*turned("wheel", (3, 2.5), (3.2, 0.0)), (3.2, AngleChanged("wheel", 0.0))],
+        4.0,
+        since=3.0,
+    )
     assert after == []
     assert before[-1].touching
     assert hand.holding
 
 
 def test_under_a_finger_a_fader_follows_and_joins_when_the_finger_lets_go():
-    moves = [*turned("a", (0, 0), (0.5, 2.0)), (1.0, Touched("f", 0.5)), (1.5, Turned("a", 2.5))]
+    moves = [
+        *turned("a", (0, 0), (0.5, 2.0)),
+        (1.0, TouchStarted("f", 0.5)),
+        (1.5, AngleChanged("a", 2.5)),
+    ]
     hand = ControllerSource(RULES)
-    events = played(hand, [*moves, (2.0, LetGo("f"))], 3.0)
+    events = played(hand, [*moves, (2.0, TouchEnded("f"))], 3.0)
     assert [event.theta2 for event in events if 1.0 <= event.time_s < 2.0] == [0.5]
     after = [event for event in events if event.time_s >= 2.0]
     assert all(event.touching for event in after)
@@ -134,9 +147,9 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
         now = n * TICK
         while moves and moves[0][0] <= now:
             events += hand.move(moves.pop(0)[1], now, elsewhere(now), 0.0, True)
-            held += [one for one in events if one.again]
+            held += [one for one in events if one.retouch]
         events += hand.tick(now, elsewhere(now), 0.0, True)
-    (again,) = [event for event in events if event.again]
+    (again,) = [event for event in events if event.retouch]
     assert again.theta2 == 3.0
     assert 1.1 < again.time_s < 1.4
     assert events[-1].theta2 == pytest.approx(1.49, abs=0.02)
@@ -144,10 +157,12 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
 
 def test_who_begins_to_say_touches_is_no_fader_any_more():
     hand = ControllerSource(RULES)
-    events = played(hand, [*turned("theta2", (0, 0), (0.5, 2)), (1.0, Touched("theta2", 1.0))], 2.0)
+    events = played(
+        hand, [*turned("theta2", (0, 0), (0.5, 2)), (1.0, TouchStarted("theta2", 1.0))], 2.0
+    )
     assert events[-1].theta2 == 1.0
     assert len([event for event in events if event.time_s > 0.7]) == 1
-    (last,) = hand.move(LetGo("theta2"), 3.0)
+    (last,) = hand.move(TouchEnded("theta2"), 3.0)
     assert not last.touching
     assert not hand.holding
 
@@ -155,7 +170,7 @@ def test_who_begins_to_say_touches_is_no_fader_any_more():
 def test_a_lost_controller_lets_go_of_all():
     hand = ControllerSource(RULES)
     assert hand.release(0.0) is None
-    played(hand, [*turned("a", (0, 0), (0.5, 2)), (0.6, Touched("f", 1.0))], 1.0)
+    played(hand, [*turned("a", (0, 0), (0.5, 2)), (0.6, TouchStarted("f", 1.0))], 1.0)
     assert hand.release(1.0).touching is False
     assert not hand.holding
     assert hand.tick(1.1) == []
@@ -164,15 +179,15 @@ def test_a_lost_controller_lets_go_of_all():
 NAMES = st.sampled_from(["a", "b"])
 ANGLES = st.floats(0.0, math.pi)
 MOVES = st.one_of(
-    st.builds(Turned, NAMES, ANGLES),
-    st.builds(Touched, st.sampled_from(["a", "f"]), ANGLES),
-    st.builds(LetGo, st.sampled_from(["a", "f", None])),
+    st.builds(AngleChanged, NAMES, ANGLES),
+    st.builds(TouchStarted, st.sampled_from(["a", "f"]), ANGLES),
+    st.builds(TouchEnded, st.sampled_from(["a", "f", None])),
     st.none(),
 )
 
 
-@example([(Turned("a", 0.0), None, False), (Turned("a", 1.0), None, False),
-          (LetGo("a"), None, False), (Turned("a", 0.0), None, False)])  # fmt: skip
+@example([(AngleChanged("a", 0.0), None, False), (AngleChanged("a", 1.0), None, False),
+          (TouchEnded("a"), None, False), (AngleChanged("a", 0.0), None, False)])  # fmt: skip
 @given(st.lists(st.tuples(MOVES, st.one_of(st.none(), ANGLES), st.booleans()), max_size=60))
 def test_whatever_comes_events_are_whole_and_everything_can_be_let_go(course):
     hand = ControllerSource(RULES)

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.loop import MotorLoop
 from overview_dsp.devices.force_feedback.motion import MeanTorque
+from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 
 RATE, BLOCK = 48_000, 128
 TICK_S = 1e-3
@@ -52,7 +52,7 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
     engine = ov.Engine(preset, timeline)
     engine.prepare(RATE, BLOCK)
     motor = sim.Motor() if motor is None else motor
-    session = sim.Session(motor, sim.Hand(path, **hand), delay_s)
+    session = sim.Session(motor, sim.Fingers(path, **hand), delay_s)
     loop, tap = MotorLoop(sensor), MeanTorque()
     if naive:
         per = sensor.number("motor.nm_per_unit")
@@ -70,13 +70,13 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
             engine.control(event.theta2, event.touching, None, "serial")
         while engine.sample_time < now * RATE:
             engine.process(out)
-        loop.hear(reader.heard, now)
-        sent = loop.step(tap.look(engine.impulse, now), now)
+        loop.receive(reader.samples, now)
+        sent = loop.step(tap.update(engine.torque_integral, now), now)
         course.time.append(now)
         course.angle.append(motor.angle)
         course.torque.append(motor.torque)
-        course.put_in.append(motor.put_in)
-        course.given.append(motor.given)
-        course.hand_work.append(motor.hand_work)
-        course.credit.append(loop.ledger.credit)
+        course.put_in.append(motor.absorbed)
+        course.given.append(motor.returned)
+        course.hand_work.append(motor.user_work)
+        course.credit.append(loop.observer.credit)
     return course.arrays(), motor, loop

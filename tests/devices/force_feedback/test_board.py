@@ -12,7 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.board_loop import AGAIN_S, PERIOD_S, BoardLoop, board_table
+from overview_dsp.devices.force_feedback.board_loop import (
+    PERIOD_S,
+    RESEND_S,
+    BoardLoop,
+    board_table,
+)
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
@@ -58,14 +63,14 @@ def given_to(motor, frames):
 def everything(surface, football, points=POINTS):
     loop = BoardLoop(SENSOR, 1_000_000)
     loop.render(surface, football.values)
-    return loop.everything(points)
+    return loop.all_frames(points)
 
 
 def test_a_board_has_what_it_was_given(surface, football):
     motor = simulated_board.BoardMotor(points=POINTS)
     state = given_to(motor, everything(surface, football))[-1]
     assert (state["knob_points"], state["knob_hz"]) == (POINTS, 4000)
-    assert (state["knob_table"], state["knob_disk"], state["knob_refused"]) == (1, 1, 0)
+    assert (state["knob_table"], state["knob_disk"], state["knob_rejected"]) == (1, 1, 0)
 
 
 def test_a_part_that_is_missing_is_asked_for_and_the_table_isnt_used(surface, football):
@@ -92,7 +97,7 @@ def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which
             return
     motor = simulated_board.BoardMotor(points=POINTS)
     state = given_to(motor, [*frames[:which], bytes(frame), b"\0", *frames[which + 1 :]])[-1]
-    assert state["knob_refused"] >= 1
+    assert state["knob_rejected"] >= 1
     assert (state["knob_table"], state["knob_disk"]) != (1, 1)
 
 
@@ -119,7 +124,7 @@ def test_a_surface_that_changes_is_crossfaded_to(surface, football, match):
             sent = b""
             motor.angle = 0.3 * max(0.0, motor.time - 1.0)
             motor.time += motor.dt
-        loop.hear([(now, one) for one in decoder.feed(said)], now)
+        loop.receive([(now, one) for one in decoder.feed(said)], now)
         if tick == 800:
             loop.render(other, football.values)
         torques.append(motor.torque)
@@ -155,12 +160,12 @@ def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
         for delay_s in (0.0, 0.02)
     )
     goal, card, foul = (
-        np.median(measure_knob.felt(here, surface, kind))
+        np.median(measure_knob.torque_rises(here, surface, kind))
         for kind in ("goal", "yellow_card", "foul")
     )
     assert goal > 1.5 * card
     assert card > foul > 2e-4
-    assert np.median(measure_knob.knock_at(here, surface)) > 5e-3
+    assert np.median(measure_knob.impact_rises(here, surface)) > 5e-3
     assert np.array_equal(here.torque, far.torque[: len(here.torque)])
     assert far.ready_after_s > here.ready_after_s
     assert here.greatest_rise() < 1e-5
@@ -196,7 +201,7 @@ def test_a_board_that_was_told_nothing_gives_no_torque():
 
 @pytest.mark.parametrize("reverse", [False, True])
 def test_the_torque_is_against_the_turn_either_way_round(surface, football, reverse):
-    sensor = SENSOR.told({"motor.reverse": True}) if reverse else SENSOR
+    sensor = SENSOR.with_defaults({"motor.reverse": True}) if reverse else SENSOR
     way = -1.0 if reverse else 1.0
     course = knob_session.simulate(
         surface, football, sensor, lambda t: way * min(1.5, 1.5 * t), 0.9, 0.002
@@ -216,13 +221,13 @@ def test_nothing_is_sent_too_often(surface, football):
         now = 0.001 * tick
         sent = loop.step(True, now)
         said = b"".join(motor.loop(sent if n == 0 else b"") for n in range(8))
-        loop.hear([(now, one) for one in decoder.feed(said)], now)
+        loop.receive([(now, one) for one in decoder.feed(said)], now)
         sizes.append(len(sent))
     assert loop.ready
     assert sum(size > 0 for size in sizes) == pytest.approx(500, abs=2)
     assert max(sizes[-200:]) == len(framed(bytes((19, 1))))
     assert sum(sizes) < 2 * sum(map(len, everything(surface, football))) + 500 * 8
-    assert AGAIN_S > PERIOD_S
+    assert RESEND_S > PERIOD_S
 
 
 def test_a_step_takes_any_angle():

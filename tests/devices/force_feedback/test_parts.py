@@ -11,15 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.force_feedback.loop import (
-    FORGOTTEN_S,
-    IN_A_ROW,
-    UNKNOWN_S,
-    Commander,
-    LoopDelay,
-    MotorLoop,
-    ReportCheck,
-)
 from overview_dsp.devices.force_feedback.motion import (
     LONGEST_S,
     STALE_S,
@@ -28,10 +19,19 @@ from overview_dsp.devices.force_feedback.motion import (
     Rate,
     SpeedEstimator,
 )
+from overview_dsp.devices.force_feedback.motor_loop import (
+    FORGOTTEN_S,
+    IN_A_ROW,
+    UNKNOWN_S,
+    Commander,
+    LoopDelay,
+    MotorLoop,
+    ReportCheck,
+)
 from overview_dsp.devices.force_feedback.passivity import (
-    ENOUGH_J,
-    EnergyLedger,
+    FRICTION_CREDIT_J,
     PassivityController,
+    PassivityObserver,
 )
 from overview_dsp.devices.force_feedback.watchdog import SILENT_S, Watchdog
 from overview_dsp.devices.sensors.profile import Sensor, load_sensor, parse_sensor
@@ -49,21 +49,21 @@ def test_the_mean_torque_misses_nothing_between_two_looks():
     torque = dice.standard_normal(4800)
     integral = np.concatenate([[0.0], np.cumsum(torque)]) / 48_000
     mean, at, given_impulse = MeanTorque(), 0, 0.0
-    mean.look((0.0, 0.0), 0.0)
+    mean.update((0.0, 0.0), 0.0)
     while at < 4800:
         step = min(int(dice.integers(1, 300)), 4800 - at)
         at += step
-        given_impulse += mean.look((at / 48_000, integral[at]), at / 48_000) * step / 48_000
+        given_impulse += mean.update((at / 48_000, integral[at]), at / 48_000) * step / 48_000
     assert given_impulse == pytest.approx(integral[-1], abs=1e-12)
 
 
 def test_the_mean_torque_of_an_engine_that_stands_still_ends():
     mean = MeanTorque()
-    assert mean.look((0.0, 0.0), 0.0) == 0.0
-    assert mean.look((0.01, 2e-5), 0.01) == pytest.approx(2e-3)
-    assert mean.look((0.01, 2e-5), 0.01 + 0.9 * STALE_S) == pytest.approx(2e-3)
-    assert mean.look((0.01, 2e-5), 0.01 + 1.1 * STALE_S) == 0.0
-    assert mean.look((0.0, 0.0), 0.2) == 0.0  # a reset
+    assert mean.update((0.0, 0.0), 0.0) == 0.0
+    assert mean.update((0.01, 2e-5), 0.01) == pytest.approx(2e-3)
+    assert mean.update((0.01, 2e-5), 0.01 + 0.9 * STALE_S) == pytest.approx(2e-3)
+    assert mean.update((0.01, 2e-5), 0.01 + 1.1 * STALE_S) == 0.0
+    assert mean.update((0.0, 0.0), 0.2) == 0.0  # a reset
 
 
 # --- the speed ------------------------------------------------------------------------------------
@@ -111,42 +111,42 @@ def test_any_angles_give_a_finite_speed(points):
 
 
 def test_the_ledger_is_the_work_of_a_known_torque():
-    ledger = EnergyLedger(1.0, 1e-12, STEP)
+    ledger = PassivityObserver(1.0, 1e-12, STEP)
     angles = np.linspace(0.0, 2.0, 2001)
     for angle in angles:
         ledger.add(-3e-3, angle, True)
-    assert ledger.put_in == pytest.approx(6e-3)
-    assert ledger.given == 0.0
+    assert ledger.absorbed == pytest.approx(6e-3)
+    assert ledger.returned == 0.0
     for angle in angles[::-1]:
         ledger.add(-3e-3, angle, True)
-    assert ledger.given == pytest.approx(6e-3)
-    assert ledger.credit == pytest.approx(ledger.rubbed, abs=1e-12)
+    assert ledger.returned == pytest.approx(6e-3)
+    assert ledger.credit == pytest.approx(ledger.friction_loss, abs=1e-12)
 
 
 @given(st.lists(st.tuples(st.floats(-0.1, 0.1), st.floats(-5.0, 5.0)), max_size=80))
 def test_the_ledger_never_flatters(reports):
     """However the torque went between two reports, no more was put in than it says."""
-    ledger = EnergyLedger(1e3, 1e-4, STEP)
+    ledger = PassivityObserver(1e3, 1e-4, STEP)
     best = 0.0
     for before, after in pairwise(reports):
         turned = after[1] - before[1]
         best += min(-before[0] * turned, -after[0] * turned)
     for torque, angle in reports:
         ledger.add(torque, angle, True)
-    assert ledger.put_in - ledger.given <= best + 1e-9
-    assert ledger.credit <= ledger.put_in - ledger.given + ledger.rubbed + 1e-9
+    assert ledger.absorbed - ledger.returned <= best + 1e-9
+    assert ledger.credit <= ledger.absorbed - ledger.returned + ledger.friction_loss + 1e-9
 
 
 def test_credit_of_long_ago_is_no_leave_to_push():
-    ledger = EnergyLedger(1e-3, 1e-4, STEP)
+    ledger = PassivityObserver(1e-3, 1e-4, STEP)
     for n in range(1000):
         ledger.add(-0.01, 0.1 * n, True)
-    assert ledger.put_in > 0.9
+    assert ledger.absorbed > 0.9
     assert ledger.credit == 1e-3
 
 
 def test_friction_of_the_knob_brings_a_little_credit_and_trembling_none():
-    ledger = EnergyLedger(1.0, 1e-4, STEP)
+    ledger = PassivityObserver(1.0, 1e-4, STEP)
     for n in range(2000):
         ledger.add(0.0, STEP * (n % 2), True)
     assert ledger.credit == 0.0
@@ -155,15 +155,15 @@ def test_friction_of_the_knob_brings_a_little_credit_and_trembling_none():
     assert ledger.credit == 0.0
     for n in range(1000, 2000):
         ledger.add(0.0, 0.01 * n, True)
-    assert ledger.credit == pytest.approx(ENOUGH_J)
+    assert ledger.credit == pytest.approx(FRICTION_CREDIT_J)
 
 
 def test_what_a_lost_device_did_is_not_reckoned():
-    ledger = EnergyLedger(1.0, 1e-4, STEP)
+    ledger = PassivityObserver(1.0, 1e-4, STEP)
     ledger.add(-0.01, 0.0, True)
     ledger.interrupt()
     ledger.add(-0.01, 50.0, True)
-    assert ledger.put_in == ledger.given == 0.0
+    assert ledger.absorbed == ledger.returned == 0.0
 
 
 # --- the delay ------------------------------------------------------------------------------------
@@ -226,9 +226,9 @@ def test_a_push_is_refused_and_a_brake_passes():
     controller = PassivityController(5e-5, 0.02)
     forward = Motion(2.0, 1e-3)
     assert controller.step(1e-3, forward, 1.0, 2e-3, 0.0) == 0.0
-    assert controller.refused == 1
+    assert controller.rejected == 1
     assert controller.step(-1e-3, forward, 1.0, 2e-3, 0.0) == -1e-3
-    assert controller.lessened == 0
+    assert controller.limited == 0
 
 
 def test_damping_is_added_where_more_was_given_than_put_in_and_the_hand_goes_on():
@@ -267,21 +267,21 @@ def test_silence_ends_the_torque_within_50_ms_and_a_steady_voice_brings_it_back(
     now = 0.0
     while not watchdog.alive(now):
         now += 2e-3
-        watchdog.heard(now)
+        watchdog.message_received(now)
         assert now < 0.2
     heard = now
     while watchdog.alive(now):
         now += 2e-3
     assert SILENT_S <= now - heard <= 0.046
     assert watchdog.silences == 1
-    watchdog.heard(now + 1.0)
+    watchdog.message_received(now + 1.0)
     assert not watchdog.alive(now + 1.0)
 
 
 def test_a_stammering_motor_gets_no_torque():
     watchdog = Watchdog()
     for n in range(100):
-        watchdog.heard(0.05 * n)
+        watchdog.message_received(0.05 * n)
         assert not watchdog.alive(0.05 * n)
 
 
@@ -319,7 +319,7 @@ def test_reports_that_cannot_be_are_not_believed():
     assert not check.plausible(0.001, 0.0, 81.0)  # a digit
     assert check.plausible(0.002, 0.0, 1.01)
     assert not check.plausible(0.003, 50.0, 1.01)
-    assert check.refused == 2
+    assert check.rejected == 2
     for n in range(IN_A_ROW - 1):
         assert not check.plausible(0.01 + n * 1e-3, 0.0, -30.0)
     assert check.plausible(0.02, 0.0, -30.0)
@@ -344,7 +344,7 @@ def reports(loop, seconds, start=0.0):
     for n in range(round(seconds * 1000)):
         now = start + n * 1e-3
         angle = 2.0 * now
-        loop.hear([(now, {"motor_target": target, "shaft_rad": angle})], now)
+        loop.receive([(now, {"motor_target": target, "shaft_rad": angle})], now)
         sent.append((now, loop.step(1e-3, now)))
         target = float(sent[-1][1].split()[-1][1:]) if sent[-1][1] else target
     return sent
@@ -381,7 +381,7 @@ def test_a_torque_that_is_not_finite_is_none():
     loop = MotorLoop(load_sensor("simplefoc"))
     reports(loop, 0.5)
     for torque in (math.nan, math.inf, -math.inf):
-        loop.hear([(0.6, {"motor_target": 0.0, "shaft_rad": 1.2})], 0.6)
+        loop.receive([(0.6, {"motor_target": 0.0, "shaft_rad": 1.2})], 0.6)
         loop.step(torque, 0.6)
         assert loop.torque == 0.0
 
@@ -395,7 +395,7 @@ def test_whatever_is_reported_the_command_keeps_the_ceiling(steps):
     now = 0.15
     for torque, target, angle, later in steps:
         now += later
-        loop.hear([(now, {"motor_target": target, "shaft_rad": angle})], now)
+        loop.receive([(now, {"motor_target": target, "shaft_rad": angle})], now)
         for line in loop.step(torque, now).splitlines():
             if line[:2] not in (b"@0", b"MC", b"MM", b"ME"):
                 assert abs(float(line[1:])) <= highest

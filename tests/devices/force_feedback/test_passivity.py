@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.devices.force_feedback.passivity import ENOUGH_J
+from overview_dsp.devices.force_feedback.passivity import FRICTION_CREDIT_J
 from overview_dsp.devices.sensors.profile import load_sensor
 from tests.devices.force_feedback.simulation import sim, simulate
 from tests.profiles import share
@@ -23,16 +23,16 @@ DELAYS_S = (0.0, 0.005, 0.02)
 def check_passive(course, motor, loop):
     """The hand got no more than it put in, at any moment."""
     # its own work, with what the knob's motion stores: strictly
-    assert motor.hand_work > 0.0
+    assert motor.user_work > 0.0
     assert course["hand_work"].min() >= -1e-12
     # the motor's, but for the little that the knob's friction had lent
-    assert (course["given"] - course["put_in"]).max() <= 2.0 * ENOUGH_J
+    assert (course["given"] - course["put_in"]).max() <= 2.0 * FRICTION_CREDIT_J
     # and the ledger knew it, but for what is under way and the encoder's step
-    ledger = loop.ledger
-    assert course["credit"].min() >= -ENOUGH_J
+    ledger = loop.observer
+    assert course["credit"].min() >= -FRICTION_CREDIT_J
     way = np.ptp(course["angle"][-50:]) + motor.step_rad
     unknown = np.abs(course["torque"]).max() * way
-    assert ledger.put_in - ledger.given <= motor.put_in - motor.given + unknown
+    assert ledger.absorbed - ledger.returned <= motor.absorbed - motor.returned + unknown
     assert np.abs(course["torque"]).max() <= SENSOR.number("motor.ceiling_nm")
 
 
@@ -41,7 +41,7 @@ def check_passive(course, motor, loop):
 @pytest.mark.parametrize("hand", ["sweep", "jiggle", "flick"])
 def test_the_hand_gets_no_more_than_it_put_in(match, football, hand, times, delay_s):
     preset = football.with_changes({"surface.friction": times * FRICTION})
-    path = sim.jiggle(hertz=4.0) if hand == "jiggle" else sim.HANDS[hand]()
+    path = sim.jiggle(hertz=4.0) if hand == "jiggle" else sim.MOVEMENTS[hand]()
     course, motor, loop = simulate(preset, match, SENSOR, path, 3.5, delay_s)
     check_passive(course, motor, loop)
     assert np.abs(course["torque"]).max() > 5e-4  # and it is felt
@@ -71,7 +71,7 @@ def test_friction_that_sticks_and_wells_that_pull_give_nothing_either(match, foo
 def test_at_rest_the_knob_lies_still(match, football, hand, times, delay_s):
     """Held softly, and thrown and let go: within 0.2 degrees, peak to peak."""
     preset = football.with_changes({"surface.friction": times * FRICTION})
-    course, *_ = simulate(preset, match, SENSOR, sim.HANDS[hand](), 3.0, delay_s)
+    course, *_ = simulate(preset, match, SENSOR, sim.MOVEMENTS[hand](), 3.0, delay_s)
     last = course["time"] > 2.0
     assert np.degrees(np.ptp(course["angle"][last])) < 0.2
 
@@ -81,7 +81,7 @@ def test_without_the_controller_the_same_hand_is_given_energy(match, football):
     rigid = {"clutch.max_speed_ratio": 0.0, "disk.k1": 0.00097, "disk.k2": 0.00278}
     preset = football.with_changes({**rigid, "surface.friction": 10 * FRICTION})
     course, motor, _ = simulate(preset, match, SENSOR, sim.jiggle(hertz=4.0), 3.5, 0.02, naive=True)
-    assert motor.given - motor.put_in > 5e-3
+    assert motor.returned - motor.absorbed > 5e-3
     assert course["hand_work"].min() < 0.0
 
 

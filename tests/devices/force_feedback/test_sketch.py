@@ -8,7 +8,7 @@ import subprocess
 
 import pytest
 
-from overview_dsp.devices.force_feedback.loop import Commander
+from overview_dsp.devices.force_feedback.motor_loop import Commander
 from tests.devices.force_feedback.simulation import ROOT
 
 PAGE = ROOT / "docs" / "guide" / "force.md"

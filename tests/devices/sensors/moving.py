@@ -9,7 +9,7 @@ import numpy as np
 from overview_dsp.devices.sensors.frames import encode_frame
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 
 G = 9.80665
 RULES = TouchRules(True, True, math.radians(4.0), math.radians(6.0), 0.2, 0.15)
@@ -69,5 +69,5 @@ def fed(one: SensorSource, pieces, rate: float, start_s: float = 0.0):
     events, turns = [], []
     for n, piece in enumerate(pieces):
         events += one.feed(piece, start_s + n / rate)
-        turns.append(one.turn)
+        turns.append(one.angle)
     return events, turns

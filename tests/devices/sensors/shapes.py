@@ -169,7 +169,7 @@ SHAPES = (
     # --- i2cdevlib
     Shape("i2cdevlib MPU6050_raw", text(lambda s: "a/g:\t" + raw(s))),
     Shape("i2cdevlib MPU6050_raw, ±4 g", text(lambda s: "a/g:\t" + raw(s, per_g=8192.0))),
-    Shape("i2cdevlib MPU6050_raw, binary", lambda s: struct.pack(">6h", *counts(s)), "bare bytes"),
+    Shape("i2cdevlib MPU6050_raw, binary", lambda s: struct.pack(">6h", *counts(s)), "Binary data"),
     Shape("i2cdevlib DMP6, ypr", text(lambda s: "ypr\t" + joined("\t", ypr(s)))),
     Shape("i2cdevlib DMP6, euler", text(lambda s: "euler\t" + joined("\t", ypr(s)))),
     Shape("i2cdevlib DMP6, quaternion", text(lambda s: "quat\t" + joined("\t", s.q))),
@@ -308,7 +308,7 @@ def played(shape: Shape) -> Played:
         one.feed(data, at)
         messages += [(at, said) for said in one.take_messages()]
         true = ROLL[min(len(ROLL) - 1, round(at * RATE))]
-        turns.append((at, math.nan if one.turn is None else one.turn.theta2, true))
+        turns.append((at, math.nan if one.angle is None else one.angle.theta2, true))
     return Played(one._stream.detected, messages, np.array(turns), one.counters.damaged)
 
 
@@ -332,7 +332,7 @@ def table() -> str:
     for shape in SHAPES:
         result = played(shape)
         if shape.said:
-            became = f"refused: {REASONS[shape.said]}"
+            became = f"rejected: {REASONS[shape.said]}"
         else:
             became = str(result.detected)
         rows.append(f"| {shape.source} | {example(shape)} | {became} |")
@@ -340,10 +340,10 @@ def table() -> str:
 
 
 REASONS = {
-    GRAVITY: "it lacks gravity, so that up can't be known",
-    "bare bytes": "no check and no frame, as noise",
-    DO_SAY: "shown with its two best readings",
-    FILE: "degrees, counts or a wiper: `sensor=` says it",
+    GRAVITY: "it lacks gravity, so up is unknown",
+    "Binary data": "no check and no frame, as noise",
+    DO_SAY: "reported with its two likeliest readings",
+    FILE: "degrees, counts or a wiper: choose `sensor=`",
     "no check": "no check: its serial protocol has one",
     "no number": "no number in it",
 }

@@ -67,8 +67,7 @@ def test_noise_is_reported_as_such_with_what_to_try():
 def numbered(*numbers: int) -> tuple[list[int], Counters]:
     counters = Counters()
     check = SequenceCheck(counters)
-    passed = check.pass_on({"sequence": float(number)} for number in numbers)
-    return [int(reading["sequence"]) for reading in passed], counters
+    return [number for number in numbers if check.is_new({"sequence": float(number)})], counters
 
 
 def test_missing_samples_are_counted_over_the_wrap_and_repeated_ones_dropped():

@@ -133,6 +133,6 @@ def test_endless_noise_is_counted_and_not_kept():
     decoder.feed(b"\0")
     for _ in range(1000):
         assert decoder.feed(b"\xaa" * 1000) == []
-    assert len(decoder._pieces._pending) <= FRAME + 1
+    assert len(decoder._splitter._pending) <= FRAME + 1
     decoder.feed(b"\0")
     assert (counters.damaged, counters.noise_bytes) == (1, 1_000_000)

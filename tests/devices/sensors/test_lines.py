@@ -7,11 +7,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.app_json import reading_of
+from overview_dsp.devices.sensors.app_json import parse_json_line
 from overview_dsp.devices.sensors.lines import LONGEST, LineDecoder, LineSplitter
 from overview_dsp.devices.sensors.reading import Counters
-from overview_dsp.devices.sensors.text_lines import columns_of, numbers_of
-from overview_dsp.devices.sensors.text_lines import reading_of as text_reading_of
+from overview_dsp.devices.sensors.text_lines import parse_header, parse_numbers, parse_row
 from tests.devices.sensors.streams import cut, damages, harm, places
 
 AXES = ("ax", "ay", "az")
@@ -20,13 +19,13 @@ finite = st.floats(-1e6, 1e6)
 
 def text(data: bytes, where: list[int] = ()) -> tuple[list[dict], Counters]:
     counters = Counters()
-    decoder = LineDecoder(counters, lambda line: text_reading_of(line, AXES))
+    decoder = LineDecoder(counters, lambda line: parse_row(line, AXES))
     return [dict(r) for piece in cut(data, where) for r in decoder.feed(piece)], counters
 
 
 def as_json(data: bytes, where: list[int] = ()) -> tuple[list[dict], Counters]:
     counters = Counters()
-    decoder = LineDecoder(counters, reading_of)
+    decoder = LineDecoder(counters, parse_json_line)
     return [dict(r) for piece in cut(data, where) for r in decoder.feed(piece)], counters
 
 
@@ -83,7 +82,7 @@ def test_a_line_of_another_form_is_damage(line):
      '{"ax": 1e999}', '{"ax": null}', '{"acc": 1}', '{"ax": ' + "9" * 400 + "}"],
 )  # fmt: skip
 def test_json_of_another_form_is_damage(line):
-    assert reading_of(line) is None
+    assert parse_json_line(line) is None
     assert as_json(f"\n{line}\n".encode())[1].damaged == 1
 
 
@@ -103,13 +102,13 @@ def test_a_line_without_end_is_not_kept():
     splitter.feed(b"\n")
     for _ in range(100):
         assert splitter.feed(b"1,2,3," * 100) == []
-    assert len(splitter._pieces._pending) <= LONGEST + 1
+    assert len(splitter._splitter._pending) <= LONGEST + 1
     assert splitter.feed(b"\n1,2,3\n") == ["1,2,3"]
     assert (counters.damaged, counters.noise_bytes) == (1, 60_000)
 
 
 def test_names_of_columns_are_a_header_and_numbers_are_not():
-    assert columns_of("t_us, ax, ay, az") == ("t_us", "ax", "ay", "az")
-    assert columns_of("ax,ax") is None
-    assert columns_of("1,2") is None
-    assert numbers_of("ax,ay") is None
+    assert parse_header("t_us, ax, ay, az") == ("t_us", "ax", "ay", "az")
+    assert parse_header("ax,ax") is None
+    assert parse_header("1,2") is None
+    assert parse_numbers("ax,ay") is None

@@ -9,7 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.devices.sensors import orientation
-from overview_dsp.devices.sensors.orientation import ByGravity
+from overview_dsp.devices.sensors.orientation import GravityTilt
 from tests.devices.sensors.moving import frames, hand
 from tests.devices.sensors.optical import TRIALS, load_trial, needs_data
 
@@ -27,9 +27,9 @@ def streamed(request):
     for n, frame in enumerate(frames(trial.acceleration, trial.turning, trial.rate)):
         for byte in frame:
             events += one.feed(bytes([byte]), n / trial.rate)
-        if one.turn is not None:
-            roll[n] = math.degrees(one._angle.roll.roll)
-            theta2[n] = math.degrees(one.turn.theta2)
+        if one.angle is not None:
+            roll[n] = math.degrees(one._converter.roll.roll)
+            theta2[n] = math.degrees(one.angle.theta2)
     assert one.counters.readings == len(roll)
     assert not any("gyroscope" in said for said in one.take_messages())
     return request.param, trial, roll, theta2, events
@@ -59,8 +59,8 @@ def test_half_a_sample_less_of_lag_is_no_gain(name, monkeypatch):
         roll = np.full(len(trial.roll), math.nan)
         for n, frame in enumerate(frames(trial.acceleration, trial.turning, trial.rate)):
             one.feed(frame, n / trial.rate)
-            if one.turn is not None:
-                roll[n] = math.degrees(one._angle.roll.roll)
+            if one.angle is not None:
+                roll[n] = math.degrees(one._converter.roll.roll)
         found.append(trial.rmse(roll))
     print(f"{name}: half way between samples {found[0]:.3f}, a sample's own {found[1]:.3f} degrees")
     assert abs(found[1] - found[0]) < 0.05
@@ -69,7 +69,7 @@ def test_half_a_sample_less_of_lag_is_no_gain(name, monkeypatch):
 @pytest.mark.parametrize(("name", "most"), [*zip(TRIALS, (4.6, 7.9), strict=True)])
 def test_gravity_alone_is_better_than_the_raw_accelerometer(name, most):
     trial = load_trial(name)
-    gravity = ByGravity()
+    gravity = GravityTilt()
     still = (0.0, 0.0, 0.0)
     up = np.array([gravity.step(1 / trial.rate, tuple(one), still) for one in trial.acceleration])
     error = trial.rmse(np.degrees(np.arctan2(up[:, 1], up[:, 2])))

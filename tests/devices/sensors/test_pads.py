@@ -74,7 +74,7 @@ def followed(kind, reports):
     for at, data in reports:
         one.feed(framed(data), at)
         if at > 3.0:
-            off.append(abs(one.turn.theta2 - ROLL[min(len(ROLL) - 1, round(at * RATE))]))
+            off.append(abs(one.angle.theta2 - ROLL[min(len(ROLL) - 1, round(at * RATE))]))
     return math.degrees(max(off)), one
 
 

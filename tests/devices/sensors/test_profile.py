@@ -15,7 +15,7 @@ from overview_dsp.devices.sensors.profile import (
 )
 from overview_dsp.devices.sensors.units import units_of
 
-HEAD = "schema = 1\n"
+HEAD = "schema = 2\n"
 
 
 def test_every_bundled_sensor_is_read():
@@ -29,6 +29,36 @@ def test_every_bundled_sensor_is_read():
 
 def test_the_bundled_imu_says_the_defaults():
     assert load_sensor("imu").values == Sensor().values
+
+
+def test_a_file_of_schema_1_gives_the_same_sensor():
+    old = """schema = 1
+[stream]
+format = "told"
+columns = ["motor_target", "shaft_rad"]
+[acceleration]
+unit = "told"
+[angles]
+twist = "told"
+[motor]
+protocol = "simplefoc"
+nm_per_unit = 0.003
+letter = "B"
+knock = 1.0
+home = 0.5
+"""
+    new = old.replace("schema = 1", "schema = 2").replace("told", "auto")
+    for before, after in (
+        ("letter", "command_letter"),
+        ("knock", "impact_gain"),
+        ("home", "recoil_gain"),
+    ):
+        new = new.replace(f"{before} =", f"{after} =")
+    assert parse_sensor(old, "mine", "mine.toml") == parse_sensor(new, "mine", "mine.toml")
+    with pytest.raises(ov.InputError, match=r"mine\.toml:9: motor\.impact_gain = 9"):
+        parse_sensor(old.replace("knock = 1.0", "knock = 9"), "mine", "mine.toml")
+    with pytest.raises(ov.InputError, match=r"motor\.letter: unknown key"):
+        parse_sensor(new.replace("command_letter", "letter"), "mine", "mine.toml")
 
 
 def test_a_file_says_units_axes_and_columns():
@@ -57,8 +87,8 @@ def test_a_file_says_units_axes_and_columns():
         (HEAD + "stream = 3\n", 2, "a table"),
         (HEAD + "[roll]\n", 2, "unknown key"),
         (HEAD + "[encoder]\ncount = 3\n", 3, "counts"),
-        ("schema = 2\n", 1, "must be 1"),
-        ("title = 3\nschema = 1\n", 1, "no text"),
+        ("schema = 3\n", 1, "must be 2"),
+        ("title = 3\nschema = 2\n", 1, "must be text"),
         ("", None, "schema is missing"),
         ("=", None, "not TOML"),
     ],

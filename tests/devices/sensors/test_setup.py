@@ -29,7 +29,7 @@ def rows(*columns) -> list[bytes]:
     return [(",".join(f"{value:.5g}" for value in row) + "\n").encode() for row in table]
 
 
-def learned(pieces: list[bytes]) -> str:
+def run_setup(pieces: list[bytes]) -> str:
     one = Setup()
     one.feed(b"\n", 0.0)
     for n, piece in enumerate(pieces):
@@ -44,8 +44,8 @@ def theta2_deg(text: str, pieces: list[bytes]) -> float:
     one.feed(b"\n", 0.0)
     for n, piece in enumerate(pieces):
         one.feed(piece, n / RATE)
-    assert one.turn is not None
-    return math.degrees(one.turn.theta2)
+    assert one.angle is not None
+    return math.degrees(one.angle.theta2)
 
 
 def mounted(v, kind: str):
@@ -61,7 +61,7 @@ def mounted(v, kind: str):
 def test_however_a_sensor_is_mounted_two_twists_find_its_axes(kind, turns):
     parts = [*mounted(A, kind), *(mounted(W, kind) if turns else ())]
     pieces = rows(*parts)
-    assert theta2_deg(learned(pieces), pieces) == pytest.approx(120.0, abs=1.0 if turns else 3.0)
+    assert theta2_deg(run_setup(pieces), pieces) == pytest.approx(120.0, abs=1.0 if turns else 3.0)
 
 
 @pytest.mark.parametrize("per_degree", [131.0, 65.5, 32.8, 16.4])
@@ -69,7 +69,7 @@ def test_the_range_of_a_bare_gyroscope_is_found_by_turning(per_degree):
     most = 32768 / per_degree
     speed = np.clip(np.degrees(W), -most, most) if per_degree < 100 else np.degrees(W)
     pieces = rows(np.rint(A / G * 8192), np.rint(speed * per_degree))
-    text = learned(pieces)
+    text = run_setup(pieces)
     scale = parse_sensor(text, "mine", "mine.toml").number("angular_velocity.scale")
     assert 1.0 / scale == pytest.approx(per_degree)
     assert theta2_deg(text, pieces) == pytest.approx(120.0, abs=1.0)
@@ -78,7 +78,7 @@ def test_the_range_of_a_bare_gyroscope_is_found_by_turning(per_degree):
 def test_of_three_angles_the_file_names_the_twist():
     shaken = np.sin(np.arange(len(ROLL)))
     pieces = [b"Orientation: " + row for row in rows(90 + shaken, np.degrees(ROLL), 0.5 * shaken)]
-    text = learned(pieces)
+    text = run_setup(pieces)
     assert 'twist = "2"' in text
     assert theta2_deg(text, pieces) == pytest.approx(120.0, abs=0.1)
 
@@ -86,7 +86,7 @@ def test_of_three_angles_the_file_names_the_twist():
 def test_a_quaternions_axes_are_found():
     w, s = np.cos(ROLL / 2), np.sin(ROLL / 2)
     pieces = [b"quat " + row for row in rows(w, 0 * s, s, 0 * s)]
-    text = learned(pieces)
+    text = run_setup(pieces)
     assert 'x = "y"' in text
     assert theta2_deg(text, pieces) == pytest.approx(120.0, abs=0.2)
 
@@ -96,7 +96,7 @@ def test_a_potentiometers_ends_are_found_either_way(ends):
     low, high = ends
     values = np.rint(low + (high - low) * np.degrees(ROLL) / 170.0)
     pieces = rows(values)
-    text = learned(pieces)
+    text = run_setup(pieces)
     assert theta2_deg(text, pieces) == pytest.approx(120.0 * 180.0 / 170.0, abs=2.0)
 
 
@@ -104,7 +104,7 @@ def test_a_potentiometers_ends_are_found_either_way(ends):
 def test_an_encoders_counts_are_found_either_way(sign):
     values = np.rint(sign * 80.0 * np.degrees(ROLL) / 170.0)
     pieces = [b'{"count": %d}\n' % value for value in values]
-    assert theta2_deg(learned(pieces), pieces) == pytest.approx(127.0, abs=3.0)
+    assert theta2_deg(run_setup(pieces), pieces) == pytest.approx(127.0, abs=3.0)
 
 
 def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_between():
@@ -112,7 +112,7 @@ def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_b
     pieces = rows(np.rint(40.0 * np.degrees(ROLL) / 170.0))
     for second in range(50, len(pieces), 100):
         pieces[second] = b"count\n"
-    text = learned(pieces)
+    text = run_setup(pieces)
     assert "[encoder]\ncounts = 40\n" in text
     assert "potentiometer" not in text
 
@@ -120,10 +120,10 @@ def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_b
 def test_each_sort_is_asked_for_what_its_hand_can_do():
     for values, words in ((np.degrees(ROLL), "from one end to the other"), (A, "face down")):
         one = Setup()
-        assert one.ask == "leave it still: a sensor face up, a knob at one end"
+        assert one.instruction == "keep it at rest: a sensor face up, a knob at one end"
         for n, piece in enumerate(rows(values)[:300]):
             one.feed(piece, n / RATE)
-        assert one.ask == f"now turn it {words} and back, 2 times"
+        assert one.instruction == f"now turn it {words} and back, 2 times"
 
 
 def test_what_is_turned_at_the_start_is_waited_for():
@@ -131,16 +131,16 @@ def test_what_is_turned_at_the_start_is_waited_for():
     moved = course(RATE, (0, 60), (0.8, 130), (1.5, 0), (4, 0), (4.8, 170), (5.2, 170), (6, 0),
                    (6.5, 0), (7.3, 170), (7.7, 170), (8.5, 0), (9.5, 0), (10.3, 120))  # fmt: skip
     pieces = rows(*turning(moved, RATE, noise=1.0)[0].T)
-    assert 'x = "x"\ny = "y"\nz = "z"' in learned(pieces)
+    assert 'x = "x"\ny = "y"\nz = "z"' in run_setup(pieces)
 
 
-def test_what_lies_or_turns_aslant_is_said_in_one_line():
+def test_a_tilted_rest_or_turn_is_reported_in_one_line():
     c, s = math.cos(math.radians(45)), math.sin(math.radians(45))
     x, y, z = A.T
-    for parts, said in (((x, c * y - s * z, s * y + c * z), "lay aslant"),
+    for parts, said in (((x, c * y - s * z, s * y + c * z), "was tilted"),
                         ((c * x - s * y, s * x + c * y, z), "no axis")):  # fmt: skip
         with pytest.raises(ov.InputError, match=said) as caught:
-            learned(rows(*parts))
+            run_setup(rows(*parts))
         assert "\n" not in str(caught.value)
 
 

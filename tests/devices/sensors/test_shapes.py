@@ -10,9 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.app_json import readings_of
+from overview_dsp.devices.sensors.app_json import parse_app_batch
 from overview_dsp.devices.sensors.decoders import DetectedFormat
-from overview_dsp.devices.sensors.labelled_lines import LabelledReader, Round, learned, round_of
+from overview_dsp.devices.sensors.labelled_lines import (
+    LabelledReader,
+    LineCycle,
+    cycle_from_shapes,
+    find_cycle,
+)
 from overview_dsp.devices.sensors.lines import LineDecoder
 from overview_dsp.devices.sensors.packets import (
     TeapotDecoder,
@@ -82,7 +87,7 @@ def test_a_refusal_shows_the_line_as_received_and_two_files_of_which_each_is_rea
     one = hand(columns=tuple(first))
     for data, at in sent(shape):
         one.feed(data, at)
-    assert one.turn is not None
+    assert one.angle is not None
     assert len(first) == len(second) == 7
 
 
@@ -92,7 +97,7 @@ def test_of_three_angles_the_one_that_turns_is_the_twist(place):
     for state in STATES:
         line = "ypr\t" + "\t".join(f"{angle:.2f}" for angle in ypr(state, place)) + "\n"
         one.feed(line.encode(), state.n / 100.0)
-    assert math.degrees(one.turn.theta2) == pytest.approx(20.0, abs=0.5)
+    assert math.degrees(one.angle.theta2) == pytest.approx(20.0, abs=0.5)
     assert any(f"angle {place + 1} of three" in said for said in one.take_messages())
 
 
@@ -168,16 +173,16 @@ def test_harmed_teapots_are_finite_and_the_same_however_split(harms, where):
 
 
 LABELLED = "Acceleration X: 0.10, Y: -0.20, Z: 9.81 m/s^2\nRotation X: 1, Y: 2, Z: 3 rad/s\nT: 4\n"
-ROUND = round_of(learned(LABELLED.splitlines() * 3)[0])
+ROUND = cycle_from_shapes(find_cycle(LABELLED.splitlines() * 3)[0])
 
 
 @given(damages, places)
 def test_harmed_labelled_lines_give_whole_and_finite_readings_however_split(harms, where):
-    assert isinstance(ROUND, Round)
+    assert isinstance(ROUND, LineCycle)
     data = harm(("\n" + LABELLED * 30).encode(), harms)
 
     def make(counters):
-        return LineDecoder(counters, LabelledReader(ROUND).reading_of)
+        return LineDecoder(counters, LabelledReader(ROUND).parse)
 
     got, _ = decoded(make, data, where)
     assert got == decoded(make, data, [])[0]
@@ -188,12 +193,12 @@ def test_harmed_labelled_lines_give_whole_and_finite_readings_however_split(harm
 
 @given(st.text(alphabet="aAgGxXyYzZwq:=,. \t-#/0189e", max_size=60))
 def test_any_line_has_a_shape_and_raises_nothing(line):
-    shapes, _ = learned([line] * 3)
+    shapes, _ = find_cycle([line] * 3)
     if shapes:
-        found = round_of(shapes, "angles")
-        if isinstance(found, Round):
+        found = cycle_from_shapes(shapes, "angles")
+        if isinstance(found, LineCycle):
             reader = LabelledReader(found)
-            readings = [reader.reading_of(line) for _ in range(3)]
+            readings = [reader.parse(line) for _ in range(3)]
             assert finite(one for one in readings if one)
 
 
@@ -209,7 +214,7 @@ anything = st.recursive(
 
 @given(anything, st.sampled_from(["buffer", "payload", ""]))
 def test_any_json_gives_finite_readings_or_none(said, key):
-    found = readings_of(json.dumps({key: said} if key else said))
+    found = parse_app_batch(json.dumps({key: said} if key else said))
     assert isinstance(found, list | str | None)
     if isinstance(found, list):
         assert finite(found)

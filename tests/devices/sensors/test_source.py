@@ -16,7 +16,7 @@ from overview_dsp.devices.sensors.clock import WRAP
 from overview_dsp.devices.sensors.frames import encode_frame
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touching import TouchRules
+from overview_dsp.devices.sensors.touch_detection import TouchRules
 from overview_dsp.installation import install_command
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning
 from tests.devices.sensors.streams import cut, damages, harm, places
@@ -138,11 +138,11 @@ def test_a_motors_board_is_detected_as_frames_or_as_lines():
         source = SensorSource(load_sensor("simplefoc"), rules)
         for n, byte in enumerate(said):
             source.feed(bytes((byte,)), 1e-4 * n)
-        assert source.report()["told"].startswith(detected)
+        assert source.report()["format"].startswith(detected)
     source = SensorSource(load_sensor("simplefoc"), rules)
     for n in range(400):
         source.feed(b"\x80\x91noise", 0.01 * n)
-    assert source.report()["told"] is None
+    assert source.report()["format"] is None
     assert len(source.take_messages()) == 1
 
 

@@ -14,9 +14,9 @@ from textual.widgets import Static
 
 import overview_dsp as ov
 from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.silent_stream import SilentStream
-from overview_dsp.live.screen import PlayApp, lines
+from overview_dsp.live.screen import PlayApp, plain_mode
 from overview_dsp.live.screen import app as app_module
 from overview_dsp.live.screen.terminal import TerminalWriter
 from overview_dsp.live.screen.timeline_view import TimelineView
@@ -30,7 +30,7 @@ def player(match):
     player = Player(
         match,
         PresetWatch("football"),
-        lambda engine, settings: SilentStream(engine, 256, settings),
+        lambda engine, settings: NullStream(engine, 256, settings),
         OutputSettings(),
         callback="python",
     )
@@ -68,7 +68,7 @@ async def until(pilot, condition, seconds=15.0):
 
 def applied(player):
     """What the hand did so far: (touching, place) of each event the kernel applied."""
-    events, _ = player.engine.take_applied(0)
+    events, _ = player.engine.pop_applied(0)
     return [(bool(event["touching"]), event["theta2"] / np.pi) for event in events]
 
 
@@ -96,7 +96,7 @@ def test_a_click_is_a_tap_that_goes_all_the_way(player):
     async def script(app, pilot):
         await pilot.click(TimelineView, offset=(50, 5))
         assert await until(pilot, lambda: applied(player)[-1:] == [(False, pytest.approx(50 / 99))])
-        down, up = player.engine.take_applied(0)[0]
+        down, up = player.engine.pop_applied(0)[0]
         assert (bool(down["touching"]), bool(up["touching"])) == (True, False)
         # however short it was, the disk goes all the way
         assert await until(pilot, lambda: abs(cursor(player) - 50 / 99) < 0.01)
@@ -150,17 +150,17 @@ def test_zooming_keeps_the_moment_under_the_disk(player):
     async def script(app, pilot):
         player.touch(0.4)
         assert await until(pilot, lambda: abs(cursor(player) - 0.4) < 0.0002)
-        moment = player.moment_s(cursor(player))
+        moment = player.time_at(cursor(player))
         for _ in range(4):
             await pilot.press("plus")
             await pilot.pause(0.1)
         # a window waits while two surfaces fade
         width = pytest.approx(player.timeline.duration_s / 1.5**4)
         assert await until(pilot, lambda: player.window[1] - player.window[0] == width)
-        assert player.moment_s(player.finger.position) == pytest.approx(moment, abs=5.0)
-        assert await until(pilot, lambda: abs(player.moment_s(cursor(player)) - moment) < 5.0)
-        assert len(player.engine.surface.position) == len(player.shown.events)
-        goals = [event.label for event in player.shown.events if "goal" in event.kind]
+        assert player.time_at(player.pointer.position) == pytest.approx(moment, abs=5.0)
+        assert await until(pilot, lambda: abs(player.time_at(cursor(player)) - moment) < 5.0)
+        assert len(player.engine.surface.position) == len(player.window_timeline.events)
+        goals = [event.label for event in player.window_timeline.events if "goal" in event.kind]
         assert 0 < len(goals) < 6
         await pilot.press("0")
         assert await until(pilot, lambda: player.window == (0.0, player.timeline.duration_s))
@@ -185,7 +185,7 @@ def test_mutes_silence_what_they_name(player):
         await pilot.press("t")
 
         def felt():
-            player.touch(0.1 if player.finger.position > 0.5 else 0.9)
+            player.touch(0.1 if player.pointer.position > 0.5 else 0.9)
             return app._status.peak_tactor > 0.1
 
         assert await until(pilot, felt)
@@ -226,7 +226,7 @@ def test_the_output_line_names_the_actuator_and_what_is_taken_back(match):
     player = Player(
         match,
         PresetWatch("football"),
-        lambda engine, settings: SilentStream(engine, 256, settings),
+        lambda engine, settings: NullStream(engine, 256, settings),
         OutputSettings(actuator=ov.load_actuator("c2")),
         callback="python",
     )
@@ -266,7 +266,7 @@ def test_without_a_server_there_is_no_address(player):
 class CountingHand(Input):
     """A sensor that has counted something and has something to say."""
 
-    words = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
+    status_text = "serial:made: binary frames, 90°; 7 readings, 2 damaged"
 
     def __init__(self):
         self._messages = ["hold it still"]
@@ -295,7 +295,7 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
 
 
 def test_a_message_goes_when_it_was_read(player, monkeypatch):
-    monkeypatch.setattr(app_module, "SHOWN_S", 0.5)
+    monkeypatch.setattr(app_module, "MESSAGE_S", 0.5)
 
     async def inside():
         app = PlayApp(player, CountingHand())
@@ -331,7 +331,7 @@ def test_what_is_felt_goes_by_beside_the_timeline_and_the_marks_are_explained(pl
             return ["".join(s.text for s in trace.render_line(y)) for y in range(3)]
 
         def felt():
-            player.touch(0.1 if player.finger.position > 0.5 else 0.9)
+            player.touch(0.1 if player.pointer.position > 0.5 else 0.9)
             return all(row[8:].strip() for row in rows())
 
         assert await until(pilot, felt)
@@ -353,15 +353,15 @@ def test_the_keys_of_takes_replays_and_presets(player, tmp_path, monkeypatch):
 
     async def script(app, pilot):
         await pilot.press("R")
-        assert await until(pilot, lambda: player.takes.growing is not None)
+        assert await until(pilot, lambda: player.takes.recording_path is not None)
         await pilot.press("end")
         assert await until(pilot, lambda: cursor(player) > 0.9)
         await pilot.press("R")
-        assert await until(pilot, lambda: player.takes.growing is None)
+        assert await until(pilot, lambda: player.takes.recording_path is None)
         await pilot.press("p")
         assert await until(pilot, lambda: player.loop.playing)
         await pilot.press("1")
-        assert await until(pilot, lambda: "from the loop's start" in str(app._words.render()))
+        assert await until(pilot, lambda: "next pass" in str(app._message_lines.render()))
         await pilot.press("p")
         assert await until(pilot, lambda: not player.loop.playing)
         assert len(list(tmp_path.glob("take-*.csv"))) == 1
@@ -386,7 +386,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     goal = next(
         place
         for place, event in zip(surface.position, surface.event, strict=True)
-        if player.shown.events[event].kind == "goal"
+        if player.window_timeline.events[event].kind == "goal"
     )
     keys = ["?", "m"]
     said = []
@@ -402,9 +402,9 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     def reading():
         yield read
 
-    monkeypatch.setattr(lines, "_raw_keys", reading)
+    monkeypatch.setattr(plain_mode, "_raw_keys", reading)
     began = time.monotonic()
-    lines.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
+    plain_mode.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
     assert said[0].startswith(player.timeline.title)
     assert "drag" in said[1]
     assert "clicks muted" in said
@@ -423,7 +423,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     ],
 )
 def test_keys_are_told_from_what_a_terminal_sends(text, keys):
-    assert list(lines.keys_of(text)) == keys
+    assert list(plain_mode.parse_keys(text)) == keys
 
 
 class Pipe:
@@ -445,13 +445,13 @@ def test_a_terminal_that_reads_nothing_holds_nobody_up_and_is_drawn_anew_later()
     writer.write("\x1b[?25h")
     writer.stop()
     assert writer.is_alive()
-    assert not writer.take_left_out()
+    assert not writer.pop_skipped()
     read = b""
     while not read.endswith(b"\x1b[?25h"):
         read += os.read(file.reader, 65_536)
     writer.join(10.0)
     assert len(read) < 200 * 4096
-    assert writer.take_left_out()
+    assert writer.pop_skipped()
     os.close(file.reader)
     os.close(file.writer)
 
@@ -463,6 +463,6 @@ def test_a_terminal_that_has_gone_is_noticed():
     writer.start()
     writer.write("x")
     writer.join(5.0)
-    assert writer.gone
+    assert writer.closed
     writer.stop()
     os.close(file.writer)

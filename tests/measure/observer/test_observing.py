@@ -42,13 +42,13 @@ def balanced(report, stroke, modality="touch"):
 @pytest.fixture(scope="module")
 def unlike():
     """A hard knock and a bump that hardly stands out, which click alike."""
-    return observed(preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0)), hands="mixed")
+    return observed(preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0)), movement="mixed")
 
 
 @pytest.fixture(scope="module")
 def alike():
     """Two kinds that feel the same and click two octaves apart."""
-    return observed(preset_of(low=(60.0, 0.15, 500.0), high=(60.0, 0.15, 2000.0)), hands="mixed")
+    return observed(preset_of(low=(60.0, 0.15, 500.0), high=(60.0, 0.15, 2000.0)), movement="mixed")
 
 
 def test_kinds_that_feel_different_are_told_apart_by_touch(unlike):
@@ -68,7 +68,7 @@ def test_it_says_what_is_taken_for_what(alike):
     lines = alike.warnings()
     (line,) = (one for one in lines if "is taken for a high" in one and "(by touch" in one)
     assert re.fullmatch(
-        r"1 low in [234] is taken for a high by a hand of mixed pace "
+        r"1 low in [234] is taken for a high in mixed movement "
         r"\(by touch, random timelines\)",
         line,
     )
@@ -104,7 +104,7 @@ def test_an_event_that_an_arm_never_reaches_counts_as_unnoticed():
     soft = plain_preset(disk__k1=1e-4, disk__k2=9e-4, surface__friction=3e-3)
     soft = replace(soft, kinds={"hard": kind, "default": kind})
     late = ov.Timeline("late", 100.0, (ov.Event(10.0, "hard"), ov.Event(90.0, "hard")))
-    how = {"modalities": ["touch"], "hands": "arm", "learned": 4, "held_out": 0}
+    how = {"modalities": ["touch"], "movement": "arm", "learned": 4, "held_out": 0}
     report = observed(soft, timelines=[late], **how)
     assert list(report.sets[0].strokes) == ARMS
     scores = report.sets[0].strokes["arm 1 s"]["touch"].kinds
@@ -114,7 +114,7 @@ def test_an_event_that_an_arm_never_reaches_counts_as_unnoticed():
 
 def test_a_seed_gives_the_same_report_and_another_seed_another():
     preset = preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0))
-    how = {"modalities": ["touch"], "hands": "mixed", "learned": 4, "held_out": 2}
+    how = {"modalities": ["touch"], "movement": "mixed", "learned": 4, "held_out": 2}
     first, again, other = (observed(preset, seed=seed, **how).to_json() for seed in (3, 3, 4))
     assert first == again
     assert first != other
@@ -128,12 +128,12 @@ def test_what_is_noticed_by_touch_is_the_same_at_16_and_at_48_khz(match, footbal
     levels = []
     for name in STROKES:
         (low,), (high,) = (strokes[name] for strokes in at.values())
-        low_ms, high_ms = low.noticed["touch"].at_ms, high.noticed["touch"].at_ms
+        low_ms, high_ms = low.features["touch"].at_ms, high.features["touch"].at_ms
         assert abs(len(low_ms) - len(high_ms)) <= 2
         for i, ms in enumerate(low_ms.tolist()):
             j = int(np.abs(high_ms - ms).argmin())
             assert abs(high_ms[j] - ms) <= 30
-            rows = low.noticed["touch"].features[i], high.noticed["touch"].features[j]
+            rows = low.features["touch"].features[i], high.features["touch"].features[j]
             levels.append(rows[0][0] - rows[1][0])
     # a person's noise is 1.6 dB
     assert np.sqrt(np.mean(np.square(levels))) < 0.5
@@ -153,10 +153,10 @@ def test_progress_rises_to_the_end():
     [
         ({"modalities": ["smell"]}, "touch, sound, both"),
         ({"modalities": []}, "touch, sound, both"),
-        ({"hands": "cold"}, "all, steady, arm, mixed"),
-        ({"learned": 0}, "1 timeline or more"),
-        ({"held_out": -1}, "held_out = -1"),
-        ({"held_out": 0}, "nothing to ask about"),
+        ({"movement": "cold"}, "all, steady, arm, mixed"),
+        ({"learned": 0}, "must be at least 1"),
+        ({"held_out": -1}, "held_out is -1"),
+        ({"held_out": 0}, "no timelines to evaluate on"),
     ],
 )
 def test_a_mistake_is_one_line_that_says_what_is_allowed(how, words):
@@ -208,7 +208,7 @@ def test_it_is_asked_about_timelines_that_it_has_not_learned_from(monkeypatch):
 
     monkeypatch.setattr(observing, "random_timelines", recorded)
     preset = preset_of(hard=(150.0, 0.15, 900.0))
-    observed(preset, modalities=["touch"], hands="mixed", learned=2, held_out=2, seed=5)
+    observed(preset, modalities=["touch"], movement="mixed", learned=2, held_out=2, seed=5)
     learned, asked = made
     assert len(learned) == len(asked) == 2
     assert not set(learned) & set(asked)

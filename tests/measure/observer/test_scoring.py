@@ -7,7 +7,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.observer.scoring import Tally, groups_of
-from overview_dsp.measure.observer.strokes import Met, met, owners
+from overview_dsp.measure.observer.strokes import PassedEvents, passed_events, rows_of_onsets
 
 GOAL, CARD, FOUL, NOTHING = range(4)
 KINDS = ("goal", "yellow_card", "foul")
@@ -16,13 +16,13 @@ KINDS = ("goal", "yellow_card", "foul")
 def events(*rows):
     """(kind, enters ms, leaves ms, strength)."""
     kind, enters, leaves, strength = (np.array(column) for column in zip(*rows, strict=True))
-    return Met(kind, enters.astype(float), leaves.astype(float), strength.astype(float))
+    return PassedEvents(kind, enters.astype(float), leaves.astype(float), strength.astype(float))
 
 
 def counted(at, said, rows, owner=None):
     there = events(*rows)
     tally = Tally(KINDS, np.arange(4))
-    owner = owners(np.array(at), there) if owner is None else np.array(owner)
+    owner = rows_of_onsets(np.array(at), there) if owner is None else np.array(owner)
     tally.add(np.array(at), np.array(said), owner, there.kind.tolist())
     return tally.scores(1)
 
@@ -30,18 +30,18 @@ def counted(at, said, rows, owner=None):
 def test_an_onset_belongs_to_the_event_it_falls_on_a_little_before_and_after_too():
     there = events((GOAL, 100.0, 120.0, 1.0))
     at = np.array([84, 85, 110, 160, 161])
-    assert owners(at, there).tolist() == [-1, 0, 0, 0, -1]
-    assert owners(at, events((GOAL, 1e6, 1e6, 1.0))).tolist() == [-1] * 5
+    assert rows_of_onsets(at, there).tolist() == [-1, 0, 0, 0, -1]
+    assert rows_of_onsets(at, events((GOAL, 1e6, 1e6, 1.0))).tolist() == [-1] * 5
 
 
 def test_of_several_events_the_one_with_the_strongest_profile_has_the_onset():
     there = events((FOUL, 90.0, 130.0, 1.0), (GOAL, 100.0, 104.0, 90.0), (CARD, 99.0, 130.0, 9.0))
-    assert owners(np.array([110]), there).tolist() == [1]
+    assert rows_of_onsets(np.array([110]), there).tolist() == [1]
 
 
 def test_no_event_owns_nothing():
-    none = Met(np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0))
-    assert owners(np.array([5, 9]), none).tolist() == [-1, -1]
+    none = PassedEvents(np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0))
+    assert rows_of_onsets(np.array([5, 9]), none).tolist() == [-1, -1]
 
 
 def test_a_fouls_strength_is_its_own_even_on_top_of_a_goal(football):
@@ -51,7 +51,7 @@ def test_a_fouls_strength_is_its_own_even_on_top_of_a_goal(football):
     found = []
     for timeline in (both, alone):
         surface = ov.build_surface(timeline, football)
-        there = met(surface, np.linspace(0.0, 1.0, 50_000), 16_000)
+        there = passed_events(surface, np.linspace(0.0, 1.0, 50_000), 16_000)
         names = [surface.kind_names[kind] for kind in there.kind]
         found.append(dict(zip(names, there.strength, strict=True)))
     assert found[0]["foul"] == found[1]["foul"]
@@ -63,7 +63,7 @@ def test_an_event_is_met_each_time_that_the_disk_passes_it(football):
     surface = ov.build_surface(timeline, football)
     corners = np.array([0.0, 1.0, 2.0, 4.0])  # s; so fine that no step leaps over a goal
     places = np.interp(np.arange(400_000) / 1e5, corners, [0.0, 0.7, 0.3, 1.0])
-    there = met(surface, places, 1e5)
+    there = passed_events(surface, places, 1e5)
     assert len(there) == 3
     assert (there.leaves_ms - there.enters_ms < 20.0).all()
     middle = (there.enters_ms + there.leaves_ms) / 2.0
@@ -75,18 +75,18 @@ def test_a_disk_that_trembles_does_not_turn_back(football):
     surface = ov.build_surface(timeline, football)
     steady = np.linspace(0.0, 1.0, 8000)
     trembling = steady + 0.004 * np.sin(np.arange(8000) / 50.0)
-    assert len(met(surface, trembling, 1000.0)) == 1
+    assert len(passed_events(surface, trembling, 1000.0)) == 1
 
 
 def test_an_event_that_the_finger_passes_and_the_disk_does_not_is_missed(football):
     timeline = ov.Timeline("", 100.0, tuple(ov.Event(t, "goal") for t in (20.0, 60.0, 90.0)))
     surface = ov.build_surface(timeline, football)
     course = np.linspace(0.0, 0.5, 8000)
-    assert len(met(surface, course, 1000.0)) == 1
-    there = met(surface, course, 1000.0, 0.8)
+    assert len(passed_events(surface, course, 1000.0)) == 1
+    there = passed_events(surface, course, 1000.0, 0.8)
     assert np.isfinite(there.enters_ms).tolist() == [True, False]
     # no onset belongs to it
-    assert (owners(np.arange(0, 8000, 50), there) <= 0).all()
+    assert (rows_of_onsets(np.arange(0, 8000, 50), there) <= 0).all()
 
 
 def test_recall_counts_events_and_precision_counts_reports():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.observer.trees import grown
+from overview_dsp.measure.observer.trees import fit_forest
 
 
 def clouds(count, apart, seed, features=4):
@@ -17,45 +17,45 @@ def clouds(count, apart, seed, features=4):
     return points, classes
 
 
-def taught(points, classes, seed=0, weights=None):
+def trained(points, classes, seed=0, weights=None):
     weights = np.ones(len(classes)) if weights is None else weights
-    return grown(points, classes, weights, np.random.default_rng(seed))
+    return fit_forest(points, classes, weights, np.random.default_rng(seed))
 
 
 def test_it_comes_near_the_best_possible_answer():
-    forest = taught(*clouds(4000, 2.0, seed=1))
+    forest = trained(*clouds(4000, 2.0, seed=1))
     points, classes = clouds(4000, 2.0, seed=2)
     # half the distance: a normal deviate of 1 is below it in 84.1 % of cases
-    assert np.mean(forest.say(points) == classes) == pytest.approx(0.841, abs=0.025)
+    assert np.mean(forest.predict(points) == classes) == pytest.approx(0.841, abs=0.025)
 
 
 def test_it_asks_about_what_matters():
-    forest = taught(*clouds(2000, 3.0, seed=1, features=24))
+    forest = trained(*clouds(2000, 3.0, seed=1, features=24))
     points, classes = clouds(2000, 3.0, seed=2, features=24)
     # at its best 93.3 %: a normal deviate of 1.5
-    assert np.mean(forest.say(points) == classes) > 0.90
+    assert np.mean(forest.predict(points) == classes) > 0.90
 
 
 def test_it_learns_what_no_single_question_tells():
     rng = np.random.default_rng(0)
     points = rng.uniform(-1.0, 1.0, (3000, 2))
     classes = (points[:, 0] * points[:, 1] > 0.0).astype(np.int64)
-    forest = taught(points[:2000], classes[:2000])
-    assert np.mean(forest.say(points[2000:]) == classes[2000:]) > 0.93
+    forest = trained(points[:2000], classes[:2000])
+    assert np.mean(forest.predict(points[2000:]) == classes[2000:]) > 0.93
 
 
 def test_it_tells_many_classes_and_never_one_that_it_has_not_met():
     rng = np.random.default_rng(0)
     classes = rng.choice([0, 2, 3, 6], 2000)
     points = rng.normal(classes[:, None] * [1.0, -1.0, 0.0], 0.2)
-    said = taught(points[:1000], classes[:1000]).say(points[1000:])
+    said = trained(points[:1000], classes[:1000]).predict(points[1000:])
     assert np.mean(said == classes[1000:]) > 0.98
     assert set(said.tolist()) == {0, 2, 3, 6}
 
 
 def test_shares_are_parts_of_one():
     points, classes = clouds(500, 1.0, seed=3)
-    shares = taught(points, classes).shares(points)
+    shares = trained(points, classes).probabilities(points)
     assert shares.shape == (500, 2)
     assert np.allclose(shares.sum(axis=1), 1.0)
     assert shares.min() >= 0.0
@@ -63,15 +63,17 @@ def test_shares_are_parts_of_one():
 
 def test_a_seed_grows_the_same_forest():
     points, classes = clouds(600, 1.0, seed=4)
-    shares = [taught(points, classes, seed).shares(points) for seed in (5, 5, 6)]
+    shares = [trained(points, classes, seed).probabilities(points) for seed in (5, 5, 6)]
     assert np.array_equal(shares[0], shares[1])
     assert not np.array_equal(shares[0], shares[2])
 
 
 def test_weight_moves_the_border_towards_the_lighter_class():
     points, classes = clouds(4000, 1.0, seed=7)
-    even = taught(points, classes).say(points).mean()
-    heavy = taught(points, classes, weights=np.where(classes == 1, 10.0, 1.0)).say(points).mean()
+    even = trained(points, classes).predict(points).mean()
+    heavy = (
+        trained(points, classes, weights=np.where(classes == 1, 10.0, 1.0)).predict(points).mean()
+    )
     assert heavy > even + 0.2
 
 
@@ -80,13 +82,13 @@ def test_too_few_samples_to_split_give_the_weightiest_class(count):
     points = np.random.default_rng(0).standard_normal((count, 3))
     classes = np.array([1, 0, 1, 1, 0])[:count]
     expected = 1 if count != 2 else 0  # of equal ones, the first
-    assert set(taught(points, classes).say(points).tolist()) == {expected}
+    assert set(trained(points, classes).predict(points).tolist()) == {expected}
 
 
 def test_equal_samples_of_different_classes_give_their_shares():
-    shares = taught(np.ones((40, 2)), np.repeat([0, 1], [10, 30])).shares(np.ones((1, 2)))
+    shares = trained(np.ones((40, 2)), np.repeat([0, 1], [10, 30])).probabilities(np.ones((1, 2)))
     assert np.allclose(shares, [[0.25, 0.75]])
 
 
 def test_nobody_to_judge_is_no_fault():
-    assert taught(*clouds(50, 1.0, seed=1)).say(np.zeros((0, 4))).shape == (0,)
+    assert trained(*clouds(50, 1.0, seed=1)).predict(np.zeros((0, 4))).shape == (0,)

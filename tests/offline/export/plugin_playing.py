@@ -12,6 +12,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PARAMETERS
+from overview_dsp.offline.export.plugin_bundle import host_id
 from tests.web.surfaces import preset_of
 
 HERE = Path(__file__).parent
@@ -41,7 +42,7 @@ def both_halves(match):
 def number_of(id):
     """A parameter's number in a CLAP host: FNV-1a of its id."""
     value = 2166136261
-    for byte in id.encode():
+    for byte in host_id(id).encode():
         value = (value ^ byte) * 16777619 % 2**32
     return value
 

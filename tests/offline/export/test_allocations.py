@@ -38,7 +38,7 @@ def fed(preset):
     hand = ov.sweep(0.7) + ov.tap(0.9, 0.2)
     engine.control_all(hand.theta2, hand.touching, hand.stamps(48_000), hand.source)
     engine.set("tactor.gain_db", -6.0, sample_time=5_000)
-    engine.set("surface.ambience", 2.0, sample_time=9_000)
+    engine.set("surface.intensity_gain", 2.0, sample_time=9_000)
     return engine
 
 def counted(run, function, memory):

@@ -217,7 +217,7 @@ def test_damage_of_androids_xml_is_told(written, tmp_path, before, after):
 def test_what_is_no_clip_is_said(tmp_path):
     path = tmp_path / "clip.json"
     path.write_text('{"a": 1}')
-    assert "neither AHAP" in ov.export.check_clip(path)[0]
+    assert "must be AHAP" in ov.export.check_clip(path)[0]
     path.write_text("{")
     assert "not JSON" in ov.export.check_clip(path)[0]
 

@@ -163,7 +163,7 @@ def test_more_points_are_nearer(match, football, tmp_path):
 
 def test_what_cannot_be_exported_is_one_line(match, football, tmp_path):
     still = ov.render(match, football, ov.pause(0.5))
-    with pytest.raises(InputError, match="nothing vibrates"):
+    with pytest.raises(InputError, match="the gesture has no vibration"):
         export(still, "ahap", tmp_path / "x.ahap")
     with pytest.raises(InputError, match="one of ahap, haptic, hjif, android, wav4"):
         export(still, "mp3", tmp_path / "x.mp3")

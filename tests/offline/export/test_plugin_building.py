@@ -10,7 +10,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.offline.export.plugin_bundle import bundle_of
+from overview_dsp.offline.export.plugin_bundle import bundle_of, host_id, parameter_ids
 from tests.cli.running import MATCH, overview
 from tests.offline.export.plugin_playing import (
     EARLIER,
@@ -56,6 +56,12 @@ def test_a_note_comes_once_with_the_timelines_and_the_preset_it_is_of(match, foo
     assert len(one) == 1
 
 
+def test_hosts_keep_the_first_id_of_a_parameter_that_was_renamed():
+    kept = [host_id(id) for id in parameter_ids()]
+    assert len(set(kept)) == len(kept)
+    assert {"tactor.full_torque_mnm", "click.full_torque_mnm", "tactor.gain_db"} <= set(kept)
+
+
 def test_a_name_of_any_letters_is_a_file_of_its_own(match, football):
     def slug(name):
         return bundle_of(name, {"match": match}, [football], 0).slug
@@ -86,18 +92,18 @@ def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
 
 def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
     build = ov.export.build_plugin
-    with pytest.raises(InputError, match="no plugin format 'au'; it is clap or lv2 or vst3"):
+    with pytest.raises(InputError, match="to is 'au'; must be clap or lv2 or vst3"):
         build(match, football, "au", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 presets, not 0"):
+    with pytest.raises(InputError, match="there are 0 presets; must be 1 to 64"):
         build(match, [], "clap", tmp_path)
-    with pytest.raises(InputError, match="1 to 64 timelines, not 0"):
+    with pytest.raises(InputError, match="there are 0 timelines; must be 1 to 64"):
         build({}, football, "clap", tmp_path)
     with pytest.raises(InputError, match="the same name"):
         build(match, [football, football], "clap", tmp_path)
-    with pytest.raises(InputError, match="no target 'amiga'; it is x86_64-linux, "):
+    with pytest.raises(InputError, match="target is 'amiga'; must be one of x86_64-linux, "):
         build(match, football, "clap", tmp_path, target="amiga")
     monkeypatch.setenv("CC", "no-such-compiler")
-    with pytest.raises(OverviewError, match="no compiler 'no-such-compiler', which CC names"):
+    with pytest.raises(OverviewError, match="CC is 'no-such-compiler', which is not installed"):
         build(match, football, "clap", tmp_path)
     monkeypatch.setenv("CC", "false")
     with pytest.raises(OverviewError, match="the C compiler false failed"):

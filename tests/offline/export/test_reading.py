@@ -14,9 +14,9 @@ from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.offline.export import ahap
-from overview_dsp.offline.export.clip import Transient, clip_of, felt_error
+from overview_dsp.offline.export.clip import Transient, clip_of, perceptual_error
 from overview_dsp.offline.export.haptic import with_emphasis
-from overview_dsp.offline.export.reading import course, modes, read_clip, with_layer
+from overview_dsp.offline.export.reading import amplitude_profile, modes, read_clip, with_layer
 from overview_dsp.offline.export.writing import export
 
 
@@ -64,7 +64,7 @@ def continuous(*events, curve=()):
 def test_an_exported_clip_comes_back_as_it_was(result, tmp_path):
     files = export(result, "ahap", tmp_path / "clip.ahap").files
     level = clip_of(result).level
-    assert felt_error(read_clip(files[0]).level, level).median_db < 0.8
+    assert perceptual_error(read_clip(files[0]).level, level).median_db < 0.8
     strikes = read_clip(files[1]).transients
     told = clip_of(result).transients
     assert len(strikes) == len(told)
@@ -72,7 +72,7 @@ def test_an_exported_clip_comes_back_as_it_was(result, tmp_path):
         [strike.amplitude for strike in strikes], [strike.amplitude for strike in told], atol=1e-3
     )
     haptic = read_clip(export(result, "haptic", tmp_path / "clip.haptic").files[0])
-    assert felt_error(haptic.level, level).median_db < 0.8
+    assert perceptual_error(haptic.level, level).median_db < 0.8
     assert len(haptic.transients) == len(told)
 
 
@@ -90,7 +90,7 @@ def test_a_clip_becomes_a_course_that_the_hand_plays(tmp_path, match, football):
     rising = read_clip(
         write(tmp_path, continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)])))
     )
-    points = course(rising)
+    points = amplitude_profile(rising)
     assert points[-1] == 1.0
     assert list(points) == sorted(points)
     football = football.with_values(surface__angle_map=0.0)
@@ -136,10 +136,10 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
     [
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
-        ("[]", "neither AHAP"),
+        ("[]", "must be AHAP"),
         ({"Pattern": 3}, "Pattern = 3 is not a list"),
         ({"Pattern": [3]}, r"Pattern\[0\] = 3 is not an object"),
-        ({"Pattern": []}, "vibrates at no time"),
+        ({"Pattern": []}, "has no vibration"),
         (
             continuous((-1.0, 1.0, 1.0)),
             r"Pattern\[0\].Event.Time = -1.0 is out of range",
@@ -294,7 +294,7 @@ def test_what_was_exported_comes_back_within_a_step(match, football, tmp_path, g
     clip = clip_of(result)
     for path in export(result, to, tmp_path / f"clip.{to}").files:
         back = read_clip(path)
-        error = felt_error(back.played, clip.level)
+        error = perceptual_error(back.played, clip.level)
         assert error.median_db <= 0.5
         assert error.within_percent >= 90.0
         assert len(back.transients) == len(clip.transients)

@@ -13,7 +13,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.time_expressions import window_of
-from overview_dsp.measure.felt import strokes, window_db
+from overview_dsp.measure.perceived_level import strokes, window_db
 from tests.cli.running import overview
 from tests.data.readers.made_up_share import share
 

@@ -25,7 +25,7 @@ PRESET = preset_with(height=30.0, width=1.0)
 GESTURE = ov.sweep(0.3) + ov.pause(0.2) + ov.tap(0.7, 0.15)
 
 
-def equal(one: ov.Result, other: ov.Result) -> bool:
+def equal(one: ov.RenderResult, other: ov.RenderResult) -> bool:
     if (one.trace is None) != (other.trace is None):
         return False
     same = np.array_equal(one.samples, other.samples)
@@ -75,7 +75,7 @@ def test_an_unknown_column_is_a_key_error():
 
 
 def test_the_same_arguments_give_the_same_bits_and_another_seed_another_grain():
-    def rendered(seed: int) -> ov.Result:
+    def rendered(seed: int) -> ov.RenderResult:
         preset = PRESET.with_values(texture__gain_db=0.0)
         return ov.render(TIMELINE, preset, GESTURE, RATE, seed)
 
@@ -150,10 +150,10 @@ def test_an_empty_gesture_is_an_empty_result():
 
 @pytest.mark.parametrize("tail", [-1.0, math.nan, math.inf, 1e9, "soon", "", True])
 def test_a_bad_tail_is_one_line_with_the_range(tail):
-    with pytest.raises(ov.InputError, match=r"rest, none or seconds, 0 to 86400"):
+    with pytest.raises(ov.InputError, match=r"rest, none or seconds from 0 to 86400"):
         ov.render(TIMELINE, PRESET, GESTURE, RATE, tail=tail)
     if isinstance(tail, str):
-        with pytest.raises(ov.InputError, match=r"rest, none or seconds, 0 to 86400"):
+        with pytest.raises(ov.InputError, match=r"rest, none or seconds from 0 to 86400"):
             schedule.tail_of(tail)
 
 

@@ -19,7 +19,7 @@ NEAR = 0.006
 """Of the timeline: a disk so close to its target has arrived."""
 
 
-def falls(result: ov.Result, column: str) -> np.ndarray:
+def falls(result: ov.RenderResult, column: str) -> np.ndarray:
     """When a column of the trace falls to 0, s: the first frames without it."""
     return result.trace.time[1:][np.diff(getattr(result.trace, column)) < 0.0]
 

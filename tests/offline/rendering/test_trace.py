@@ -51,7 +51,7 @@ def test_the_columns_are_the_contracts():
 
 @pytest.mark.parametrize("name", ["a.txt", "a", "a.npy", "a.csv.gz"])
 def test_another_suffix_is_one_line(tmp_path, name):
-    with pytest.raises(ov.InputError, match=r"written as \.npz or \.csv"):
+    with pytest.raises(ov.InputError, match=r"a trace must be \.npz or \.csv"):
         TraceWriter(tmp_path / name)
 
 

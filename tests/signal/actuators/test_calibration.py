@@ -10,7 +10,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.signal.actuators import calibration
 from overview_dsp.signal.actuators.calibration import (
-    calibrated_actuator,
+    apply_calibration,
     forget_threshold,
     gain_for,
     save_threshold,
@@ -36,40 +36,40 @@ def test_who_needs_more_gets_so_much_more():
 
 @pytest.mark.parametrize("threshold", [-70.1, -9.9, float("nan"), float("inf")])
 def test_a_threshold_that_no_gain_makes_up_for_is_one_line(threshold, kept):
-    with pytest.raises(ov.InputError, match=r"out of range; it is -70 to -10 dB"):
+    with pytest.raises(ov.InputError, match=r"dB; must be -70 to -10 dB"):
         save_threshold(C2, threshold)
     assert not kept.exists()
 
 
 def test_a_threshold_is_kept_used_and_forgotten():
-    assert calibrated_actuator("c2").gain_db == 0.0
+    assert apply_calibration("c2").gain_db == 0.0
     save_threshold(C2, -46.0)
     save_threshold(ov.load_actuator("lra"), -30.0)
-    assert calibrated_actuator("c2").gain_db == -6.0
-    assert calibrated_actuator("lra").gain_db == 10.0
+    assert apply_calibration("c2").gain_db == -6.0
+    assert apply_calibration("lra").gain_db == 10.0
     tone = burst(250.0, 0.2, 0.0, 0.1)
     plain, _ = driven(C2, tone)
-    softer, _ = driven(calibrated_actuator("c2"), tone)
+    softer, _ = driven(apply_calibration("c2"), tone)
     assert np.std(softer) / np.std(plain) == pytest.approx(10 ** (-6 / 20), rel=0.01)
     assert forget_threshold(C2)
     assert not forget_threshold(C2)
-    assert calibrated_actuator("c2").gain_db == 0.0
-    assert calibrated_actuator("lra").gain_db == 10.0
+    assert apply_calibration("c2").gain_db == 0.0
+    assert apply_calibration("lra").gain_db == 10.0
 
 
 def test_a_file_of_the_same_name_has_a_threshold_of_its_own(tmp_path):
     mine = tmp_path / "c2.toml"
     mine.write_bytes((LIBRARY.bundled_folder / "c2.toml").read_bytes())
     save_threshold(ov.load_actuator(mine), -50.0)
-    assert calibrated_actuator("c2").gain_db == 0.0
-    assert calibrated_actuator(mine).gain_db == -10.0
+    assert apply_calibration("c2").gain_db == 0.0
+    assert apply_calibration(mine).gain_db == -10.0
 
 
 def test_a_loud_calibration_stays_within_the_rating():
     save_threshold(C2, -10.0)
-    drive, stage = driven(calibrated_actuator("c2"), burst(250.0, 2.0, 0.0))
+    drive, stage = driven(apply_calibration("c2"), burst(250.0, 2.0, 0.0))
     assert np.abs(drive).max() <= C2.peak
-    assert stage.protected.taken_db > 1.0
+    assert stage.protected.reduction_db > 1.0
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_a_damaged_file_is_one_line_that_names_it(kept, text):
     kept.parent.mkdir()
     kept.write_bytes(text.encode("latin-1"))
     with pytest.raises(ov.InputError, match=r"actuators\.json: .*delete") as error:
-        calibrated_actuator("c2")
+        apply_calibration("c2")
     assert "\n" not in str(error.value)
 
 

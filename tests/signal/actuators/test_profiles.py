@@ -37,7 +37,7 @@ def refused(text, *words):
 
 def toml_of(actuator):
     """A file of all values of an actuator."""
-    lines = ["schema = 1", f"title = {toml_value(actuator.title)}", 'description = "drawn"']
+    lines = ["schema = 2", f"title = {toml_value(actuator.title)}", 'description = "drawn"']
     for section in ("resonance", "drive", "shaping"):
         lines.append(f"[{section}]")
         lines += [
@@ -46,6 +46,13 @@ def toml_of(actuator):
             if id.split(".")[0] == section
         ]
     return "\n".join(lines)
+
+
+def test_a_profile_of_schema_1_loads_with_its_earlier_keys():
+    text = C2.replace("schema = 2", "schema = 1").replace("overdrive = 4", "overdrive = 4")
+    earlier = parse_actuator(text + "perceptual_weighting = true\n", "c2", "c2.toml")
+    assert earlier.values["shaping.overdrive"] == 4.0
+    assert earlier.values["shaping.perceptual_weighting"] is True
 
 
 def test_the_bundled_actuators_are_there():
@@ -117,17 +124,18 @@ def test_every_number_is_held_to_its_range_and_named_with_its_line(id):
         ("rise_ms = 33", "rise_mss = 33", ("mine.toml:13: resonance.rise_mss: unknown key",
                                            "did you mean", "rise_ms")),
         ("[drive]", "[drives]", ("mine.toml:15: drives: unknown key", "drive")),
-        ("schema = 1", "schema = 2", ("mine.toml:7: schema = 2; must be 1",)),
-        ("schema = 1", "", ("schema is missing",)),
+        ("schema = 2", "schema = 3", ("mine.toml:7: schema = 3; must be 2",)),
+        ("schema = 2", "", ("schema is missing",)),
         ('title = "C-2 tactor"', "title = 3", ("mine.toml:8: title = 3; must be text",)),
         ("rise_ms = 33", "", ("mine.toml:12: resonance.frequency_hz: give one of", "not none")),
         ("rise_ms = 33", "rise_ms = 33\nq = 3", ("more than one",)),
-        ("rise_ms = 33", "rise_ms = 1000", ("resonance.rise_ms = 1000 makes a q of 357",
+        ("rise_ms = 33", "rise_ms = 1000", ("resonance.rise_ms = 1000 gives a q of 357",
                                             "0.6 to 100")),
         ("peak = 0.5", "peak = 0.2", ("mine.toml:18: drive.peak is below drive.rated_rms",)),
-        ("peak = 0.5\n", "", ("drive.peak is missing; it is 0.0001 to 10000",)),
+        ("peak = 0.5\n", "", ("drive.peak is missing; allowed: 0.0001 to 10000",)),
         ('unit = "A"', 'unit = "W"', ("drive.unit", '"A" or "V" or "full scale"')),
-        ("sharpen = 4", "sharpen = 4\nequal_sensation = 1", ("shaping.equal_sensation",)),
+        ("overdrive = 4", "overdrive = 4\nperceptual_weighting = 1",
+         ("shaping.perceptual_weighting",)),
         ("[drive]", "drive = 3\n[other]", ("not TOML",)),
         ("[resonance]", "[[resonance]]", ("resonance = ", "must be a table: [resonance]")),
     ],
@@ -200,7 +208,7 @@ C2_VALUES = ov.load_actuator("c2").values
         ({**C2_VALUES, "drive.rated_rms": float("nan")}, "drive.rated_rms = nan is out of range"),
         ({**C2_VALUES, "drive.peak": 1e9}, "drive.peak = 1e+09 is out of range"),
         ({**C2_VALUES, "drive.peek": 1.0}, "drive.peek: unknown key; did you mean 'drive.peak'"),
-        ({**C2_VALUES, "shaping.sharpen": "4"}, "shaping.sharpen = '4' is not a number"),
+        ({**C2_VALUES, "shaping.overdrive": "4"}, "shaping.overdrive = '4' is not a number"),
         ({}, "resonance.frequency_hz is missing"),
     ],
 )
@@ -213,7 +221,7 @@ def test_an_actuator_made_in_python_is_held_to_the_same_ranges(values, words):
 def test_an_actuator_made_in_python_needs_only_what_has_no_default():
     given = {"resonance.frequency_hz": 250, "resonance.q": 4, "drive.rated_rms": 1, "drive.peak": 2}
     mine = ov.Actuator("mine", "mine", "mine", given)
-    assert mine.values["shaping.sharpen"] == 1.0
+    assert mine.values["shaping.overdrive"] == 1.0
     assert mine.full_scale == 2.0
     assert (mine.peak, mine.mean_square) == (1.0, 0.25)
     assert mine.nominal == pytest.approx(math.sqrt(0.5))
@@ -221,5 +229,5 @@ def test_an_actuator_made_in_python_needs_only_what_has_no_default():
 
 @pytest.mark.parametrize("gain_db", [31.0, -31.0, float("nan")])
 def test_a_calibration_out_of_range_is_refused(gain_db):
-    with pytest.raises(ov.InputError, match=r"calibration .* is out of range; it is -30 to 30 dB"):
+    with pytest.raises(ov.InputError, match=r"gain_db is .* dB; must be -30 to 30 dB"):
         ov.Actuator("mine", "mine", "mine", C2_VALUES, gain_db=gain_db)

@@ -97,18 +97,18 @@ def test_no_preset_passes_an_actuators_peak_or_rating(match, preset, actuator, s
 
 
 def test_a_drive_within_the_rating_is_not_taken_back():
-    c2 = changed(load_actuator("c2"), shaping__sharpen=1.0)
+    c2 = changed(load_actuator("c2"), shaping__overdrive=1.0)
     signal = burst(250.0, 2.0, 0.1, amplitude=0.8).astype(np.float32)
     drive, stage = driven(c2, signal)
-    assert stage.protected.taken_db == 0.0
+    assert stage.protected.reduction_db == 0.0
     assert np.allclose(drive, signal.astype(float) * np.sqrt(0.5), rtol=1e-6, atol=1e-9)
 
 
 def test_a_drive_that_heats_is_taken_back_smoothly_and_given_back_when_it_has_cooled():
-    c2 = changed(load_actuator("c2"), shaping__sharpen=1.0)
+    c2 = changed(load_actuator("c2"), shaping__overdrive=1.0)
     loud = burst(250.0, 1.0, 3.0, amplitude=6.0)
     drive, stage = driven(c2, np.concatenate([loud, burst(250.0, 0.05, 0.0, amplitude=0.5)]))
-    assert stage.protected.taken_db > 6.0
+    assert stage.protected.reduction_db > 6.0
     crest = np.abs(drive[:RATE]).reshape(-1, RATE // 250).max(axis=1)
     # a few carrier periods for what a person tells apart at all
     assert np.abs(np.diff(20.0 * np.log10(crest))).max() < 2.5
@@ -149,7 +149,7 @@ def test_no_partition_changes_a_bit(sizes, name):
 
 @pytest.mark.parametrize("name", actuator_names())
 def test_silence_in_gives_exact_zeros_in_the_end(name):
-    actuator = changed(load_actuator(name), shaping__equal_sensation=True)
+    actuator = changed(load_actuator(name), shaping__perceptual_weighting=True)
     drive, stage = driven(actuator, burst(250.0, 0.2, 0.5, amplitude=20.0))
     assert drive.any()
     assert not drive[-RATE // 10 :].any()

@@ -31,7 +31,7 @@ def schedule(engine):
     engine.control(2.0, False, 21_000, source="twist")
     engine.set("tactor.gain_db", -9.0, sample_time=3_333)
     engine.set("disk.k2", 6e-3, sample_time=5_000)
-    engine.set("surface.ambience", 2.0, sample_time=9_999)
+    engine.set("surface.intensity_gain", 2.0, sample_time=9_999)
     engine.set("kinds.goal.height", 40.0, sample_time=18_000)
     engine.set("click.mute", True, sample_time=30_000)
 

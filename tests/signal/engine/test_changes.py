@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.presets.dicts import preset_to_dict
+from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import FADE_S, GLIDE_S
 from overview_dsp.signal.engine import coefficients
@@ -24,7 +24,7 @@ FLAT, FULL = (
     for low in (0.0, 1.0)
 )
 FOUR = plain_preset(surface__friction=4e-3)
-BARE = timeline_of()
+BASE = timeline_of()
 
 # what is done, the friction after it, and what a recording is told
 CHANGES = {
@@ -43,7 +43,7 @@ CHANGES = {
         {"window": [10.0, 20.0]},
     ),
     "surface": (
-        lambda engine, at: engine.set_surface(ov.build_surface(BARE, FOUR), at),
+        lambda engine, at: engine.set_surface(ov.build_surface(BASE, FOUR), at),
         None,
     ),
 }
@@ -51,7 +51,7 @@ CHANGES = {
 
 def level_preset():
     """1e-3 where the data is 0, 4e-3 where it is 1; events as wide as a fifth, and of no height."""
-    return preset_with(height=0.0, width=20.0, shape="plateau", surface__ambience=3.0)
+    return preset_with(height=0.0, width=20.0, shape="plateau", surface__intensity_gain=3.0)
 
 
 @pytest.mark.parametrize("name", CHANGES)
@@ -63,13 +63,13 @@ def test_a_change_begins_at_its_sample_and_a_fade_later_its_surface_is_felt(name
     run(engine, RATE)
     before = (engine.preset, engine.timeline, engine.surface)
     change(engine, RATE + 500)
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == []
     friction = run(engine, 500 + FADE + 500)[1][:, 6]
     assert np.all(friction[:500] == 1e-3)
     assert np.all(friction[501 : 500 + FADE] > 1e-3)
     assert friction[500 + FADE :] == pytest.approx(4e-3, rel=1e-6)
-    assert engine.take_changes() == [(RATE + 500, note)]
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == [(RATE + 500, note)]
+    assert engine.pop_changes() == []
     assert (engine.preset is before[0]) == (name in ("timeline", "window", "surface"))
     assert engine.timeline is (FULL if name in ("timeline", "window") else before[1])
     assert engine.surface is not before[2]
@@ -88,7 +88,7 @@ def played(engine):
 
 
 def test_a_preset_is_taken_over_whole():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     engine.set_preset(FOUR.with_changes({"tactor.gain_db": -20.0, "disk.release": "return"}))
     run(engine, 1000)
     assert engine.preset.number("tactor.gain_db") == -20.0
@@ -99,31 +99,31 @@ def test_a_preset_is_taken_over_whole():
 
 
 def test_changes_are_reported_in_order_once_each_when_they_have_been_applied():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     engine.set("tactor.gain_db", -3.0, 100)
     engine.set("tactor.gain_db", -6.0, 100)
     engine.set("click.gain_db", -9.0, 900)
     run(engine, 500)
     expected = [(100, {"set": {"tactor.gain_db": gain}}) for gain in (-3.0, -6.0)]
-    assert engine.take_changes() == expected
+    assert engine.pop_changes() == expected
     run(engine, 500)
     engine.set("tactor.gain_db", -6.0)  # nothing new
-    assert engine.take_changes() == [(900, {"set": {"click.gain_db": -9.0}})]
+    assert engine.pop_changes() == [(900, {"set": {"click.gain_db": -9.0}})]
 
 
 def test_of_changes_that_nobody_asks_for_the_latest_are_kept():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     count = layout.HOST_RING + 50
     for n in range(count):
         engine.set("tactor.gain_db", -1.0 - n % 2)
         run(engine, 1)
-    taken = engine.take_changes()
+    taken = engine.pop_changes()
     assert [sample for sample, _ in taken] == list(range(50, count))
 
 
 @pytest.mark.parametrize("rate", [1000.0, 48_000.0])
 def test_a_glide_and_a_fade_take_their_milliseconds_at_any_rate(rate):
-    engine = prepared(plain_preset(), BARE, rate)
+    engine = prepared(plain_preset(), BASE, rate)
     engine.control(2.0, True)
     engine.set("tactor.gain_db", -20.0)
     engine.set("surface.friction", 2e-3)
@@ -137,25 +137,25 @@ def test_a_glide_and_a_fade_take_their_milliseconds_at_any_rate(rate):
 
 
 def test_reset_ends_a_glide_at_its_end():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     for id, value in (("tactor.gain_db", -20.0), ("disk.k1", 5e-3), ("output.ceiling_db", -9.0)):
         engine.set(id, value)
     run(engine, 10)
     engine.set("tactor.gain_db", -30.0, 10_000)  # and one that waits is the preset's too
     engine.reset()
-    expected = prepared(engine.preset, BARE, RATE).memory[: layout.COEFFS].copy()
+    expected = prepared(engine.preset, BASE, RATE).memory[: layout.COEFFS].copy()
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
     run(engine, 1)
     assert np.array_equal(engine.memory[: layout.COEFFS], expected)
-    assert engine.take_changes() == []
+    assert engine.pop_changes() == []
 
 
 def test_changes_that_find_the_queue_full_change_nothing():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     for n in range(layout.HOST_RING - 1):  # a place is kept for a surface
         engine.set("tactor.gain_db", -1.0 - n % 2, 10_000)
     before = engine.save_state()
-    with pytest.raises(ov.OverviewError, match="1023 parameter changes wait"):
+    with pytest.raises(ov.OverviewError, match="1023 parameter changes are pending"):
         engine.set("tactor.gain_db", -9.0)
     assert engine.save_state() == before
     engine.set("tactor.gain_db", engine.preset.values["tactor.gain_db"])  # nothing to push
@@ -179,12 +179,12 @@ def test_restarted_it_is_as_a_new_one_and_what_does_not_fit_changes_nothing():
         assert np.array_equal(played(engine), played(new))
     before = (engine.seed, engine.preset, engine.timeline, engine.surface)
     with pytest.raises(ov.InputError, match=r"tactor\.frequency_hz"):
-        prepared(preset, timeline, 1000).restart(plain_preset(tactor__frequency_hz=500.0), BARE)
+        prepared(preset, timeline, 1000).restart(plain_preset(tactor__frequency_hz=500.0), BASE)
     assert (engine.seed, engine.preset, engine.timeline, engine.surface) == before
 
 
 def test_what_is_left_out_is_the_default():
-    engine = ov.Engine(plain_preset(), BARE)
+    engine = ov.Engine(plain_preset(), BASE)
     assert (engine.seed, engine.sample_rate) == (0, 0.0)
     engine.prepare()
     assert engine.sample_rate == 48_000.0
@@ -192,21 +192,21 @@ def test_what_is_left_out_is_the_default():
     with pytest.raises(ov.NotPreparedError):
         engine.process(np.zeros((513, 2), dtype=np.float32))
     given = with_friction(engine.surface, np.full(layout.CELLS + 1, 5e-3))
-    assert ov.Engine(plain_preset(), BARE, surface=given).surface is given
+    assert ov.Engine(plain_preset(), BASE, surface=given).surface is given
 
 
 def test_a_block_is_one_frame_or_more():
-    engine = prepared(plain_preset(), BARE, RATE, block=1)
+    engine = prepared(plain_preset(), BASE, RATE, block=1)
     run(engine, 3, 1)
     assert engine.sample_time == 3
     engine.prepare(768_000, 1)
-    with pytest.raises(ov.InputError, match="max_block_size = 0"):
+    with pytest.raises(ov.InputError, match="max_block_size is 0; must be at least 1"):
         engine.prepare(RATE, 0)
 
 
 def test_a_given_memory_is_the_engines_own():
     memory = np.zeros(layout.TOTAL)
-    engine = ov.Engine(plain_preset(), BARE)
+    engine = ov.Engine(plain_preset(), BASE)
     engine.prepare(RATE, 512, memory=memory)
     assert engine.memory is memory
     assert memory[layout.S_SAMPLE_RATE] == RATE
@@ -221,10 +221,10 @@ def test_a_given_memory_is_the_engines_own():
 
 
 def test_kernels_that_are_compiled_already_are_not_announced(capsys, monkeypatch):
-    run(prepared(plain_preset(), BARE, RATE), 1)
+    run(prepared(plain_preset(), BASE, RATE), 1)
     capsys.readouterr()
     monkeypatch.setattr(coefficients, "_announced", set())
-    prepared(plain_preset(), BARE, RATE)
+    prepared(plain_preset(), BASE, RATE)
     assert capsys.readouterr() == ("", "")
 
 
@@ -241,13 +241,13 @@ def test_events_given_together_are_those_given_one_by_one():
         one.control(float(row[0]), bool(row[1]), int(row[2]), ov.gestures.SOURCES[row[3]])
     all_.control_all(theta2, touching, stamps, sources)
     assert np.array_equal(run(one, 3000)[1], run(all_, 3000)[1])
-    rows, count = all_.take_applied(0)
+    rows, count = all_.pop_applied(0)
     assert count == 50
     assert np.array_equal(np.sort(rows["theta2"]), theta2)
     assert np.array_equal(rows["sample"], stamps)
     assert np.array_equal(rows["source"], sources)
     assert np.array_equal(rows["touching"], touching)
-    later, count = all_.take_applied(45)
+    later, count = all_.pop_applied(45)
     assert np.array_equal(later, rows[45:])
 
 
@@ -256,25 +256,25 @@ def test_strikes_are_named_by_the_surface_that_was_struck():
     engine = prepared(preset, timeline_of(20.0, 40.0, 60.0), RATE)
     engine.control(np.pi, True)
     run(engine, RATE)
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     assert strikes.event.tolist() == [0, 1, 2]
     assert np.all((strikes.time_s > 0.0) & (strikes.time_s < 1.0))
     assert np.all(np.diff(strikes.time_s) > 1e-3)
-    assert len(engine.take_strikes()) == 0
+    assert len(engine.pop_strikes()) == 0
     other = replace(timeline_of(), events=(ov.Event(10.0, "default"), ov.Event(50.0, "default")))
     engine.set_timeline(other)
     run(engine, RATE)
     engine.control(0.0, True)
     run(engine, RATE)
-    assert engine.take_strikes().event.tolist() == [1, 0]
+    assert engine.pop_strikes().event.tolist() == [1, 0]
     engine.reset()
     engine.control(np.pi, True)
     run(engine, RATE)
-    assert engine.take_strikes().event.tolist() == [0, 1]
+    assert engine.pop_strikes().event.tolist() == [0, 1]
 
 
 def test_the_tactor_of_a_torque_is_the_vibration_alone():
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     tone = engine.tactor_of(np.repeat([0.0, 0.02, 0.0], RATE))
     assert tone.shape == (3 * RATE,)
     assert np.all(tone[:RATE] == 0.0)
@@ -296,7 +296,7 @@ def test_a_channel_that_is_nowhere_takes_no_place_and_the_default_is_0_and_1():
     one.set_channels()
     run(other, 500)
     assert np.array_equal(run(one, 500)[0], run(other, 500)[0])
-    with pytest.raises(ov.InputError, match="channel -1"):
+    with pytest.raises(ov.InputError, match="channel is -1; must be 0 or more"):
         one.set_channels(click=-1)
 
 
@@ -310,7 +310,7 @@ def test_a_channel_that_is_nowhere_takes_no_place_and_the_default_is_0_and_1():
     ],
 )
 def test_a_trace_of_the_wrong_kind_is_refused(trace):
-    engine = prepared(plain_preset(), BARE, RATE)
+    engine = prepared(plain_preset(), BASE, RATE)
     with pytest.raises(ov.InputError, match="trace must be"):
         engine.process(np.zeros((16, 2), dtype=np.float32), trace)
     locked = np.zeros((16, 2), dtype=np.float32)

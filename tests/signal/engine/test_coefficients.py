@@ -34,14 +34,14 @@ VALUES = {
     "tactor.slow_gain_exponent": 0.5,
     "tactor.recoil_gain_exponent": 0.6,
     "input.smoothing_ms": 5.0,
-    "tactor.full_torque_mnm": 40.0,
+    "tactor.reference_torque_mnm": 40.0,
     "tactor.compression": 0.6,
     "tactor.threshold_db": -50.0,
     "tactor.rise_ms": 2.0,
     "tactor.decay_ms": 12.0,
     "tactor.frequency_hz": 180.0,
     "tactor.gain_db": -6.0,
-    "click.full_torque_mnm": 25.0,
+    "click.reference_torque_mnm": 25.0,
     "click.compression": 0.4,
     "click.gain_db": 3.0,
     "texture.gain_db": -40.0,
@@ -94,7 +94,7 @@ def test_every_coefficient_is_what_its_parameter_says(rate):
         layout.C_RISE: (1.0 - found[layout.C_RISE], 2e-3),
         layout.C_DECAY: (1.0 - found[layout.C_DECAY], 12e-3),
         layout.C_PACE: (1.0 - found[layout.C_PACE], 80e-3),
-        layout.C_GRAIN: (1.0 - found[layout.C_GRAIN], 50e-3),
+        layout.C_TEXTURE_LEVEL: (1.0 - found[layout.C_TEXTURE_LEVEL], 50e-3),
         layout.C_FORGET: (found[layout.C_FORGET], 200e-3),
         layout.C_DC_POLE: (found[layout.C_DC_POLE], 1.0 / (2.0 * math.pi * 20.0)),
     }
@@ -144,7 +144,7 @@ def test_only_what_differs_is_reported():
 def test_a_carrier_stays_below_0_45_of_the_rate():
     rate = 1000.0
     check_carrier(plain_preset(tactor__frequency_hz=449.0), rate)
-    with pytest.raises(ov.InputError, match=r"450 is too high for 1000 Hz.*below 450 Hz"):
+    with pytest.raises(ov.InputError, match=r"450, too high for 1000 Hz.*below 450 Hz"):
         check_carrier(plain_preset(tactor__frequency_hz=450.0), rate)
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.kernels import shipped
+from overview_dsp.kernels import precompiled
 from overview_dsp.signal.engine import coefficients
 from overview_dsp.signal.engine.coefficients import announce_compile
 from tests.examples import plain_preset, timeline_of
@@ -17,7 +17,7 @@ def _nothing_announced(monkeypatch):
 @pytest.mark.parametrize("outdated", [False, True])
 def test_a_first_compilation_is_announced_once_on_stderr(tmp_path, monkeypatch, capsys, outdated):
     """Where no machine code is shipped for a processor, or it is of other sources."""
-    monkeypatch.setattr(shipped, "usable", lambda kernel: None)
+    monkeypatch.setattr(precompiled, "usable", lambda kernel: None)
     monkeypatch.setattr(coefficients, "is_outdated", lambda: outdated)
     engine = ov.Engine(plain_preset(), timeline_of())
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))

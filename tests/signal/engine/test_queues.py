@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.signal.engine import queues as engine_queues
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
 
@@ -119,7 +119,7 @@ def test_events_pushed_together_fit_all_or_none_is_taken(ring):
     queues, memory, words = block()
     passed(words, 7)
     queues.control_all(*many(10, ring))
-    with pytest.raises(ov.OverviewError, match=f"{layout.RING - 9} control events.*10 wait"):
+    with pytest.raises(ov.OverviewError, match=f"{layout.RING - 9} control events.*10 are pending"):
         queues.control_all(*many(layout.RING - 9, ring, (ring + 1) % len(SOURCES)))
     assert [len(waiting(memory, words, n)) for n in RINGS] == [10 * (n == ring) for n in RINGS]
     queues.control_all(*many(layout.RING - 10, ring))
@@ -129,13 +129,13 @@ def test_events_pushed_together_fit_all_or_none_is_taken(ring):
 @pytest.mark.parametrize("source", [-1, len(SOURCES)])
 def test_an_index_that_names_no_source_is_refused(source):
     queues, memory, words = block()
-    with pytest.raises(ov.InputError, match="index of touch"):
+    with pytest.raises(ov.InputError, match="indices of touch"):
         queues.control_all(*many(2, 1, source))
     assert all(waiting(memory, words, ring) == [] for ring in RINGS)
 
 
 def test_a_source_that_is_unknown_is_refused_and_the_known_ones_are_named():
-    with pytest.raises(ov.InputError, match="'foot'; known: touch, twist, "):
+    with pytest.raises(ov.InputError, match="'foot'; must be one of touch, twist, "):
         block()[0].control(1.0, True, 0, "foot")
 
 
@@ -190,7 +190,7 @@ def test_the_free_slot_neither_sounds_nor_fades_nor_waits(active, fading):
         assert slot in free
         free.remove(slot)
         queues.push([(layout.COMMAND_SURFACE, float(slot))], 0)
-    with pytest.raises(ov.OverviewError, match="two surfaces wait or fade"):
+    with pytest.raises(ov.OverviewError, match="two surfaces are pending or fading"):
         queues.free_slot()
 
 

@@ -46,7 +46,7 @@ def played(engine, at=BEFORE):
     return samples[round(at * RATE) :], trace[round(at * RATE) :]
 
 
-@pytest.mark.filterwarnings("ignore:surface.grip holds the disk")
+@pytest.mark.filterwarnings("ignore:surface.torque_ratio holds the disk")
 @pytest.mark.parametrize("model", PARAMETERS["surface.model"].choices)
 def test_every_parameter_of_the_surface_set_live_is_that_surface(model, match):
     heard_of = set()
@@ -67,7 +67,7 @@ def test_every_parameter_of_the_surface_set_live_is_that_surface(model, match):
         unchanged, _ = played(prepared(preset, match, RATE))
         if not np.array_equal(wanted, unchanged):
             heard_of.add(id)
-    assert {"surface.friction", "surface.ambience"} <= heard_of
+    assert {"surface.friction", "surface.intensity_gain"} <= heard_of
 
 
 def test_how_the_disk_is_released_may_be_set_while_it_is_held(match, football):
@@ -110,24 +110,24 @@ def test_of_many_hands_the_last_to_touch_is_the_heir(match, football):
     assert sorted(order) == sorted(SOURCES)
     for number, source in enumerate(order):
         touch(engine, source, 0.1 * number)
-        assert engine.holder == (source, 0.1 * number)
+        assert engine.active_input == (source, 0.1 * number)
     # one that moves while another holds takes nothing, but is heir where it is now
     touch(engine, "twist", 3.0)
-    assert engine.holder == ("osc", 0.5)
+    assert engine.active_input == ("osc", 0.5)
     # one that lets go while another holds is no heir any more
     touch(engine, "remote", 0.3, False)
     touch(engine, "osc", 0.5, False)
-    assert engine.holder == ("twist", 3.0)
+    assert engine.active_input == ("twist", 3.0)
     # touching again is touching last
     touch(engine, "midi", 0.0, False)
     touch(engine, "midi", 1.0)
-    assert engine.holder == ("midi", 1.0)
+    assert engine.active_input == ("midi", 1.0)
     for source, heir in (("midi", "twist"), ("twist", "serial"), ("serial", "touch")):
         touch(engine, source, 0.0, False)
-        assert engine.holder[0] == heir
+        assert engine.active_input[0] == heir
         assert engine.meters.touching
     touch(engine, "touch", 0.0, False)
-    assert engine.holder is None
+    assert engine.active_input is None
     assert not engine.meters.touching
 
 
@@ -138,10 +138,10 @@ def test_three_hands_at_one_sample_are_taken_in_the_order_of_sources(match, foot
         for source in hands[first:] + hands[:first]:  # in whatever order they were written
             engine.control(1.0, True, sample_time=50, source=source)
         run(engine, 100)
-        assert engine.holder[0] == "remote"
+        assert engine.active_input[0] == "remote"
         for source, heir in (("remote", "serial"), ("serial", "touch")):
             touch(engine, source, 1.0, False)
-            assert engine.holder[0] == heir
+            assert engine.active_input[0] == heir
 
 
 def test_an_heir_takes_the_disk_from_where_it_is_without_a_step(match, football):

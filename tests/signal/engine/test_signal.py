@@ -124,7 +124,7 @@ def test_the_ceiling_holds_at_the_loudest_settings(match, football):
         {
             "tactor.gain_db": 12.0,
             "click.gain_db": 12.0,
-            "tactor.full_torque_mnm": 0.1,
+            "tactor.reference_torque_mnm": 0.1,
             "output.ceiling_db": -1.0,
         }
     )

@@ -41,7 +41,7 @@ class Pair:
         ]
         np.testing.assert_array_equal(states[0], states[1])
         for column in ("time_s", "event", "torque", "level"):
-            first, second = one.take_strikes(), two.take_strikes()
+            first, second = one.pop_strikes(), two.pop_strikes()
             np.testing.assert_array_equal(getattr(first, column), getattr(second, column))
 
 
@@ -127,7 +127,7 @@ def test_a_voice_that_changes_by_itself_changes_no_other(eight):
     lanes, pairs = eight
     play(lanes, pairs, 1000, False)
     pairs[2].each(lambda e: e.set("tactor.gain_db", -9.0, sample_time=1500))
-    pairs[3].each(lambda e: e.set("surface.ambience", 2.0, sample_time=2500))
+    pairs[3].each(lambda e: e.set("surface.intensity_gain", 2.0, sample_time=2500))
     pairs[5].each(lambda e: e.set("disk.release", "return"))
     for frames in (700, 64, 1, 2999, 333, 3000):
         play(lanes, pairs, frames, True)

@@ -12,7 +12,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.control import push_control
+from overview_dsp.kernels.control_events import push_control
 from overview_dsp.signal.engine import queues
 from tests.examples import plain_preset, timeline_of
 
@@ -70,10 +70,10 @@ def applied(engine, threads, dropped_first):
     while any(thread.is_alive() for thread in threads):
         if engine.meters.dropped_events >= dropped_first:
             engine.process(out)
-            events, seen = engine.take_applied(seen)
+            events, seen = engine.pop_applied(seen)
             parts.append(events)
     engine.process(out)
-    parts.append(engine.take_applied(seen)[0])
+    parts.append(engine.pop_applied(seen)[0])
     return np.concatenate(parts)
 
 
@@ -117,7 +117,7 @@ def test_each_source_counts_and_warns_for_itself(engine):
     for source in ("touch", "midi"):
         for _ in range(layout.RING):
             engine.control(1.0, True, None, source)
-        with pytest.warns(ov.OverviewWarning, match=f"of source '{source}' wait"):
+        with pytest.warns(ov.OverviewWarning, match=f"of source '{source}' are pending"):
             engine.control(1.0, True, None, source)
     assert engine.meters.dropped_events == 2
     engine.reset()

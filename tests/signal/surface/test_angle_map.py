@@ -117,7 +117,7 @@ def test_times_and_positions_outside_are_those_of_the_ends():
 
 def test_the_surface_lies_where_the_map_says():
     timeline, preset = crowded(), preset_with(width=0.02, surface__angle_map=0.7)
-    preset = preset.with_value("surface.ambience", 1.0)
+    preset = preset.with_value("surface.intensity_gain", 1.0)
     surface = ov.build_surface(timeline, preset)
     inside = np.isin(surface.event, apart(timeline))
     assert surface.position[inside] == pytest.approx(
@@ -132,7 +132,7 @@ def test_the_surface_lies_where_the_map_says():
 
 def test_gaps_lie_where_the_map_says():
     timeline = replace(crowded(), gaps=((1010.0, 1300.0),))
-    preset = preset_with(surface__angle_map=0.7, surface__ambience=0.0, height=0.0)
+    preset = preset_with(surface__angle_map=0.7, surface__intensity_gain=0.0, height=0.0)
     surface = ov.build_surface(timeline, preset)
     first, last = surface.position_of([1010.0, 1300.0]) * np.pi
     assert last - first > 2.0 * 290.0 / 5700.0 * np.pi

@@ -127,7 +127,9 @@ def test_a_surface_has_only_the_fields_that_its_preset_has():
     plain = surface_of((30.0, "slim", 1.0))
     assert plain.bristles is plain.detents is None
     assert plain.own_model == "viscous"
-    sticky = plain_preset(surface__friction=2e-3, surface__model="bristle", surface__grip=1.0)
+    sticky = plain_preset(
+        surface__friction=2e-3, surface__model="bristle", surface__torque_ratio=1.0
+    )
     surface = surface_of((30.0, "slim", 1.0), preset=sticky)
     assert surface.own_model == "bristle"
     assert surface.detents is None
@@ -137,7 +139,9 @@ def test_a_surface_has_only_the_fields_that_its_preset_has():
 
 
 def test_a_kind_of_a_material_rings_as_its_parameters_say():
-    kind = replace(KINDS["slim"], modes=(), material="wood", pitch_hz=600.0, ring=0.3, gain_db=-2.0)
+    kind = replace(
+        KINDS["slim"], modes=(), material="wood", pitch_hz=600.0, decay_scale=0.3, gain_db=-2.0
+    )
     expected = louder(modes_of("wood", 600.0, 0.3), -2.0)
     assert surface_of((30.0, "slim", 1.0), slim=kind).kind_modes[2] == expected
 
@@ -156,7 +160,7 @@ def test_two_events_are_too_dense_where_half_the_timeline_is_too_little_for_each
         surface = surface_of(
             (30.0, "slim", 1.0), (60.0, "slim", 1.0), (90.0, "wide", 1.0), slim=kind
         )
-        assert surface.left_out == ({"slim": 2} if dense else {})
+        assert surface.omitted_events == ({"slim": 2} if dense else {})
 
 
 def test_a_span_that_begins_within_the_first_cell_has_a_beginning():
@@ -215,14 +219,14 @@ def test_the_strongest_of_each_cell_stands_for_all_there(monkeypatch):
         (60.0, "slim", 1.0),
     ]
     sticky = replace(KINDS["slim"], model="bristle")
-    said = r"^the timeline: 4 events, of which the surface keeps 3; .*use a shorter window$"
+    said = r"^the timeline: the surface keeps 3 of 4 events; .*use a shorter window$"
     with pytest.warns(ov.OverviewWarning, match=said):
         surface = surface_of(*events, title="", slim=sticky)
     assert surface.event.tolist() == [1, 2, 3]
     assert surface.position == pytest.approx([0.2, 0.4, 0.6], abs=1e-5)
     place = [round(part * CELLS) for part in (0.2, 0.4, 0.6)]
     assert surface.bristles.owner[place].tolist() == [0, 1, 2]
-    with pytest.warns(ov.OverviewWarning, match="^test: 4 events"):
+    with pytest.warns(ov.OverviewWarning, match="^test: the surface keeps 3 of 4 events"):
         surface_of(*events)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -29,18 +29,18 @@ def test_any_preset_on_any_timeline_gives_a_surface_with_friction_everywhere(tim
     assert np.isfinite(surface.friction).all()
     bare = preset.number("surface.friction")
     if preset.number("surface.rank_share"):  # which lowers the base, to keep the mean
-        bare /= 1.0 + preset.number("surface.ambience")
+        bare /= 1.0 + preset.number("surface.intensity_gain")
     assert (surface.friction > 0.09 * bare).all()
     if not timeline.gaps:
         assert (surface.friction >= bare).all()
     felt = [
         i
         for i, event in enumerate(timeline.events)
-        if (preset.kind_for(event.kind) or "default") not in surface.left_out
+        if (preset.kind_for(event.kind) or "default") not in surface.omitted_events
     ]
     count = len(felt)
     assert sorted(surface.event.tolist()) == felt
-    assert count + sum(surface.left_out.values()) == len(timeline.events)
+    assert count + sum(surface.omitted_events.values()) == len(timeline.events)
     assert (np.diff(surface.position) >= 0.0).all()
     assert ((surface.position > 0.0) & (surface.position < 1.0)).all()
     assert surface.span.shape == (count, 2)
@@ -66,7 +66,7 @@ def test_a_bare_surface_is_the_presets_friction_all_over():
 def test_equal_steps_of_the_intensity_are_equal_ratios_of_friction():
     curve = ov.Intensity(np.array([0.0, 10.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 10.0, (), curve)
-    preset = plain_preset(surface__friction=1e-3, surface__ambience=4.0)
+    preset = plain_preset(surface__friction=1e-3, surface__intensity_gain=4.0)
     surface = ov.build_surface(timeline, preset)
     assert np.allclose(surface.friction, 1e-3 * 5.0**PLACES, rtol=1e-12)
 
@@ -213,7 +213,9 @@ def test_a_width_in_percent_is_the_same_at_any_zoom():
 
 
 def test_a_width_below_what_the_surface_resolves_is_widened_with_a_warning():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default: 1 ms of 100 s") as caught:
+    with pytest.warns(
+        ov.OverviewWarning, match=r"kinds\.default\.width_ms is 1 of 100 s"
+    ) as caught:
         surface = ov.build_surface(timeline_of(50.0), ms_preset(1.0))
     # once: the other kind has no event here
     assert len(caught) == 1
@@ -252,4 +254,4 @@ def test_events_denser_than_their_spacing_wait_for_a_zoom(count, felt):
     }
     surface = ov.build_surface(timeline, ov.Preset("x", "", "", {}, kinds))
     assert len(surface.event) == (count + 1 if felt else 1)
-    assert surface.left_out == ({} if felt else {"tick": count})
+    assert surface.omitted_events == ({} if felt else {"tick": count})

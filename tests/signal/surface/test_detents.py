@@ -40,7 +40,7 @@ def clicking(height=20.0, width=2.0, model="detent", **changes):
 
 
 def dial(**changes):
-    """A bare surface with twenty detents."""
+    """A base surface with twenty detents."""
     values = {
         "disk__inertia": J,
         "disk__k1": 1e-3,
@@ -49,7 +49,7 @@ def dial(**changes):
         "surface__model": "detent",
         "surface__pattern": "waves",
         "surface__pattern_period_percent": 5.0,
-        "surface__grip": 8.0,
+        "surface__torque_ratio": 8.0,
         "surface__material": "metal",
         **changes,
     }
@@ -106,7 +106,7 @@ def test_let_go_the_disk_keeps_the_ledger_in_any_well(
         surface__end_stiffness=end,
         surface__end_damping=damping,
         surface__model="bristle",
-        surface__grip=grip,
+        surface__torque_ratio=grip,
         disk__k1=0.02,
     )  # fmt: skip
     kind = replace(preset.kinds["default"], shape=shape)
@@ -163,7 +163,7 @@ def test_a_stop_is_a_spring_on_its_way_up_and_holds_eight_times_as_much_from_beh
 
 
 def test_the_disk_rests_in_the_well_nearest_to_the_finger():
-    preset = dial(disk__k2=0.5, surface__friction=6e-3, surface__grip=8.0 / 6.0)
+    preset = dial(disk__k2=0.5, surface__friction=6e-3, surface__torque_ratio=8.0 / 6.0)
     pull, k = 8e-3, 0.5
     for place in (0.17, 0.385, 0.62, 0.78):
         result = ov.render(timeline_of(), preset, ov.tap(place, 3.0), tail="none")
@@ -177,7 +177,7 @@ def test_the_disk_rests_in_the_well_nearest_to_the_finger():
 
 
 def test_a_swing_in_a_well_has_its_own_frequency():
-    preset = dial(surface__grip=800.0)
+    preset = dial(surface__torque_ratio=800.0)
     engine = ov.Engine(preset, timeline_of())
     engine.prepare(48_000, 48_000)
     engine.control(0.3, True)
@@ -221,13 +221,13 @@ def test_a_well_is_struck_as_fast_as_the_disk_is_there():
 
 
 def test_wells_are_crossfaded():
-    engine = ov.Engine(dial(surface__grip=0.0, disk__k2=0.5), timeline_of())
+    engine = ov.Engine(dial(surface__torque_ratio=0.0, disk__k2=0.5), timeline_of())
     engine.prepare(48_000, 48_000)
     engine.control(0.5 * math.pi + 0.04, True)
     out, table = np.zeros((48_000, 2), dtype=np.float32), np.zeros((48_000, 10))
     engine.process(out, table)
     still = table[-10:, 4].copy()
-    engine.set("surface.grip", 50.0)
+    engine.set("surface.torque_ratio", 50.0)
     engine.process(out, table)
     jerk = np.abs(np.diff(np.concatenate([still, table[:, 4]]), 2))
     # the whole pull at once would change the speed by pull * dt / J in a sample
@@ -299,7 +299,7 @@ def test_no_well_is_made_where_there_is_none(match, football):
 
 def test_wells_that_pull_nothing_change_no_bit(match, football):
     gesture = ov.sweep(0.5) + ov.pause(0.2) + ov.tap(0.7, 0.2)
-    bare = football.with_values(surface__model="detent", surface__grip=0.0)
+    bare = football.with_values(surface__model="detent", surface__torque_ratio=0.0)
     without = ov.render(match, football, gesture, tail=0.3)
     with_none = ov.render(match, bare, gesture, tail=0.3)
     assert np.array_equal(without.samples, with_none.samples)
@@ -312,7 +312,7 @@ def test_a_curve_makes_wells_deeper_where_it_is_high_and_none_in_a_gap():
     timeline = ov.Timeline(
         title="", duration_s=100.0, events=(), intensity=curve, gaps=((70.0, 80.0),)
     )
-    detents = ov.build_surface(timeline, dial(surface__ambience=3.0)).detents
+    detents = ov.build_surface(timeline, dial(surface__intensity_gain=3.0)).detents
     depth = [np.ptp(detents.energy[round(c * 655.36) : round((c + 5) * 655.36)]) for c in (20, 60)]
     assert depth[1] == pytest.approx(4.0 * depth[0], rel=0.05)
     gap = detents.pull[round(76 * 655.36) : round(77 * 655.36)]

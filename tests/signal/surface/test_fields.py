@@ -12,7 +12,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import SHAPES
 from overview_dsp.signal.surface.fields import (
-    BARE,
+    BASE,
     BristleLayer,
     Bristles,
     DetentLayer,
@@ -46,13 +46,13 @@ def of_model(model, **changes):
 
 def test_bristles_are_those_of_the_higher_profile_and_of_the_surface_elsewhere():
     values = {f"surface__{key}": value for key, value in LIKE.items()}
-    preset = of_model("bristle", surface__model="bristle", surface__grip=2.0, **values)
+    preset = of_model("bristle", surface__model="bristle", surface__torque_ratio=2.0, **values)
     layer = BristleLayer(preset, np.full(10, 1e-3))
     layer.raise_to(0, 1, np.array([1e-3, 5e-3, 5e-3, 3e-3]))
     layer.raise_to(1, 3, np.array([5e-3, 4e-3, 2e-3, 3e-3]))
     field = layer.field(np.array([7, 4]))
     assert field.grip == pytest.approx(1e-3 * np.array([2, 2, 5, 5, 4, 2, 3, 2, 2, 2]))
-    assert field.owner.tolist() == [BARE, BARE, 7, 7, 4, BARE, 4, BARE, BARE, BARE]
+    assert field.owner.tolist() == [BASE, BASE, 7, 7, 4, BASE, 4, BASE, BASE, BASE]
     assert field.bare == Bristles(**LIKE)
     (kind,) = preset.kinds.values()
     assert field.of_kind == (Bristles.of_kind(kind),)
@@ -63,7 +63,7 @@ def test_the_bristles_of_a_kind_are_as_the_kind_says():
 
 
 def test_a_surface_without_bristles_of_its_own_grips_only_at_events():
-    layer = BristleLayer(of_model("bristle", surface__grip=2.0), np.full(4, 1e-3))
+    layer = BristleLayer(of_model("bristle", surface__torque_ratio=2.0), np.full(4, 1e-3))
     assert layer.field(np.zeros(0, np.int64)).grip.tolist() == [0.0] * 4
 
 
@@ -156,7 +156,7 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         warnings.simplefilter("error")
         warn_of_lockup(preset, "it", math.nextafter(most, 0.0), "that")
     with pytest.warns(
-        ov.OverviewWarning, match=r"it holds .* 31\.4 mN.* with 31\.4 mN.*lower that"
+        ov.OverviewWarning, match=r"it: the disk gets stuck at 31\.4 mN.* with 31\.4 mN.*lower that"
     ):
         warn_of_lockup(preset, "it", most, "that")
 
@@ -166,22 +166,25 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
     [
         # 31.4 mN m is what shaft 2 pulls with; heights are in 1e-3 N m
         (of_model("detent", height=31.0), None),
-        (of_model("detent", height=32.0), r"kinds\.default holds.*32 mN.*lower its height,"),
-        (of_model("end_stop", height=32.0), r"kinds\.default holds.*32 mN"),
+        (
+            of_model("detent", height=32.0),
+            r"kinds\.default: the disk gets stuck at 32 mN.*lower its height,",
+        ),
+        (of_model("end_stop", height=32.0), r"kinds\.default: the disk gets stuck at 32 mN"),
         (of_model("bristle", height=15.0), None),  # twice that until it slides
         (
             of_model("bristle", height=16.0),
-            r"kinds\.default holds.*32 mN.*lower its height or static_ratio,",
+            r"kinds\.default: the disk gets stuck at 32 mN.*lower its height or static_ratio,",
         ),
-        (plain_preset(surface__model="bristle", surface__grip=15.0), None),
+        (plain_preset(surface__model="bristle", surface__torque_ratio=15.0), None),
         (
-            plain_preset(surface__model="bristle", surface__grip=16.0),
-            r"^surface\.grip holds.*32 mN.*lower it or surface\.static_ratio,",
+            plain_preset(surface__model="bristle", surface__torque_ratio=16.0),
+            r"^surface\.grip: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
         ),
-        (plain_preset(surface__model="detent", surface__grip=31.0), None),
+        (plain_preset(surface__model="detent", surface__torque_ratio=31.0), None),
         (
-            plain_preset(surface__model="detent", surface__grip=32.0),
-            r"surface\.grip holds.*32 mN.*lower it,",
+            plain_preset(surface__model="detent", surface__torque_ratio=32.0),
+            r"surface\.grip: the disk gets stuck at 32 mN.*lower it,",
         ),
     ],
 )
@@ -198,8 +201,10 @@ def test_what_holds_the_disk_for_good_is_warned_of(preset, told):
 def test_detents_hold_where_the_curve_is_highest():
     curve = ov.Intensity(np.array([0.0, 100.0]), np.array([0.0, 1.0]))
     timeline = ov.Timeline("ramp", 100.0, (), curve)
-    preset = plain_preset(surface__model="detent", surface__grip=16.0, surface__ambience=1.0)
-    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip holds.*32 mN"):
+    preset = plain_preset(
+        surface__model="detent", surface__torque_ratio=16.0, surface__intensity_gain=1.0
+    )
+    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip: the disk gets stuck at 32 mN"):
         ov.build_surface(timeline, preset)
 
 

@@ -21,14 +21,14 @@ RATE = 48_000
 
 
 def creaking(**changes):
-    """A bare surface with bristles that creak, and two events."""
+    """A base surface with bristles that creak, and two events."""
     values = {
         "disk__inertia": 2e-5,
         "disk__k1": 5e-3,
         "disk__k2": 0.5,
         "surface__friction": 1e-4,
         "surface__model": "bristle",
-        "surface__grip": 50.0,
+        "surface__torque_ratio": 50.0,
         "surface__stribeck_speed": 0.5,
         **changes,
     }
@@ -44,7 +44,7 @@ def sticky(height=4.0, width=2.0, **kind):
 
 def test_bristles_without_grip_change_no_bit(match, football):
     gesture = ov.sweep(0.5) + ov.pause(0.2) + ov.tap(0.7, 0.2)
-    bare = football.with_values(surface__model="bristle", surface__grip=0.0)
+    bare = football.with_values(surface__model="bristle", surface__torque_ratio=0.0)
     without = ov.render(match, football, gesture, tail=0.3)
     with_none = ov.render(match, bare, gesture, tail=0.3)
     assert np.array_equal(without.samples, with_none.samples)
@@ -83,10 +83,12 @@ def test_what_resists_is_the_same_height_in_every_model():
 
 
 def test_bristles_that_no_spring_can_pull_over_are_named():
-    with pytest.warns(ov.OverviewWarning, match=r"kinds\.default holds the disk against.*disk\.k2"):
+    with pytest.warns(
+        ov.OverviewWarning, match=r"kinds\.default: the disk gets stuck at.*disk\.k2"
+    ):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
-    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip holds the disk"):
-        ov.build_surface(timeline_of(), creaking(surface__grip=10_000.0))
+    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip: the disk gets stuck"):
+        ov.build_surface(timeline_of(), creaking(surface__torque_ratio=10_000.0))
 
 
 @settings(max_examples=share(0.5))
@@ -99,9 +101,12 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
     rate=st.sampled_from([8000, 48_000]),
 )
 def test_let_go_the_energy_never_rises(stiffness, other, damping, static, grip, rate):
-    """Of disk, spring and bristles, over two kinds and the bare surface."""
+    """Of disk, spring and bristles, over two kinds and the base surface."""
     preset = creaking(
-        surface__stiffness=stiffness, surface__damping=damping, surface__grip=grip, disk__k1=0.05
+        surface__stiffness=stiffness,
+        surface__damping=damping,
+        surface__torque_ratio=grip,
+        disk__k1=0.05,
     )
     kind = replace(
         preset.kinds["default"],
@@ -198,7 +203,7 @@ def test_a_stuck_disk_moves_on_when_the_grip_is_lowered():
     engine.control(0.015, True)  # 7.5 mN m, of the 10 that break it loose
     engine.process(out)
     assert math.pi * engine.meters.cursor < 0.001
-    engine.set("surface.grip", 2.0)
+    engine.set("surface.torque_ratio", 2.0)
     engine.process(out)
     assert abs(math.pi * engine.meters.cursor - 0.015) <= 2.0 * 2e-4 / 0.5 * 1.05
 
@@ -213,13 +218,13 @@ def test_a_grip_that_comes_back_remembers_no_slip():
     engine.process(out)
     engine.set("surface.model", "viscous")
     engine.process(out)
-    engine.take_strikes()
+    engine.pop_strikes()
     engine.control(3.0, True)
     engine.process(out[:2000])
     engine.set("surface.model", "bristle")
     engine.process(out[:1000])
     assert engine.meters.cursor > 0.1
-    assert len(engine.take_strikes()) == 0
+    assert len(engine.pop_strikes()) == 0
 
 
 def test_no_static_torque_makes_no_creak():
@@ -248,7 +253,7 @@ def test_stuck_for_good_the_tail_ends():
 
 @pytest.mark.parametrize("model", ["bristle", "detent", "end_stop"])
 def test_the_stated_tail_is_long_enough(model):
-    preset = creaking(surface__friction=1e-3, surface__grip=3.0, surface__material="glass")
+    preset = creaking(surface__friction=1e-3, surface__torque_ratio=3.0, surface__material="glass")
     kind = replace(preset.kinds["default"], model=model, height=5.0)
     preset = replace(preset, kinds={"default": kind})
     if model != "bristle":
@@ -269,7 +274,7 @@ def schedule(engine):
     engine.control(0.3, True, 0)
     for i in range(60):
         engine.control(0.3 + 0.04 * i, True, 200 * i)
-    stiffer = engine.preset.with_values(surface__grip=30.0, surface__stiffness=5000.0)
+    stiffer = engine.preset.with_values(surface__torque_ratio=30.0, surface__stiffness=5000.0)
     engine.set_preset(stiffer, sample_time=4000)
     engine.set("kinds.default.model", "bristle", sample_time=8000)
     engine.set("disk.k2", 0.3, sample_time=9000)
@@ -292,7 +297,7 @@ def played(sizes, frames=16_000):
         stop = min(frames, start + size)
         engine.process(out[start:stop], trace[start:stop])
         start = stop
-    return out, trace, engine.take_strikes()
+    return out, trace, engine.pop_strikes()
 
 
 def test_no_block_size_changes_a_bit_in_any_model():

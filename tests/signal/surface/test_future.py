@@ -16,7 +16,7 @@ PRESETS = ("football", "football-discreet", "series", "crowd", "heart", "ratchet
 @pytest.fixture(scope="module")
 def half(match):
     """The match as it is at half time, under its expected length."""
-    live = ov.LiveTimeline(expect_s=match.duration_s)
+    live = ov.LiveTimeline(expected_duration_s=match.duration_s)
     live.append(events=[event for event in match.events if event.time_s <= 2900.0], clock_s=2900.0)
     return live.snapshot()
 
@@ -28,7 +28,7 @@ def test_the_future_is_smooth_and_heavier_than_all_the_curve_could_be(half, name
     now = int(half.known_until_s / half.duration_s * CELLS)
     later = surface.friction[now + int(0.04 * CELLS) :]
     assert np.ptp(later) == 0.0
-    bare = preset.number("surface.friction") * (1.0 + preset.number("surface.ambience"))
+    bare = preset.number("surface.friction") * (1.0 + preset.number("surface.intensity_gain"))
     assert later[0] > 1.9 * bare
     assert all(position <= (now + 2) / CELLS for position in surface.position)
     strikes = surface.texture_strikes.position

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.library import bundled_presets
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.felt import STEP_DB, stroke_feel, strokes, window_db
+from overview_dsp.measure.perceived_level import STEP_DB, stroke_feel, strokes, window_db
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.signal.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs
@@ -24,7 +24,7 @@ CASES = [(name, seconds) for name in bundled_presets() for seconds in SWEEPS]
 
 CLEAR = ("crowd", "heart", "plain", "series", "weather", "football")
 SMOOTH = [(name, seconds) for name, seconds in CASES if name.startswith(CLEAR)]
-"""Presets on whose bare surface the data alone is felt; others have teeth, detents or slip."""
+"""Presets on whose base surface the data alone is felt; others have teeth, detents or slip."""
 
 RATE = 16_000
 """The disk and its vibration are the same at any rate."""
@@ -32,7 +32,7 @@ RATE = 16_000
 SILENT_DB = -90.0
 """Nothing is felt below what a 16-bit output can give."""
 
-BARE, GAP, HIGH, WAVES, FOULS = (0.12, 0.25), (0.3, 0.5), (0.58, 0.7), (0.78, 0.95), (0.0, 0.1)
+BASE, GAP, HIGH, WAVES, FOULS = (0.12, 0.25), (0.3, 0.5), (0.58, 0.7), (0.78, 0.95), (0.0, 0.1)
 
 
 def with_gaps(*gaps, duration=100.0):
@@ -78,13 +78,13 @@ def swing(result, part):
 @pytest.mark.parametrize("case", SMOOTH)
 def test_a_gap_alternates_as_neither_a_level_nor_a_wave_of_the_data_does(felt, case):
     assert swing(felt[case], GAP) >= 3.0 * JUST_NOTICEABLE_DB
-    for part in (BARE, HIGH, WAVES):
+    for part in (BASE, HIGH, WAVES):
         assert swing(felt[case], GAP) - swing(felt[case], part) >= 1.5 * JUST_NOTICEABLE_DB
 
 
 @pytest.mark.parametrize("case", SMOOTH)
 def test_a_gaps_grooves_are_felt_below_the_bare_surface_and_its_ribs_above(felt, case):
-    bare = np.median(levels(felt[case], BARE))
+    bare = np.median(levels(felt[case], BASE))
     gap = levels(felt[case], GAP)
     assert np.percentile(gap, 5) <= max(bare - JUST_NOTICEABLE_DB, SILENT_DB)
     assert np.percentile(gap, 95) >= bare + STEP_DB
@@ -94,7 +94,7 @@ def test_a_gaps_grooves_are_felt_below_the_bare_surface_and_its_ribs_above(felt,
 def test_a_gap_is_felt_apart_from_all_that_is_data(felt, case):
     """On a surface with teeth or clicks of its own too: by its level, or by how much it swings."""
     gap = levels(felt[case], GAP)
-    for part in (BARE, HIGH, WAVES):
+    for part in (BASE, HIGH, WAVES):
         level = np.median(gap) - np.median(levels(felt[case], part))
         change = swing(felt[case], GAP) - swing(felt[case], part)
         assert max(abs(level), abs(change)) >= 1.5 * JUST_NOTICEABLE_DB, part
@@ -153,7 +153,7 @@ def test_values_inside_a_gap_are_not_felt():
     at = np.array([0.0, 30.0, 40.0, 50.0, 100.0])
     quiet = ov.Intensity(at, np.array([0.5, 0.5, 0.0, 0.5, 0.5]))
     loud = ov.Intensity(at, np.array([0.5, 0.5, 1.0, 0.5, 0.5]))
-    preset = plain_preset(surface__ambience=4.0)
+    preset = plain_preset(surface__intensity_gain=4.0)
     one, other = (
         ov.build_surface(ov.Timeline("t", 100.0, (), curve, gaps=((30.0, 50.0),)), preset)
         for curve in (quiet, loud)
@@ -163,7 +163,7 @@ def test_values_inside_a_gap_are_not_felt():
 
 def test_a_gap_too_narrow_for_a_rib_is_a_groove_and_is_named():
     gaps = ((20.0, 20.5), (50.0, 50.001), (70.0, 80.0))
-    with pytest.warns(ov.OverviewWarning, match="2 gaps are too narrow.*narrowest 0.001 s") as got:
+    with pytest.warns(ov.OverviewWarning, match="2 gaps are too narrow.*narrowest: 0.001 s") as got:
         surface = ov.build_surface(with_gaps(*gaps), plain_preset())
     assert len(got) == 1
     place = np.arange(CELLS + 1) / CELLS

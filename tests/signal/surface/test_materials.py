@@ -1,4 +1,4 @@
-"""Named materials: their modes, and where the bare surface is struck."""
+"""Named materials: their modes, and where the base surface is struck."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ import overview_dsp as ov
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MATERIALS
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.layout import MAX_MODES
-from overview_dsp.signal.engine.surface_slots import struck_events
-from overview_dsp.signal.surface.bare import crests_of, troughs_of
+from overview_dsp.signal.engine.surface_slots import timeline_events
+from overview_dsp.signal.surface.base_surface import crests_of, troughs_of
 from overview_dsp.signal.surface.materials import louder, modes_of
 from tests.examples import plain_preset, preset_with, timeline_of
 
@@ -96,9 +96,9 @@ def test_events_among_crests_keep_their_numbers():
     preset = replace(rough(), kinds=preset_with(width=0.5).kinds)
     surface = ov.build_surface(timeline, preset)
     count = len(surface.position) + len(surface.texture_strikes.position)
-    events = struck_events(surface)[:count]
+    events = timeline_events(surface)[:count]
     assert events[events >= 0].tolist() == surface.event.tolist()
-    assert struck_events(surface)[-1] == -1
+    assert timeline_events(surface)[-1] == -1
     result = ov.render(timeline, preset, ov.sweep(5.0), tail="none")
     out = result.strikes.time_s < 5.5
     assert result.strikes.event[out & (result.strikes.event >= 0)].tolist() == [
@@ -111,7 +111,7 @@ def test_events_among_crests_keep_their_numbers():
     base = layout.SURFACES + layout.SLOT_OWNER
     cells = (engine.surface.position * layout.CELLS).astype(int)
     owners = engine.memory.view(np.int64)[base + cells]
-    assert struck_events(engine.surface)[owners].tolist() == engine.surface.event.tolist()
+    assert timeline_events(engine.surface)[owners].tolist() == engine.surface.event.tolist()
 
 
 def test_gaps_have_no_crests():

@@ -1,4 +1,4 @@
-"""What the bare surface is made of, apart from data."""
+"""What the base surface is made of, apart from data."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PATTERNS
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.report import character_steps, feel_report
+from overview_dsp.measure.report import character_distance, feel_report
 from overview_dsp.signal.surface.gaps import pattern
 from tests.examples import plain_preset, timeline_of
 
@@ -69,8 +69,8 @@ def test_ridges_are_felt_as_so_many_pulses():
         # the disk catches up with its first ridges and with its last ones at once
         assert RIDGES * 0.8 < pulses < RIDGES * 1.2
         assert flat.stroke(name).density_hz * seconds < 3.0
-    assert character_steps(flat, ridged) > 2.0
-    assert character_steps(ridged, ridged) == 0.0
+    assert character_distance(flat, ridged) > 2.0
+    assert character_distance(ridged, ridged) == 0.0
 
 
 def test_twice_the_friction_is_steps_of_level():
@@ -79,7 +79,7 @@ def test_twice_the_friction_is_steps_of_level():
         feel_report(plain_preset(surface__friction=friction), timeline) for friction in (1e-3, 3e-3)
     )
     assert one.stroke("slow").level_db < two.stroke("slow").level_db
-    assert character_steps(one, two) > 1.0
+    assert character_distance(one, two) > 1.0
 
 
 @pytest.mark.parametrize(

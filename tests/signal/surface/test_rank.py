@@ -21,14 +21,14 @@ def curve(values, gaps=(), known_until_s=None):
                        known_until_s=known_until_s)  # fmt: skip
 
 
-def preset(share, ambience=3.0, **values):
-    return plain_preset(surface__ambience=ambience, surface__rank_share=share, **values)
+def preset(share, intensity_gain=3.0, **values):
+    return plain_preset(surface__intensity_gain=intensity_gain, surface__rank_share=share, **values)
 
 
 def levels(timeline, made):
     """Intensity as it is felt, up to a constant."""
     friction = ov.build_surface(timeline, made).friction
-    return np.log(friction) / np.log1p(made.number("surface.ambience"))
+    return np.log(friction) / np.log1p(made.number("surface.intensity_gain"))
 
 
 def mostly_low(points=2001):

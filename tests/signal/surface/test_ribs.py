@@ -79,8 +79,8 @@ def test_a_gap_too_narrow_for_a_rib_is_one_groove_of_four_cells_or_its_own(gap, 
 
 def test_the_narrow_gaps_are_counted_and_the_narrowest_is_named():
     with pytest.warns(
-        ov.OverviewWarning, match=r"^1 gap is too narrow.*1:40\.0 .*narrowest 0\.9 s"
+        ov.OverviewWarning, match=r"^1 gap is too narrow.*1:40\.0 .*narrowest: 0\.9 s"
     ):
         ribs(((5.0, 5.9), (20.0, 21.1)), DURATION, CELLS, 3.0, 2.0)
-    with pytest.warns(ov.OverviewWarning, match=r"^2 gaps are too narrow.*narrowest 0\.25 s"):
+    with pytest.warns(ov.OverviewWarning, match=r"^2 gaps are too narrow.*narrowest: 0\.25 s"):
         ribs(((5.0, 5.9), (20.0, 20.25)), DURATION, CELLS, 3.0, 2.0)

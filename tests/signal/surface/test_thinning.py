@@ -48,7 +48,7 @@ def test_of_many_as_strong_at_one_place_the_first_is_kept():
 def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
     preset = preset_with(height=2.0, width=0.03)
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
-    with pytest.warns(OverviewWarning, match="100000 events, of which the surface keeps 163"):
+    with pytest.warns(OverviewWarning, match="the surface keeps 163[0-9]* of 100000 events"):
         surface = build_surface(timeline, preset)
     assert len(surface.position) <= MAX_EVENTS
     assert np.all(np.diff(surface.position) > 0.0)

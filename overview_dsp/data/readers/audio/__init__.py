@@ -1,1 +1,1 @@
-"""Recordings as timelines: how loud they are, and where a crowd rises above its murmur."""
+"""Readers of recordings: loudness, and cheers above the background of a crowd."""

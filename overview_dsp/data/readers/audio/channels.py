@@ -1,15 +1,15 @@
-"""How much each channel of a recording counts in its loudness, by where its speaker stands.
+"""Weight of each channel of a recording in its loudness, by the position of its speaker.
 
-ITU-R BS.1770-5, table 3: 1 for the front, 1.41 (+1.5 dB) for a speaker 60 to 120 degrees to the
-side at ear height, 1 for one further back or above, 0 for low-frequency effects.
+Weights of ITU-R BS.1770-5, table 3: 1.41 (+1.5 dB) for speakers at ear height, 60 to 120 degrees to
+the side, 0 for low-frequency effects, 1 for all others.
 """
 
 from __future__ import annotations
 
 SIDE = 1.41
-"""What a side speaker's power is multiplied by."""
+"""Weight of the power of a side speaker."""
 
-# names as libsndfile prints them; "r" are the rear ones of 7.1, behind 120 degrees
+# names of libsndfile; "Lr" and "Rr" are the rear speakers of 7.1, beyond 120 degrees
 _LAYOUTS: dict[int, tuple[str, ...]] = {
     1: ("M",),
     2: ("L", "R"),
@@ -20,7 +20,7 @@ _LAYOUTS: dict[int, tuple[str, ...]] = {
     7: ("L", "R", "C", "LFE", "Cs", "Ls", "Rs"),
     8: ("L", "R", "C", "LFE", "Lr", "Rr", "Ls", "Rs"),
 }
-# Xiph's order, which libsndfile leaves as it is (Vorbis I specification, 4.3.9)
+# order of Xiph formats, which libsndfile does not change (Vorbis I specification, 4.3.9)
 _XIPH_LAYOUTS: dict[int, tuple[str, ...]] = {
     3: ("L", "C", "R"),
     5: ("L", "C", "R", "Ls", "Rs"),
@@ -30,34 +30,29 @@ _XIPH_LAYOUTS: dict[int, tuple[str, ...]] = {
 }
 _WEIGHTS = {"LFE": 0.0, "Ls": SIDE, "Rs": SIDE}
 
-# bits of a WAVE header's channel mask that aren't 1
+# bits of the channel mask in a WAVE header for speakers with a weight other than 1
 _MASK_LFE = 0x8
 _MASK_BACK = (0x10, 0x20)
 _MASK_SIDE = (0x200, 0x400)
 
 
 def layout_of(channels: int, xiph: bool = False) -> tuple[str, ...] | None:
-    """Return the usual speakers of so many channels, None if there is no usual layout.
+    """Return the usual speakers for a number of channels; None without a usual layout.
 
-    Parameters
-    ----------
-    channels
-        How many, 1 or more.
-    xiph
-        The order of Vorbis and Opus, where the centre is second and the LFE last.
+    `xiph` selects the order of Vorbis and Opus, in which the centre is second and the LFE last.
     """
     return (_XIPH_LAYOUTS if xiph else {}).get(channels) or _LAYOUTS.get(channels)
 
 
 def weights_of(layout: tuple[str, ...]) -> tuple[float, ...]:
-    """Return what each channel's power is multiplied by."""
+    """Return the weight of each channel's power."""
     return tuple(_WEIGHTS.get(name, 1.0) for name in layout)
 
 
 def weights_of_mask(mask: int, channels: int) -> tuple[float, ...] | None:
-    """Return the weights of a WAVE channel mask; None if it doesn't name all channels.
+    """Return the weights of a WAVE channel mask; None if it does not cover all channels.
 
-    "Back" speakers without side ones are 5.1's surrounds, and count as such.
+    "Back" speakers without side speakers are the surround speakers of 5.1.
     """
     bits = [1 << i for i in range(32) if mask >> i & 1]
     if len(bits) != channels:

@@ -1,4 +1,4 @@
-"""A sound file as blocks of samples, by libsndfile; what it can't read becomes one clear line."""
+"""Audio files as blocks of samples, decoded by libsndfile."""
 
 from __future__ import annotations
 
@@ -36,10 +36,7 @@ _KBITS = {
 
 
 def frame_of(header: bytes) -> tuple[int, float] | None:
-    """Return the length of the frame that begins with these four bytes, in bytes and in s.
-
-    None if no frame does.
-    """
+    """Return the length of an MPEG audio frame in bytes and in s; None if `header` is not one."""
     if len(header) < 4 or header[0] != 0xFF or header[1] & 0xE0 != 0xE0:
         return None
     version, layer = header[1] >> 3 & 3, header[1] >> 1 & 3
@@ -55,7 +52,7 @@ def frame_of(header: bytes) -> tuple[int, float] | None:
 
 
 def begins_with_frames(head: bytes) -> bool:
-    """Return whether a file begins with two frames of one kind."""
+    """Return whether a file begins with two MPEG frames of the same type."""
     frame = frame_of(head[:4])
     if frame is None:
         return False
@@ -65,25 +62,25 @@ def begins_with_frames(head: bytes) -> bool:
 
 
 def frames_of(data: mmap.mmap) -> tuple[float, bool]:
-    """Return how long a file's frames last, s, and whether the last one is whole.
+    """Return the duration of all MPEG frames, s, and whether the last one is complete.
 
-    (0, True) where its frames don't follow each other.
+    Returns (0, True) if other data are between the frames.
     """
-    at, seconds = _behind_tag(data), 0.0
-    while at + 4 <= len(data):
-        header = data[at : at + 4]
+    offset, seconds = _id3_bytes(data), 0.0
+    while offset + 4 <= len(data):
+        header = data[offset : offset + 4]
         frame = frame_of(header)
         if frame is None:
-            # a tag behind the last frame; anything else isn't a plain row of frames
+            # a tag may follow the last frame
             return (seconds, True) if header[:3] in (b"TAG", b"APE", b"ID3") else (0.0, True)
-        if at + frame[0] > len(data):
+        if offset + frame[0] > len(data):
             return seconds, False
-        at, seconds = at + frame[0], seconds + frame[1]
-    return seconds, at == len(data)
+        offset, seconds = offset + frame[0], seconds + frame[1]
+    return seconds, offset == len(data)
 
 
-def _behind_tag(data: mmap.mmap) -> int:
-    """Where an ID3v2 tag at the beginning ends (ISO 646 bytes of seven bits)."""
+def _id3_bytes(data: mmap.mmap) -> int:
+    """Return the size of an ID3v2 tag at the beginning; 0 without one."""
     if data[:3] != b"ID3":
         return 0
     size = 0
@@ -93,14 +90,16 @@ def _behind_tag(data: mmap.mmap) -> int:
 
 
 MAX_DECODED_MB = 16_384
-"""Largest recording that is read, megabytes (2**20 bytes) of 16-bit samples: 27 hours of stereo at
-44.1 kHz. It counts what comes out: a small FLAC file of silence may hold months."""
+"""Maximum size of a recording after decoding, as 16-bit samples, in megabytes (2**20 bytes).
+
+This is 27 hours of stereo at 44.1 kHz. A small FLAC file of silence may contain months.
+"""
 
 MAX_SAMPLES_PER_S = 4_000_000
-"""Most samples a second, all channels together: 80 channels at 48 kHz."""
+"""Maximum samples per second, all channels together: 80 channels at 48 kHz."""
 
-_OTHER = (
-    # (bytes at offset, offset, name): sound or film that libsndfile doesn't open
+_UNSUPPORTED = (
+    # (bytes at offset, offset, name) of audio and video formats that libsndfile cannot open
     (b"ftyp", 4, "an MP4 file (m4a, mp4, mov)"),
     (b"\x1aE\xdf\xa3", 0, "a Matroska file (mkv, webm)"),
     (b"0&\xb2u\x8ef\xcf\x11", 0, "a Windows Media file (wma, wmv)"),
@@ -109,46 +108,46 @@ _OTHER = (
     (b"\xff\xf9", 0, "an AAC stream"),
     (b"MAC ", 0, "a Monkey's Audio file"),
     (b"wvpk", 0, "a WavPack file"),
-    (b"AVI ", 8, "an AVI film"),
+    (b"AVI ", 8, "an AVI video"),
 )
-_SOUND = (
+_SUPPORTED = (
     (b"WAVE", 8), (b"RF64", 0), (b"AIFF", 8), (b"AIFC", 8), (b"fLaC", 0), (b"OggS", 0),
     (b"caff", 0), (b".snd", 0), (b"dns.", 0), (b"ID3", 0), (b"riff.\x91\xcf\x11", 0),
-    (b"Creative RenderJob File", 0), (b"NIST_1A", 0), (b"8SVX", 8), (b"MATLAB 5.0", 0),
+    (b"Creative Voice File", 0), (b"NIST_1A", 0), (b"8SVX", 8), (b"MATLAB 5.0", 0),
 )  # fmt: skip
 _UNMARKED = frozenset(
     {"htk", "mpc2k", "sds", "sd2", "sf", "ircam", "xi", "wve", "paf", "pvf", "avr"}
 )
 _CUT = re.compile(r"^\s*(\S[^:\n]*?)\s*: (\d+) \(should be (\d+)\)", re.MULTILINE)
 _MASK = re.compile(r"^\s*Channel Mask\s*: 0x([0-9A-F]+)", re.MULTILINE)
-# the chunks that hold the samples; W64 and RF64 only report the whole
+# the chunks with the samples; for W64 and RF64 libsndfile reports only the size of the file
 _SAMPLE_CHUNKS = {"data", "SSND", "Data Size"}
-_WHOLE_CHUNKS = {"W64": "riff", "RF64": "Riff size"}
-# a size a program writes that doesn't know it yet: 0xffffffff, 0x7ffffff0, 0xfffff000 and the like
+_FILE_CHUNKS = {"W64": "riff", "RF64": "Riff size"}
+# programs write sizes from here on, such as 0xffffffff or 0x7ffffff0, while the size is unknown
 _UNKNOWN_FROM = 0x7FFFF000
 _OGG_LAST_PAGE = 0x04
 _TAIL_BYTES = 65_536 + 512
-"""The last page of an Ogg stream begins no further from the end: a page has up to 65307 bytes."""
+"""Bytes at the end of an Ogg stream that contain its last page; a page has up to 65307 bytes."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """An open sound file.
+    """Open audio file.
 
     Parameters
     ----------
     where
-        The path, printable.
+        Path for messages.
     sample_rate
-        Hz.
+        Sample rate, Hz.
     frames
-        How many its header promises.
+        Number of frames in the header.
     weights
-        What each channel's power counts in the loudness.
+        Weight of each channel's power in the loudness.
     kind
-        Format, coding, channels and rate, for a person.
+        Format, encoding, channels and rate, for display.
     notes
-        What was assumed about it.
+        Assumptions about the file.
     """
 
     where: str
@@ -160,14 +159,14 @@ class Recording:
     _file: Any
 
     def blocks(self, frames: int) -> Iterator[NDArray[np.floating[Any]]]:
-        """Yield the samples in order, float32 or float64 (frames, channels), the last one shorter.
+        """Yield the samples in order, float32 or float64 (frames, channels).
 
-        Each block is overwritten by the next.
+        The last block is shorter. Each block overwrites the previous one.
 
         Raises
         ------
         InputError
-            The data break off or can't be decoded; the line says at what time.
+            The data are truncated or cannot be decoded. The message contains the time.
         """
         import soundfile
 
@@ -180,27 +179,28 @@ class Recording:
             except soundfile.LibsndfileError as error:
                 raise self._broken(done, _reason(error)) from error
             if len(block) == 0:
-                raise self._broken(done, f"{self.frames / self.sample_rate:.1f} s were announced")
+                expected_s = self.frames / self.sample_rate
+                raise self._broken(done, f"its header specifies {expected_s:.1f} s")
             done += len(block)
             yield block
 
     def _broken(self, done: int, reason: str) -> InputError:
         return InputError(
-            f"{self.where}: the sound breaks off after {done / self.sample_rate:.1f} s "
+            f"{self.where}: the sound ends after {done / self.sample_rate:.1f} s "
             f"({reason}); {_repair(self.where)}"
         )
 
 
-def sounds(source: DataFile) -> bool:
-    """Return whether the file is a recording, one that can be read or one to convert first."""
-    if _other_format(source) or any(_at(source, mark, offset) for mark, offset in _SOUND):
+def is_recording(source: DataFile) -> bool:
+    """Return whether the file is a recording, including formats that must be converted first."""
+    if _unsupported(source) or any(_has(source, mark, offset) for mark, offset in _SUPPORTED):
         return True
     if source.head_text is not None:
         return False
     if begins_with_frames(source.head):
         return True
-    # formats without a mark; their names, as libsndfile searches anything else for MPEG frames and
-    # prints that it found none
+    # formats without a signature, by their suffix: libsndfile would search any other file for MPEG
+    # frames and print an error
     if source.path.suffix[1:].lower() not in _UNMARKED:
         return False
     import soundfile
@@ -209,73 +209,74 @@ def sounds(source: DataFile) -> bool:
         with open(source.path, "rb") as stream:
             soundfile.SoundFile(stream.fileno(), closefd=False).close()
     except (OSError, soundfile.LibsndfileError):
-        return False  # the question was whether it can be opened
+        return False
     return True
 
 
 @contextlib.contextmanager
 def open_recording(source: DataFile, max_mb: float | None = None) -> Iterator[Recording]:
-    """Open a sound file.
+    """Open an audio file.
 
     Parameters
     ----------
     source
-        A file that `sounds`.
+        File for which `is_recording` is true.
     max_mb
-        As `LoadOptions.max_mb`, in place of `MAX_DECODED_MB`.
+        Maximum size, as `LoadOptions.max_mb`; None: `MAX_DECODED_MB`.
 
     Raises
     ------
     InputError
-        Not a format libsndfile opens, broken, cut off, without samples, or too long.
+        The format is not supported, or the file is invalid, truncated, without samples or too
+        long.
     """
-    other = _other_format(source)
-    if other:
+    unsupported = _unsupported(source)
+    if unsupported:
         raise InputError(
-            f"{source.where}: {other}, which can't be read; convert it: ffmpeg -i "
+            f"{source.where}: {unsupported}, which is not supported; convert it: ffmpeg -i "
             f"{_quoted(source.path.name)} {_quoted(source.path.stem + '.wav')}"
         )
     import soundfile
 
     try:
-        # a descriptor, so that the file's suffix is no hint to its format
+        # libsndfile gets no file name, so that it ignores the suffix
         with open(source.path, "rb") as stream:
             try:
                 file = soundfile.SoundFile(stream.fileno(), closefd=False)
             except soundfile.LibsndfileError as error:
-                if source.head.startswith(b"MATLAB"):  # which libsndfile reads if it is a sound
+                if source.head.startswith(b"MATLAB"):
                     raise InputError(
-                        f"{source.where}: a MATLAB file that holds no sound; write its columns as "
-                        "CSV (writematrix, or scipy.io.loadmat in Python)"
+                        f"{source.where}: a MATLAB file without sound; write its columns as CSV "
+                        "(writematrix, or scipy.io.loadmat in Python)"
                     ) from error
                 raise InputError(
-                    f"{source.where}: a broken or unknown sound file ({_reason(error)}); "
+                    f"{source.where}: invalid or unknown audio file ({_reason(error)}); "
                     f"{_repair(source.where)}"
                 ) from error
             with file:
-                yield _examined(source, file, max_mb)
+                yield _recording_of(source, file, max_mb)
     except OSError as error:
-        raise InputError(f"{source.where}: can't be read ({error.strerror})") from error
+        raise InputError(f"{source.where}: cannot be read ({error.strerror})") from error
 
 
-def _examined(source: DataFile, file: Any, max_mb: float | None) -> Recording:
+def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recording:
     where, rate, frames, channels = source.where, file.samplerate, file.frames, file.channels
     log: str = file.extra_info
     notes = list(_length_notes(source, file, log))
     if frames <= 0:
-        raise InputError(f"{where}: a sound file without samples; {_repair(where)}")
+        raise InputError(f"{where}: the audio file has no samples; {_repair(where)}")
     if rate < MIN_RATE or rate * channels > MAX_SAMPLES_PER_S:
         raise InputError(
-            f"{where}: {_count(channels)} at {rate} Hz; loudness is measured from {MIN_RATE} Hz "
-            f"up, and of {MAX_SAMPLES_PER_S} samples a second at most, all channels together: "
-            "resample it or mix it down"
+            f"{where}: {_count(channels)} at {rate} Hz; must be at least {MIN_RATE} Hz and at most "
+            f"{MAX_SAMPLES_PER_S} samples per second, all channels together: resample the file or "
+            "reduce its channels"
         )
     limit = max_mb if max_mb is not None else float(MAX_DECODED_MB)
     size = frames * channels * 2 / 2**20
     if size > limit:
         raise InputError(
             f"{where}: {size:.0f} MB of samples ({frames / rate / 3600.0:.1f} h), more than the "
-            f"{limit:g} MB that are read; cut it into parts, or raise the limit with max_mb"
+            f"{limit:g} MB allowed; cut the file into parts, or raise the limit with max_mb"
         )
     mask = _MASK.search(log)
     weights = weights_of_mask(int(mask[1], 16), channels) if mask else None
@@ -283,48 +284,48 @@ def _examined(source: DataFile, file: Any, max_mb: float | None) -> Recording:
         layout = layout_of(channels, file.subtype in ("VORBIS", "OPUS"))
         weights = weights_of(layout) if layout else (1.0,) * channels
         if channels > 2:
-            speakers = " ".join(layout) if layout else "all alike, as no layout is usual"
-            notes.append(f"the {channels} channels are taken as {speakers}")
+            speakers = " ".join(layout) if layout else "equal, because no layout is usual"
+            notes.append(f"the {channels} channels were read as {speakers}")
     if not any(weights):
-        weights = (1.0,) * channels  # a lone LFE: something should be heard
+        weights = (1.0,) * channels  # a single LFE channel would have no loudness
     kind = f"{file.format} {file.subtype}, {_count(channels)}, {rate} Hz"
     return Recording(where, rate, frames, weights, kind, tuple(notes), file)
 
 
 def _length_notes(source: DataFile, file: Any, log: str) -> Iterator[str]:
-    """Yield what is odd about the length; InputError where the end of the sound is missing."""
-    chunks = {*_SAMPLE_CHUNKS, _WHOLE_CHUNKS.get(file.format, "data")}
-    for name, claimed, there in _CUT.findall(log):
-        if name not in chunks or int(claimed) <= int(there):
+    """Yield notes about an uncertain length; InputError if the end of the sound is missing."""
+    chunks = {*_SAMPLE_CHUNKS, _FILE_CHUNKS.get(file.format, "data")}
+    for name, expected, actual in _CUT.findall(log):
+        if name not in chunks or int(expected) <= int(actual):
             continue
-        if int(claimed) >= _UNKNOWN_FROM and int(claimed) < 2**32:
-            yield "its header leaves the length open; read up to the end of the file"
+        if _UNKNOWN_FROM <= int(expected) < 2**32:
+            yield "its header has no length; it was read to the end of the file"
             continue
-        part = int(there) / int(claimed)
+        part = int(actual) / int(expected)
         raise InputError(
-            f"{source.where}: cut off: {100.0 * part:.0f} % of the sound its header announces is "
-            f"there ({file.frames / file.samplerate:.1f} s); {_repair(source.where)}"
+            f"{source.where}: truncated: it has {100.0 * part:.0f} % of the sound that its header "
+            f"specifies ({file.frames / file.samplerate:.1f} s); {_repair(source.where)}"
         )
     if file.format == "OGG" and not _ogg_ends(source):
-        yield "the Ogg stream has no end mark: it may have been cut off"
+        yield "the Ogg stream has no end mark: it may be truncated"
     if file.format == "MP3":
         yield from _mpeg_notes(source, file)
 
 
 def _mpeg_notes(source: DataFile, file: Any) -> Iterator[str]:
-    """Yield what the row of frames says that the decoder doesn't."""
+    """Yield notes about MPEG frames that the decoder ignored."""
     with (
         open(source.path, "rb") as stream,
         mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data,
     ):
         seconds, whole = frames_of(data)
     if not whole:
-        yield "its last frame isn't whole: it may have been cut off"
+        yield "its last frame is incomplete: it may be truncated"
     read_s = file.frames / file.samplerate
     if seconds > 1.0 + 1.01 * read_s:
         yield (
-            f"its frames last {seconds:.1f} s, of which {read_s:.1f} s are read, as no header says "
-            f"so; {_repair(source.where)}"
+            f"its frames last {seconds:.1f} s, of which {read_s:.1f} s were read, because no "
+            f"header contains the length; {_repair(source.where)}"
         )
 
 
@@ -336,22 +337,23 @@ def _ogg_ends(source: DataFile) -> bool:
     return 0 <= last < len(tail) - 6 and bool(tail[last + 5] & _OGG_LAST_PAGE)
 
 
-def _other_format(source: DataFile) -> str | None:
-    return next((name for mark, offset, name in _OTHER if _at(source, mark, offset)), None)
+def _unsupported(source: DataFile) -> str | None:
+    """Return the name of an audio or video format that libsndfile cannot open; else None."""
+    return next((name for mark, offset, name in _UNSUPPORTED if _has(source, mark, offset)), None)
 
 
-def _at(source: DataFile, mark: bytes, offset: int) -> bool:
+def _has(source: DataFile, mark: bytes, offset: int) -> bool:
     return source.head[offset : offset + len(mark)] == mark
 
 
 def _reason(error: Any) -> str:
-    """Return libsndfile's words for an error, without its dots and prefixes."""
-    words = str(error.error_string).removeprefix("Error : ").strip(" .")
-    return words or f"libsndfile error {error.code}"
+    """Return the message of libsndfile without its prefix and final period."""
+    message = str(error.error_string).removeprefix("Error : ").strip(" .")
+    return message or f"libsndfile error {error.code}"
 
 
 def _repair(where: str) -> str:
-    return f"get it again, or try to repair it: ffmpeg -i {_quoted(where)} repaired.wav"
+    return f"download it again, or try to repair it: ffmpeg -i {_quoted(where)} repaired.wav"
 
 
 def _quoted(name: str) -> str:

@@ -1,7 +1,7 @@
-"""Recordings (WAV, FLAC, Ogg, MP3, AIFF ...): loudness as the curve, cheers as the events.
+"""Reader of recordings (WAV, FLAC, Ogg, MP3, AIFF): loudness as the curve, cheers as the events.
 
-The file is read as a stream: memory doesn't grow with its length, but for ten loudness figures a
-second. `map` chooses the curve:
+The file is read as a stream, and only ten loudness values per second are stored. `map` selects the
+curve:
 
 | map | curve | unit |
 |---|---|---|
@@ -9,9 +9,9 @@ second. `map` chooses the curve:
 | `momentary` | momentary loudness, over 0.4 s | LUFS |
 | `excitement` | loudness over 1 s above a slowly moving background (`cheers.py`) | LU |
 
-Windows are centred on their time and cut at the recording's ends. Silence is data: it reads as
--70 LUFS, the absolute gate of the measure. A stretch of missing samples (NaN or infinite, in a
-float file) of 0.1 s or longer is a gap.
+Averaging windows are centred on their time and shortened at the ends. Silence is -70 LUFS, the
+absolute gate of the standard. Missing samples (NaN or infinite, in a float file) for 0.1 s or
+longer are a gap.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from overview_dsp.data.analysis.loudness import (
     StepMeter,
     Steps,
 )
-from overview_dsp.data.readers.audio.decoding import Recording, open_recording, sounds
+from overview_dsp.data.readers.audio.decoding import Recording, is_recording, open_recording
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, shown
 
 MAPS = ("loudness", "momentary", "excitement")
-"""What the option `map` may be."""
+"""Values of the option `map`."""
 
 _MEANINGS = {
     "loudness": ("LUFS", "short-term loudness (3 s)"),
@@ -44,8 +44,8 @@ _MEANINGS = {
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is a recording, also one that has to be converted first."""
-    return sounds(source)
+    """Return whether the file is a recording, including formats that must be converted first."""
+    return is_recording(source)
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
@@ -54,22 +54,23 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     Raises
     ------
     InputError
-        Not a format libsndfile opens, broken or cut off (at what time), too long, an unknown map.
+        The format is not supported, the file is invalid, truncated or too long, or the map is
+        unknown.
     """
-    chosen = options.map if options.map is not None else MAPS[0]
-    if chosen not in MAPS:
+    map_name = options.map if options.map is not None else MAPS[0]
+    if map_name not in MAPS:
         raise InputError(
-            f"{source.where}: map is {shown(chosen)}; for a recording it is one of "
-            f"{', '.join(MAPS)}"
+            f"{source.where}: map is {shown(map_name)}; must be one of {', '.join(MAPS)} for a "
+            "recording"
         )
     with open_recording(source, options.max_mb) as recording:
-        steps = _measured(recording, options)
+        steps = _measure(recording, options)
         kind, notes = recording.kind, recording.notes
     with validation.located(f"{source.where}: "):
-        return timeline_of(steps, chosen, source.stem, kind, notes)
+        return timeline_of(steps, map_name, source.stem, kind, notes)
 
 
-def _measured(recording: Recording, options: LoadOptions) -> Steps:
+def _measure(recording: Recording, options: LoadOptions) -> Steps:
     meter = StepMeter(recording.sample_rate, recording.weights)
     done = 0
     for block in recording.blocks(min(meter.block_frames, recording.frames)):
@@ -80,9 +81,9 @@ def _measured(recording: Recording, options: LoadOptions) -> Steps:
 
 
 def timeline_of(
-    steps: Steps, chosen: str, title: str, kind: str, notes: tuple[str, ...]
+    steps: Steps, map_name: str, title: str, kind: str, notes: tuple[str, ...]
 ) -> Timeline:
-    """Make the timeline of a measured recording; `chosen` is one of `MAPS`."""
+    """Return the timeline of a measured recording; `map_name` is one of `MAPS`."""
     duration_s = steps.frames / steps.sample_rate
     time_s = np.append(np.arange(len(steps.energy)) / STEPS_PER_S, duration_s)
     rate = steps.sample_rate
@@ -91,21 +92,21 @@ def timeline_of(
     second = steps.loudness(cheers.WINDOW_STEPS)
     second[in_gap(gaps, time_s)] = np.nan
     if np.isnan(second).all():
-        raise InputError("no sample is a number; nothing can be measured, record it again")
+        raise InputError("no sample is a number; record the sound again")
     above = cheers.excitement(second, cheers.background(second, integrated))
     events = cheers.peaks(above, time_s)
     value = {
         "loudness": lambda: steps.loudness(SHORT_TERM_STEPS),
         "momentary": lambda: steps.loudness(MOMENTARY_STEPS),
         "excitement": lambda: above,
-    }[chosen]()
+    }[map_name]()
     known = ~np.isnan(value) & ~in_gap(gaps, time_s)
-    unit, meaning = _MEANINGS[chosen]
+    unit, meaning = _MEANINGS[map_name]
     if steps.lost:
-        notes = (*notes, f"{steps.lost} single samples are missing and were left out")
+        notes = (*notes, f"{steps.lost} single samples are missing and were omitted")
     notes = (
         *notes,
-        f"integrated loudness {integrated:.1f} LUFS; the curve is its {meaning}, from "
+        f"integrated loudness {integrated:.1f} LUFS; the curve is the {meaning}, from "
         f"{value[known].min():.1f} to {value[known].max():.1f} {unit}",
     )
     return Timeline(

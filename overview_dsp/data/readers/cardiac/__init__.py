@@ -1,1 +1,1 @@
-"""Heart recordings as timelines: every beat, the heart rate, what is out of rhythm."""
+"""Readers of heart recordings: beats, heart rate, and irregular beats."""

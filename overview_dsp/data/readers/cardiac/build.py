@@ -1,4 +1,4 @@
-"""The Timeline of a heart recording, from its beats and the stretches without any."""
+"""Timeline of a heart recording, from its beats and its gaps."""
 
 from __future__ import annotations
 
@@ -18,17 +18,16 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 MAPS = ("rate", "variability")
-"""What the option `map` may be: the heart rate, or how much it varies from beat to beat (RMSSD)."""
-
+"""Values of the option `map`: heart rate, or its variability from beat to beat (RMSSD)."""
 
 NO_SIGNAL = "no signal"
 TOO_NOISY = "too noisy to find beats"
-"""Why a stretch is a gap."""
+"""Reasons for a gap."""
 
 
 @dataclass(frozen=True)
-class About:
-    """What a recording's timeline says of itself."""
+class Description:
+    """Title, duration, origin and notes of a recording."""
 
     title: str
     duration_s: float
@@ -38,13 +37,15 @@ class About:
 
 
 def check_map(options: LoadOptions) -> None:
-    """Refuse an unknown `map`."""
+    """Raise InputError for an unknown `map`."""
     if options.map is not None and options.map not in MAPS:
-        raise InputError(f"map is {shown(options.map)}; for a heart it is one of {', '.join(MAPS)}")
+        raise InputError(
+            f"map is {shown(options.map)}; must be one of {', '.join(MAPS)} for a heart recording"
+        )
 
 
-def detected(detection: Detection, rate: float) -> Beats:
-    """Return the beats a search found."""
+def beats_of(detection: Detection, rate: float) -> Beats:
+    """Return the detected beats, with times in s."""
     count = len(detection.beats)
     return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
 
@@ -52,71 +53,72 @@ def detected(detection: Detection, rate: float) -> Beats:
 def find_gaps(
     silent: Spans, noisy: Spans, rate: float, duration_s: float
 ) -> tuple[Gaps, tuple[str, ...]]:
-    """Return stretches of samples as gaps, in order, and why each is one."""
-    known = sorted(
-        (first / rate, min(end / rate, duration_s), why)
-        for spans, why in ((silent, NO_SIGNAL), (_outside(noisy, silent), TOO_NOISY))
+    """Return ranges of samples as gaps in order, and the reason for each."""
+    gaps = sorted(
+        (first / rate, min(end / rate, duration_s), reason)
+        for spans, reason in ((silent, NO_SIGNAL), (_subtract(noisy, silent), TOO_NOISY))
         for first, end in spans
     )
-    return tuple((start, end) for start, end, _ in known), tuple(why for *_, why in known)
+    return tuple((start, end) for start, end, _ in gaps), tuple(reason for *_, reason in gaps)
 
 
-def _outside(spans: Spans, others: Spans) -> Spans:
-    """Return what of some stretches lies in none of the others."""
-    left: Spans = []
-    for first, end in spans:
-        at = first
+def _subtract(spans: Spans, others: Spans) -> Spans:
+    """Return the parts of `spans` that are outside `others`."""
+    result: Spans = []
+    for start, end in spans:
         for low, high in others:
-            if low < end and high > at:
-                if low > at:
-                    left.append((at, low))
-                at = max(at, high)
-        if at < end:
-            left.append((at, end))
-    return left
+            if low < end and high > start:
+                if low > start:
+                    result.append((start, low))
+                start = max(start, high)
+        if start < end:
+            result.append((start, end))
+    return result
 
 
 def heart_timeline(
-    about: About,
+    description: Description,
     beats: Beats,
     gaps: tuple[Gaps, tuple[str, ...]],
     others: Sequence[Event],
     options: LoadOptions,
     signal: Signal | None = None,
 ) -> Timeline:
-    """Make the Timeline; `gaps` as `find_gaps` gives them, `signal` where there is one.
+    """Return the Timeline; `gaps` is the result of `find_gaps`, `signal` may be None.
 
     Raises
     ------
     InputError
-        No beat at all.
+        There are no beats.
     """
     count = len(beats.time_s)
     spans, reasons = gaps
     noisy_s = sum(
-        end - start for (start, end), why in zip(spans, reasons, strict=True) if why == TOO_NOISY
+        end - start
+        for (start, end), reason in zip(spans, reasons, strict=True)
+        if reason == TOO_NOISY
     )
     if count == 0:
         noise = f" ({noisy_s:.0f} s of it are {TOO_NOISY})" if noisy_s else ""
         raise InputError(
-            f"no heartbeat was found{noise}; is it an ECG or a pulse wave, and is the rate right? "
-            "choose another signal with value"
+            f"no heartbeat was found{noise}; the signal must be an ECG or a pulse wave with the "
+            "correct rate: choose another signal with value"
         )
     curve = rhythm.variability if options.map == "variability" else rhythm.heart_rate
-    events, left_out = rhythm.beat_events(beats, spans)
+    events, omitted = rhythm.beat_events(beats, spans)
     mean = rhythm.mean_rate(beats.time_s, spans)
-    left_out += (f"{noisy_s:.0f} s are {TOO_NOISY}: gaps",) if noisy_s else ()
+    omitted += (f"{noisy_s:.0f} s are {TOO_NOISY}: gaps",) if noisy_s else ()
     rate = f", mean heart rate {mean:.2f} bpm" if mean is not None else ""
     timeline = Timeline(
-        title=about.title,
-        duration_s=about.duration_s,
+        title=description.title,
+        duration_s=description.duration_s,
         events=(*events, *others),
         intensity=curve(beats.time_s, spans),
         gaps=spans,
         gap_reasons=reasons,
-        provenance=about.provenance,
-        notes=(f"{count} beats{rate}", *left_out, *about.notes),
-        start=about.start,
+        provenance=description.provenance,
+        notes=(f"{count} beats{rate}", *omitted, *description.notes),
+        start=description.start,
     )
     if timeline.intensity is not None:
         timeline = replace(timeline, rules=rules_of(timeline.intensity, False, timeline))

@@ -1,13 +1,13 @@
 """ECG and pulse waves as tables of samples (CSV, TSV, columns of numbers).
 
-Claimed if `rate` is given (50 a second or more), or a column is called like an ECG lead or a pulse
-wave and a column of times shows 50 samples a second or more. (A series of numbers with times, also
-of heart rates, is no such signal.) Times may be seconds, milliseconds or microseconds, clock times
-or ISO dates; what lies between them decides the rate, and a hole between them is a gap.
+A table is read as a heart recording if the option `rate` is at least 50 Hz. Without it, a column
+must have the name of an ECG lead or a pulse wave, and the times must show a rate of at least 50 Hz.
+Other tables, also of heart rates, are series. Times are seconds, milliseconds, microseconds, clock
+times or ISO dates. Their mean interval determines the rate, and larger intervals are gaps.
 
-Known quirks: no header; a second row of units (PhysioNet's `rdsamp -c -v`), names in single quotes,
-a column that counts the samples, decimal commas where semicolons or tabs separate, comment lines
-(`#`, `%`, `//`), columns separated by blanks.
+Supported variants: no header; a second row of units (PhysioNet's `rdsamp -c -v`); names in single
+quotes; a column of sample numbers; decimal commas if semicolons or tabs separate the columns;
+comment lines (`#`, `%`, `//`); columns separated by spaces.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import MIN_RATE, find_beats
 from overview_dsp.data.readers.cardiac.build import (
     MAPS,
-    About,
+    Description,
+    beats_of,
     check_map,
-    detected,
     find_gaps,
     heart_timeline,
 )
-from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, name_or_number
+from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, index_of
 from overview_dsp.data.readers.data_file import MAX_TEXT_BYTES, DataFile, LoadOptions
 from overview_dsp.data.readers.tables.cells import TOKENS, parse
 from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
@@ -44,13 +44,13 @@ from overview_dsp.data.timeline.time_parsing import NS, Moment, clock_s, moment
 from overview_dsp.errors import InputError, shown
 
 MAX_RATE = 100_000.0
-"""Samples a second; no electrode delivers more."""
+"""Maximum sample rate, Hz, above that of any recorder."""
 
 MAX_ROWS = 1 << 26
-"""Most samples that are read: 37 hours at 500 a second."""
+"""Maximum number of samples: 37 hours at 500 Hz."""
 
 MAX_SAMPLE = 1e12
-"""A larger sample is no electrode's, in whatever unit, and counts as missing."""
+"""Maximum magnitude of a sample in any unit; larger samples count as missing."""
 
 COMMENTS = ("#", "%", "//")
 _HEAD_ROWS = 60
@@ -68,7 +68,7 @@ _TIME = re.compile(
     re.I,
 )
 _INDEX = re.compile(r"^(|index|sample|samples|sample ?#|#|n|no\.?|unnamed: ?0)$", re.I)
-_HOLE_STEPS = 1.5
+_GAP_STEPS = 1.5
 _UNITS = (
     (re.compile(r"\bus\b|µs|μs|micro", re.I), 1e-6),
     (re.compile(r"\bms\b|msec|milli|_ms$", re.I), 1e-3),
@@ -79,7 +79,7 @@ _UNITS = (
 
 @dataclass(frozen=True)
 class _Layout:
-    """How a table of samples is written: its dialect, first rows, and which columns hold what."""
+    """Layout of a table of samples: its dialect, its first rows, and the roles of its columns."""
 
     dialect: Dialect
     head: list[list[str | None]]
@@ -100,38 +100,42 @@ class _Layout:
         return _moment_of(_bare(first)) is not None
 
     def time_column(self) -> int | None:
-        """Return the first column that holds times, by its name or its clock or date."""
+        """Return the first column of times, by its name or its first cell; None without one."""
         for i, name in enumerate(self.names):
             if self.headed and _TIME.match(name) and (self.numeric[i] or self.holds_times(i)):
                 return i
         return next((i for i in range(len(self.names)) if self.holds_times(i)), None)
 
     def index_column(self) -> int | None:
-        """Return the column that counts the samples."""
-        found = (i for i, name in enumerate(self.names) if self.headed and _INDEX.match(name))
-        return next((i for i in found if self.numeric[i]), None)
+        """Return the column of sample numbers; None without one."""
+        return next(iter(self._named(_INDEX)), None)
 
     def heart_columns(self) -> list[int]:
-        """Return the columns called like an ECG lead or a pulse wave."""
-        found = (i for i, name in enumerate(self.names) if self.headed and _HEART.search(name))
-        return [i for i in found if self.numeric[i]]
+        """Return the columns with the name of an ECG lead or a pulse wave."""
+        return self._named(_HEART)
+
+    def _named(self, pattern: re.Pattern[str]) -> list[int]:
+        columns = enumerate(zip(self.names, self.numeric, strict=True))
+        return [
+            i for i, (name, numeric) in columns if self.headed and numeric and pattern.search(name)
+        ]
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is a table of heart samples, by the rate given or its columns."""
+    """Return whether the file is a table of heart samples, by the option `rate` or its columns."""
     layout = _layout_of(source)
     if layout is None or not any(layout.numeric):
         return False
     options = source.options
     if options.map is not None and options.map not in MAPS:
-        return False  # what a series takes
+        return False  # an option for series
     if options.rate is not None:
         return options.rate >= MIN_RATE
     if not layout.heart_columns():
         return False
     time = layout.time_column()
     if time is None:
-        # samples without times, called a heart's: the reader asks for the rate
+        # the reader reports the missing rate
         others = {layout.index_column(), *layout.heart_columns()}
         return all(i in others for i, numeric in enumerate(layout.numeric) if numeric)
     rate = _rate_of(source, layout, time)
@@ -144,19 +148,19 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     Raises
     ------
     InputError
-        Names line and column: a word for a number, times that run backwards; the columns to choose
-        from; no rate; no heartbeat.
+        A cell is not a number, the times are not ascending, the column of samples is ambiguous,
+        the rate is unknown, or there are no heartbeats. The message contains line and column.
     """
     with validation.located(f"{source.where}: "):
         check_map(options)
         limit = MAX_TEXT_BYTES if options.max_mb is None else int(options.max_mb * 2**20)
         if source.size > limit:
             raise InputError(
-                f"{source.size / 2**20:.0f} MB, more than the {limit / 2**20:g} MB that are read; "
-                "cut it into parts or raise the limit with max_mb"
+                f"size {source.size / 2**20:.0f} MB, more than the {limit / 2**20:g} MB allowed: "
+                "cut it into parts, or raise the limit with max_mb"
             )
         layout = _layout_of(source)
-        assert layout is not None  # sniffed
+        assert layout is not None  # checked by `sniff`
         time = _time_column(layout, options)
         value = _value_column(layout, options, time)
         table = DelimitedTable(source, layout.dialect)
@@ -166,25 +170,26 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         notes: tuple[str, ...] = ()
         if times is not None:
             unit = _unit_of(layout, time, times)
-            rate, values, notes = _on_a_grid(times * unit[0], values, unit[1])
+            rate, values, notes = _resample(times * unit[0], values, unit[1])
         elif options.rate is not None:
             rate = options.rate
             if time is None and (unused := layout.time_column()) is not None:
-                notes = (f"the rate was given; the column '{layout.names[unused]}' was not used",)
+                notes = (f"the column '{layout.names[unused]}' was not used: rate replaces it",)
         else:
             raise InputError(
-                f"the column '{layout.names[value]}' has no times; give the rate, samples a second"
+                f"the column '{layout.names[value]}' has no times; set the option rate (Hz)"
             )
         if not MIN_RATE <= rate <= MAX_RATE:
             raise InputError(
-                f"{rate:.6g} samples a second; a heart's signal has {MIN_RATE:g} to {MAX_RATE:g}"
+                f"the rate is {rate:.6g} Hz; must be {MIN_RATE:g} to {MAX_RATE:g} for a heart "
+                "recording"
             )
         signal = Samples(layout.names[value], rate, values)
         detection = find_beats(signal, None, lambda part: options.report_progress(0.5 + part / 2.0))
         duration_s = len(values) / rate
         if detection.lost:
             notes = (*notes, f"{detection.lost} single samples are missing")
-        about = About(
+        description = Description(
             source.stem,
             duration_s,
             f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it",
@@ -192,11 +197,11 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             start,
         )
         gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
-        return heart_timeline(about, detected(detection, rate), gaps, (), options, signal)
+        return heart_timeline(description, beats_of(detection, rate), gaps, (), options, signal)
 
 
 def _layout_of(source: DataFile) -> _Layout | None:
-    """Return the layout of a table of samples, None if the file is none."""
+    """Return the layout of a table of samples; None for any other file."""
     dialect = detect(source, lambda header, below: bool(below), COMMENTS)
     if dialect is None:
         return None
@@ -204,12 +209,12 @@ def _layout_of(source: DataFile) -> _Layout | None:
     dialect = replace(dialect, header=header, units=units)
     try:
         head = first_rows(_head_table(source, dialect), _HEAD_ROWS)
-    except InputError:  # it is for the reader of series to say what is broken
+    except InputError:  # the reader of series reports the error
         return None
     decimal_mark = choose_decimal_mark(head, range(len(head)), dialect.separator)
     numeric = tuple(_is_numeric(column, decimal_mark) for column in head)
     if not all(known or _are_times(column) for known, column in zip(numeric, head, strict=True)):
-        return None  # words beside the numbers: a series of something else
+        return None  # a column of text: a series, not samples
     return _Layout(dialect, head, decimal_mark, numeric)
 
 
@@ -223,7 +228,7 @@ def _is_numeric(cells: Sequence[str | None], decimal_mark: str) -> bool:
 
 
 def _are_times(cells: Sequence[str | None]) -> bool:
-    """Return whether cells are clock times and dates, missing ones aside."""
+    """Return whether all cells that are not missing are clock times or dates."""
     return all(_moment_of(cell) is not None for cell in _known(cells))
 
 
@@ -232,7 +237,7 @@ def _known(cells: Sequence[str | None]) -> list[str]:
 
 
 def _bare(cell: str | None) -> str:
-    """A cell without blanks and single quotes around it."""
+    """Return a cell without spaces and quotes around it."""
     return (cell or "").strip().strip("'\"").strip()
 
 
@@ -256,26 +261,27 @@ def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> in
     hearts = [i for i in layout.heart_columns() if i != time]
     if hearts:
         return hearts[best_signal([layout.names[i] for i in hearts])]
-    left = [i for i in numeric if i not in (layout.time_column(), layout.index_column())]
-    if len(left) != 1:
+    candidates = [i for i in numeric if i not in (layout.time_column(), layout.index_column())]
+    if len(candidates) != 1:
         raise InputError(
-            f"{len(left)} columns may be the signal: "
-            f"{', '.join(layout.names[i] for i in left[:20]) or 'none'}; choose one with value"
+            f"{len(candidates)} columns may be the signal: "
+            f"{', '.join(layout.names[i] for i in candidates[:20]) or 'none'}; choose one with "
+            "value"
         )
-    return left[0]
+    return candidates[0]
 
 
 def _named_column(
-    layout: _Layout, wanted: str, what: str, fitting: Sequence[int], listed: Sequence[int]
+    layout: _Layout, name: str, content: str, allowed: Sequence[int], listed: Sequence[int]
 ) -> int:
-    """Return the column that a caller names; InputError if it isn't one of those that fit."""
-    found = name_or_number(layout.names, wanted)
-    if found is None or found not in fitting:
+    """Return the column with a name or number; InputError if it is not one of `allowed`."""
+    index = index_of(layout.names, name)
+    if index is None or index not in allowed:
         raise InputError(
-            f"no column of {what} is called {shown(wanted)}; there is "
+            f"no column of {content} is called {shown(name)}; available: "
             f"{', '.join(layout.names[i] for i in listed[:20])}"
         )
-    return found
+    return index
 
 
 def _columns(
@@ -289,14 +295,14 @@ def _columns(
 
     Returns
     -------
-    values : float32 (n,), NaN = missing
-    times : float64 (n,) in the column's own unit, dates in seconds from the first; None if not read
-    start : the first date, None if the times are no dates
+    values : float32 (n,), NaN if missing
+    times : float64 (n,) in the unit of the column, dates in s from the first; None without a column
+    start : first date, None if the times are not dates
 
     Raises
     ------
     InputError
-        Names line and column: a word for a number, a time that is none or missing, too few fields.
+        A cell is invalid or missing. The message contains line and column.
     """
     values: list[NDArray[np.float32]] = []
     times: list[NDArray[np.float64]] = []
@@ -307,11 +313,13 @@ def _columns(
         samples[~(np.abs(samples) <= MAX_SAMPLE)] = np.nan
         values.append(samples.astype(np.float32))
         if time is not None:
-            place = cell_locator(table, chunk, time)
-            times.append(_times(layout, time, chunk.cells[1], place, clock))
+            locate = cell_locator(table, chunk, time)
+            times.append(_times(layout, time, chunk.cells[1], locate, clock))
         count += len(chunk)
         if count > MAX_ROWS:
-            raise InputError(f"more than {MAX_ROWS} rows; cut the file into parts")
+            raise InputError(
+                f"the file has more than {MAX_ROWS} rows, the maximum; cut it into parts"
+            )
         progress(chunk.part)
     start = clock.start.to_datetime() if clock.start is not None else None
     return (
@@ -322,9 +330,9 @@ def _columns(
 
 
 def _numbers(
-    cells: Cells, place: Callable[[int], CellLocation], decimal_mark: str, needed: bool = False
+    cells: Cells, locate: Callable[[int], CellLocation], decimal_mark: str, needed: bool = False
 ) -> NDArray[np.float64]:
-    """Return a column's numbers: all at once where they are plain, else one by one."""
+    """Return the numbers of a column; `needed`: a missing number is an error."""
     try:
         plain = np.array(cells, dtype=np.float64)
     except ValueError:
@@ -338,51 +346,53 @@ def _numbers(
     for i, cell in enumerate(cells):
         text = _bare(cell)
         if cell is None:
-            raise place(i).missing("complete the row or take it out")
+            raise locate(i).missing("complete or remove the row")
         if text.lower() in _MISSING:
             if needed:
-                raise place(i).missing("take the row out or give the rate instead of the times")
+                raise locate(i).missing(
+                    "remove the row, or set the option rate to ignore the times"
+                )
             continue
         number = _number(text, decimal_mark)
         if number is None:
-            raise place(i).error(text, "isn't a number")
+            raise locate(i).error(text, "isn't a number")
         found[i] = number if math.isfinite(number) else np.nan
     return found
 
 
 class _Clock:
-    """Reads dates and clock times as seconds, dates from the first one."""
+    """Parser of clock times and dates as seconds; dates count from the first one."""
 
     start: Moment | None = None
 
-    def read(self, cells: Cells, place: Callable[[int], CellLocation]) -> NDArray[np.float64]:
+    def read(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
         found = np.empty(len(cells))
         for i, cell in enumerate(cells):
-            at = _moment_of(_bare(cell))
-            if self.start is None and isinstance(at, Moment):
-                self.start = at
-            seconds = _seconds_of(at, self.start)
+            time = _moment_of(_bare(cell))
+            if self.start is None and isinstance(time, Moment):
+                self.start = time
+            seconds = _seconds_of(time, self.start)
             if seconds is None:
-                raise place(i).error(
+                raise locate(i).error(
                     cell,
-                    "is no time like the others; write hh:mm:ss.sss or ISO dates, or give the rate "
-                    "instead",
+                    "differs in format from the other times; write hh:mm:ss.sss or ISO dates, or "
+                    "set the option rate",
                 )
             found[i] = seconds
         return found
 
 
 def _times(
-    layout: _Layout, time: int, cells: Cells, place: Callable[[int], CellLocation], clock: _Clock
+    layout: _Layout, time: int, cells: Cells, locate: Callable[[int], CellLocation], clock: _Clock
 ) -> NDArray[np.float64]:
-    """Return a column's times, numbers in its own unit."""
+    """Return the times of a column, numbers in the unit of the column."""
     if layout.numeric[time]:
-        return _numbers(cells, place, layout.decimal_mark, needed=True)
-    return clock.read(cells, place)
+        return _numbers(cells, locate, layout.decimal_mark, needed=True)
+    return clock.read(cells, locate)
 
 
 def _moment_of(entry: str) -> float | Moment | None:
-    """Return a clock time as seconds, an ISO date as such; None for what is neither."""
+    """Return a clock time in seconds or an ISO date; None for any other text."""
     bracketed = _BRACKETED.fullmatch(entry)
     clock = clock_s(bracketed[1] if bracketed else entry)
     if clock is not None:
@@ -391,7 +401,7 @@ def _moment_of(entry: str) -> float | Moment | None:
 
 
 def _seconds_of(moment: float | Moment | None, start: Moment | None) -> float | None:
-    """Return a moment as seconds from the start; None for what doesn't go with the others."""
+    """Return seconds from the start; None if the format differs from that of the start."""
     if not isinstance(moment, Moment):
         return moment if start is None else None
     if start is None or (moment.offset_min is None) != (start.offset_min is None):
@@ -400,7 +410,7 @@ def _seconds_of(moment: float | Moment | None, start: Moment | None) -> float | 
 
 
 def _rate_of(source: DataFile, layout: _Layout, time: int) -> float | None:
-    """Return the samples a second that the first rows show."""
+    """Return the sample rate, Hz, of the first rows; None if it is unknown."""
     cells = first_rows(_head_table(source, layout.dialect), _RATE_ROWS)[time]
     try:
         times = _times(layout, time, cells, CellLocation, _Clock())
@@ -415,14 +425,14 @@ def _rate_of(source: DataFile, layout: _Layout, time: int) -> float | None:
 def _unit_of(
     layout: _Layout, time: int | None, times: NDArray[np.float64]
 ) -> tuple[float, str | None]:
-    """Return what a time is in seconds, and its name where it was guessed from the steps."""
+    """Return the unit of the times in s, and its name if it was derived from the intervals."""
     assert time is not None
     if not layout.numeric[time]:
         return 1.0, None
-    words = layout.names[time] if layout.headed else ""
-    words += " " + layout.dialect.units[time]
+    header = layout.names[time] if layout.headed else ""
+    header += " " + layout.dialect.units[time]
     for pattern, seconds in _UNITS:
-        if pattern.search(words):
+        if pattern.search(header):
             return seconds, None
     steps = np.diff(times[:10_000])
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else math.nan
@@ -432,44 +442,44 @@ def _unit_of(
     return 1.0, None
 
 
-def _on_a_grid(
-    times: NDArray[np.float64], values: NDArray[np.float32], guessed: str | None
+def _resample(
+    times: NDArray[np.float64], values: NDArray[np.float32], unit: str | None
 ) -> tuple[float, NDArray[np.float32], tuple[str, ...]]:
-    """Return the rate, the values at even steps (NaN in the holes), and notes."""
-    notes = [f"the times were taken as {guessed}"] if guessed else []
+    """Return the rate, the values at regular intervals (NaN in gaps), and notes."""
+    notes = [f"the times were read as {unit}"] if unit else []
     steps = np.diff(times)
     if len(steps) == 0:
-        raise InputError("one row of data; a heartbeat takes a second or more")
+        raise InputError("the file has one row of data; must be several seconds of samples")
     if (steps < 0.0).any():
         row = int(np.argmax(steps < 0.0)) + 2
         raise InputError(
-            f"the time of row {row} of the data is before that of the row above; sort the rows, or "
-            "give the rate instead"
+            f"the time in row {row} of the data is before that in the previous row; sort the rows, "
+            "or set the option rate"
         )
     usual = float(np.median(steps))
     if usual <= 0.0:
         raise InputError(
-            "most rows have the time of the row above; give the rate, samples a second, instead"
+            "most rows have the same time as the previous row; set the option rate (Hz)"
         )
-    # the mean, not the median: times written in whole milliseconds take turns of 2 and 3
-    step = float(np.mean(steps[steps < _HOLE_STEPS * usual]))
-    place = np.rint((times - times[0]) / step)
-    if place[-1] >= MAX_ROWS:
+    # the mean, because times in whole milliseconds may alternate between intervals of 2 and 3 ms
+    step = float(np.mean(steps[steps < _GAP_STEPS * usual]))
+    rounded = np.rint((times - times[0]) / step)
+    if rounded[-1] >= MAX_ROWS:
         raise InputError(
-            f"the times reach over {times[-1] - times[0]:.6g} s in steps of {step:.3g} s, more "
-            f"than the {MAX_ROWS} samples that are read; cut the file into parts"
+            f"the times span {times[-1] - times[0]:.6g} s at intervals of {step:.3g} s, more than "
+            f"the {MAX_ROWS} samples allowed; cut the file into parts"
         )
-    index = place.astype(np.int64)
+    index = rounded.astype(np.int64)
     if np.array_equal(index, np.arange(len(index))):
         return 1.0 / step, values, tuple(notes)
     grid = np.full(int(index[-1]) + 1, np.nan, np.float32)
     grid[index] = values
-    # a sample that rounding put into its neighbour's place leaves a hole of one; it isn't missing
+    # rounding can put two samples into one interval, which leaves a single empty one beside it
     empty = np.ones(len(grid), np.bool_)
     empty[index] = False
-    alone = np.flatnonzero(empty[1:-1] & ~empty[:-2] & ~empty[2:]) + 1
-    grid[alone] = (grid[alone - 1] + grid[alone + 1]) / 2.0
-    holes = int(np.count_nonzero(steps >= _HOLE_STEPS * usual + step))
-    if holes:
-        notes.append(f"{holes} holes between the times")
+    single = np.flatnonzero(empty[1:-1] & ~empty[:-2] & ~empty[2:]) + 1
+    grid[single] = (grid[single - 1] + grid[single + 1]) / 2.0
+    gaps = int(np.count_nonzero(steps >= _GAP_STEPS * usual + step))
+    if gaps:
+        notes.append(f"the times have {gaps} gaps")
     return 1.0 / step, grid, tuple(notes)

@@ -1,7 +1,7 @@
-"""WFDB header files (.hea): what a record holds, checked before any signal is read.
+"""WFDB header files (.hea), which describe a record; validated before any signal is read.
 
 Format: header(5) of the WFDB Applications Guide, https://physionet.org/physiotools/wag/header-5.htm.
-A record line, then one line a signal (or a segment); `#` begins a comment.
+A record line is followed by one line per signal or per segment. `#` begins a comment.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ from overview_dsp.errors import InputError, shown
 MAX_HEADER_BYTES = 1 << 20
 MAX_SIGNALS = 1024
 MAX_FRAME = 65_536
-"""Most samples of one frame, all signals together."""
+"""Maximum number of samples per frame, all signals together."""
 
 DEFAULT_RATE = 250.0
-"""Frames a second where the header gives none (header(5))."""
+"""Frame rate, Hz, of a header without one (header(5))."""
 
 NO_FILE = "~"
-"""The name of a signal or segment that isn't there."""
+"""File name of a signal or segment without data."""
 
 BYTES: dict[str, Fraction | None] = {
     "8": Fraction(1), "16": Fraction(2), "24": Fraction(3), "32": Fraction(4), "61": Fraction(2),
     "80": Fraction(1), "160": Fraction(2), "212": Fraction(3, 2), "310": Fraction(4, 3),
     "311": Fraction(4, 3), "508": None, "516": None, "524": None,
 }  # fmt: skip
-"""Formats that can be read and their bytes a sample; None = compressed (FLAC)."""
+"""Supported formats and their bytes per sample; None: compressed (FLAC)."""
 
 _RECORD = re.compile(
     r"""(?P<name>[-\w]+)(?:/(?P<segments>\d+))?
@@ -61,10 +61,7 @@ _FILE_NAME = re.compile(r"[-\w]+(\.[-\w]+)*", re.ASCII)
 
 @dataclass(frozen=True)
 class HeaderSignal:
-    """One signal of a record.
-
-    `frame` samples are stored each frame; `offset` is where the file's data begin, bytes.
-    """
+    """Signal of a record: `frame` samples per frame, data from `offset` bytes in the file."""
 
     name: str
     file: str
@@ -76,24 +73,24 @@ class HeaderSignal:
 
 @dataclass(frozen=True)
 class Header:
-    """What a header says.
+    """Content of a header.
 
     Parameters
     ----------
     path
-        The header file.
+        Path of the header file.
     name
-        The record's name.
+        Name of the record.
     rate
-        Frames a second.
+        Frame rate, Hz.
     frames
-        Length, None where the header leaves it to the signal files.
+        Number of frames; None if the header does not contain it.
     signals
-        In the order of the file; none for a record of segments.
+        Signals in the order of the file; empty for a record of segments.
     segments
-        (record name or `~`, frames), in order.
+        Record name or `~`, and number of frames, of each segment in order.
     start
-        The date and time of frame 0, where both are there.
+        Date and time of frame 0; None if the header lacks one of them.
     """
 
     path: Path
@@ -106,15 +103,15 @@ class Header:
 
     @property
     def where(self) -> str:
-        """The path, printable."""
+        """Path of the header for messages."""
         return printable_path(self.path)
 
-    def beside(self, name: str) -> Path:
+    def path_of(self, name: str) -> Path:
         """Return the path of a file of the record."""
         return self.path.parent / name
 
     def files(self) -> Iterator[tuple[str, list[HeaderSignal], Fraction | None]]:
-        """Yield each signal file, its signals, and its bytes a frame (None: compressed)."""
+        """Yield each signal file, its signals, and its bytes per frame (None: compressed)."""
         for file in dict.fromkeys(signal.file for signal in self.signals if signal.file != NO_FILE):
             group = [signal for signal in self.signals if signal.file == file]
             size = BYTES[group[0].format]
@@ -122,7 +119,7 @@ class Header:
 
 
 def looks_like_header(text: str) -> bool:
-    """Return whether text begins as a header: a record line and a line for its first signal."""
+    """Return whether text begins with a record line and the line of its first signal."""
     lines = [line.strip() for line in text.splitlines()[:200]]
     lines = [line for line in lines if line and not line.startswith("#")]
     record = _RECORD.fullmatch(lines[0]) if lines else None
@@ -130,22 +127,22 @@ def looks_like_header(text: str) -> bool:
         return False
     if record["segments"]:
         return len(lines) > 1 and _SEGMENT.fullmatch(lines[1]) is not None
-    if int(record["signals"][:9]) == 0:  # annotations alone
+    if int(record["signals"][:9]) == 0:  # a record with annotations only
         return len(lines) == 1 and record["rate"] is not None
     signal = _SIGNAL.fullmatch(lines[1]) if len(lines) > 1 else None
-    # two rows of a table of numbers look like it too
+    # two rows of a number table match the patterns too
     table = re.compile(r"[-+\d.eE\s]*").fullmatch(lines[0] + lines[-1 if signal is None else 1])
     return signal is not None and signal["format"] in {*BYTES, "0"} and table is None
 
 
 def read_header(path: Path) -> Header:
-    """Read a header and check that the files it names are there and long enough.
+    """Read a header and check that its signal files exist and are long enough.
 
     Raises
     ------
     InputError
-        Names the line: a line or value that is none, a signal file outside the record's folder,
-        missing or too short, a format that can't be read.
+        A line or value is invalid, a format is not supported, or a signal file is in another
+        folder, missing or too short. The message contains the line number.
     """
     where = printable_path(path)
     with validation.located(f"{where}: "):
@@ -155,63 +152,66 @@ def read_header(path: Path) -> Header:
 
 
 def parse_header(text: str, path: Path) -> Header:
-    """Make a Header of a header file's text; InputError names the line."""
+    """Return the Header of a header file's text; the InputError contains the line number."""
     lines = [
         (number, line.strip())
         for number, line in enumerate(text.splitlines(), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not lines:
-        raise InputError("no record line; a header begins with name, signals, rate, length")
+        raise InputError("the header is empty; it must begin with name, signals, rate, length")
     number, line = lines[0]
     with validation.located(f"line {number}: "):
-        found = _matched(_RECORD, line, "a record line", "100 2 360 650000")
+        found = _match(_RECORD, line, "a record line", "100 2 360 650000")
         count = _whole(found["signals"], "the number of signals", MAX_SIGNALS)
         rate = _rate(found["rate"])
         frames = _whole(found["length"], "the length", 10**15) if found["length"] else None
         # a layout header, which names the signals of a record in segments, has no frames
         if frames == 0 and not all(f"\n{NO_FILE} " in f"\n{line}" for _, line in lines[1:]):
-            raise InputError(
-                "the length is 0 frames; write the length after the rate, or leave it out"
-            )
+            raise InputError("the length is 0 frames; write the length after the rate, or omit it")
         start = _start(found["time"], found["date"])
         segments = _whole(found["segments"], "the number of segments", 10**6) or None
     if segments is not None:
         return Header(path, found["name"], rate, frames, (), _segments(lines[1:], segments), start)
     if len(lines) - 1 < count:
         raise InputError(
-            f"line {number} announces {count} signals and {len(lines) - 1} follow; the header is "
-            "cut off, get it again"
+            f"line {number} lists {count} signals, but {len(lines) - 1} signal lines follow; the "
+            "header is incomplete: download it again"
         )
     signals: list[HeaderSignal] = []
     for number, line in lines[1 : 1 + count]:
         with validation.located(f"line {number}: "):
             signals.append(_signal(line, len(signals), signals))
     if sum(signal.frame for signal in signals) > MAX_FRAME:
-        raise InputError(f"more than {MAX_FRAME} samples a frame; this is no record of a heart")
+        raise InputError(
+            f"a frame has more than {MAX_FRAME} samples, the maximum; the file is not a heart "
+            "recording"
+        )
     return Header(path, found["name"], rate, frames, tuple(signals), (), start)
 
 
 def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
-    found = _matched(_SIGNAL, line, "a signal line", "100.dat 212 200 11 1024 995 -22131 0 MLII")
+    found = _match(_SIGNAL, line, "a signal line", "100.dat 212 200 11 1024 995 -22131 0 MLII")
     name = found["file"]
     if name != NO_FILE and not _FILE_NAME.fullmatch(name):
         raise InputError(
-            f"the signal file {shown(name)} is no plain name; a record's files lie beside "
-            "its header: put them there and name them without a folder"
+            f"the signal file is {shown(name)}; must be a plain name without a folder: put the "
+            "file into the folder of the header"
         )
     kind = str(int(found["format"][:9]))
     if name != NO_FILE and kind not in BYTES:
-        raise InputError(f"signal format {kind} can't be read; known are {', '.join(BYTES)}")
-    frame = _whole(found["frame"] or "1", "samples a frame", MAX_FRAME)
+        raise InputError(f"the signal format is {kind}; must be one of {', '.join(BYTES)}")
+    frame = _whole(found["frame"] or "1", "samples per frame", MAX_FRAME)
     offset = _whole(found["offset"] or "0", "the byte offset", 10**15)
     if frame == 0:
-        raise InputError("0 samples a frame; leave the x0 out")
+        raise InputError("the samples per frame are 0; remove x0")
     if found["gain"] is not None and as_number(found["gain"]) is None:
-        raise InputError(f"the gain {shown(found['gain'])} isn't a number")
+        raise InputError(f"the gain is {shown(found['gain'])}; must be a number")
     earlier = next((other for other in before if other.file == name != NO_FILE), None)
     if earlier is not None and earlier.format != kind:
-        raise InputError(f"{name} has format {kind} here and {earlier.format} before")
+        raise InputError(
+            f"{name} has format {kind}; must be {earlier.format}, as in an earlier line"
+        )
     offset = offset if earlier is None else earlier.offset
     return HeaderSignal(
         found["name"] or f"signal {index + 1}", name, kind, frame, offset, found["units"] or "mV"
@@ -221,45 +221,45 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
 def _segments(lines: list[tuple[int, str]], count: int) -> tuple[tuple[str, int], ...]:
     if len(lines) < count:
         raise InputError(
-            f"{count} segments are announced and {len(lines)} follow; the header is cut off, get "
-            "it again"
+            f"the header lists {count} segments, but {len(lines)} segment lines follow; it is "
+            "incomplete: download it again"
         )
     segments = []
     for number, line in lines[:count]:
         with validation.located(f"line {number}: "):
-            found = _matched(_SEGMENT, line, "a segment line", "100_0001 3600")
+            found = _match(_SEGMENT, line, "a segment line", "100_0001 3600")
             segments.append((found["name"], _whole(found["length"], "the length", 10**15)))
     return tuple(segments)
 
 
 def _check_files(header: Header) -> None:
-    """Refuse a record whose signal files aren't there or end too early."""
+    """Raise InputError if a signal file is missing or too short."""
     for file, group, frame_bytes in header.files():
         try:
-            status = header.beside(file).stat()
+            status = header.path_of(file).stat()
         except OSError as error:
             raise InputError(
-                f"the signal file {file} can't be opened ({error.strerror}); it belongs beside the "
-                "header"
+                f"the signal file {file} cannot be opened ({error.strerror}); it must be in the "
+                "folder of the header"
             ) from error
         if not stat.S_ISREG(status.st_mode):
-            raise InputError(f"{file} isn't a regular file; copy the record's data there")
+            raise InputError(f"{file} is not a regular file; copy the data of the record there")
         if frame_bytes is None or header.frames is None:
             continue
         needed = group[0].offset + math.floor(header.frames * frame_bytes)
         if status.st_size < needed:
             raise InputError(
-                f"{file} has {status.st_size} bytes and {header.frames} frames take {needed}; the "
-                "file is cut off or the header wrong: get both again"
+                f"{file} has {status.st_size} bytes, but {header.frames} frames require {needed}; "
+                "the file is truncated or the header is wrong: download both again"
             )
 
 
 def frames_in_files(header: Header) -> int | None:
-    """Return how many whole frames the shortest signal file holds; None if that can't be known."""
+    """Return the number of complete frames in the shortest signal file; None if unknown."""
     counts = []
     for file, group, frame_bytes in header.files():
         if frame_bytes is not None:
-            data = max(0, header.beside(file).stat().st_size - group[0].offset)
+            data = max(0, header.path_of(file).stat().st_size - group[0].offset)
             counts.append(math.floor(data / frame_bytes))
     return min(counts, default=None)
 
@@ -268,48 +268,52 @@ def _text(path: Path) -> str:
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            raise InputError("isn't a regular file; name the record's header")
+            raise InputError("not a regular file; specify the header of the record")
         with open(path, "rb") as stream:
             data = stream.read(MAX_HEADER_BYTES + 1)
     except OSError as error:
-        raise InputError(f"the header can't be read ({error.strerror})") from error
+        raise InputError(f"the header cannot be read ({error.strerror})") from error
     if len(data) > MAX_HEADER_BYTES:
-        raise InputError(f"more than {MAX_HEADER_BYTES >> 20} MB; this is no WFDB header")
-    # names and comments of old records come in any code page; what matters is ASCII
+        raise InputError(
+            f"the header has more than {MAX_HEADER_BYTES >> 20} MB, the maximum of a WFDB header"
+        )
+    # names and comments of old records have unknown code pages; all other parts are ASCII
     return data.decode("ascii", "replace")
 
 
-def _matched(pattern: re.Pattern[str], line: str, what: str, example: str) -> re.Match[str]:
-    found = pattern.fullmatch(line)
-    if found is None:
-        raise InputError(f"{shown(line)} isn't {what}; such as: {example}")
-    return found
+def _match(pattern: re.Pattern[str], line: str, name: str, example: str) -> re.Match[str]:
+    match = pattern.fullmatch(line)
+    if match is None:
+        raise InputError(f"{shown(line)} isn't {name}; example: {example}")
+    return match
 
 
-def _whole(digits: str | None, what: str, most: int) -> int:
+def _whole(digits: str | None, name: str, maximum: int) -> int:
     if not digits:
         return 0
-    # cut: Python refuses to make ints of thousands of digits
-    if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > most:
-        raise InputError(f"{what} is {shown(digits)}; it is a whole number up to {most}")
+    # Python rejects the conversion of thousands of digits
+    if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > maximum:
+        raise InputError(f"{name} is {shown(digits)}; must be a whole number up to {maximum}")
     return int(digits)
 
 
-def _rate(words: str | None) -> float:
-    if words is None:
+def _rate(text: str | None) -> float:
+    if text is None:
         return DEFAULT_RATE
-    rate = as_number(words)
+    rate = as_number(text)
     if rate is None or not 1e-3 <= rate <= 1e6:
-        raise InputError(f"the rate is {shown(words)}; it is 0.001 to 1000000 a second")
+        raise InputError(f"the rate is {shown(text)}; must be 0.001 to 1000000 Hz")
     return float(rate)
 
 
 def _start(clock: str | None, day: str | None) -> datetime | None:
-    """Return the start where both parts are there; a time of day alone is no moment."""
+    """Return the date and time of the start; None if one of them is missing."""
     if clock is None or day is None:
         return None
     # mm:ss and ss are allowed too
-    at, on = clock_s(clock if ":" in clock else f"0:{clock}"), moment(day, "dmy")
-    if at is None or at >= 86_400.0 or on is None or day.count("/") != 2:
-        raise InputError(f"the start {shown(clock)} {shown(day)} is no hh:mm:ss dd/mm/yyyy")
-    return on.to_datetime() + timedelta(seconds=at)
+    seconds, date = clock_s(clock if ":" in clock else f"0:{clock}"), moment(day, "dmy")
+    if seconds is None or seconds >= 86_400.0 or date is None or day.count("/") != 2:
+        raise InputError(
+            f"the start is {shown(clock)} {shown(day)}; must have the form hh:mm:ss dd/mm/yyyy"
+        )
+    return date.to_datetime() + timedelta(seconds=seconds)

@@ -1,1 +1,1 @@
-"""Lists of events of any kind: tables, calendars, subtitles, labels."""
+"""Readers of event lists: tables, calendars, subtitles, label tracks."""

@@ -1,27 +1,29 @@
-"""Cues as events: subtitles (SubRip, WebVTT), and label tracks of Audacity.
+"""Readers of cues: subtitles (SubRip, WebVTT) and label tracks of Audacity.
 
-`00:00:01,000 --> 00:00:04,000`: a cue is an event where it begins: of the kind `cue`, or of what a
-caption in brackets says (`[Applause]` is `applause`); its text is the label, without marks of
-style.
+A cue of a subtitle file, `00:00:01,000 --> 00:00:04,000`, is an event at its start. Its kind is
+`cue` or the caption in brackets (`[Applause]` is `applause`). Its text without formatting is the
+label.
 
-`start<TAB>end<TAB>label` in seconds, one a line, no header: lines that begin with a backslash
-(frequencies of a spectral selection) are skipped. A label is an event where it begins. Labels that
-come again are kinds, others are what is said of a `label`.
+A label track has lines `start<TAB>end<TAB>label`, with times in seconds and without a header.
+Lines that begin with a backslash (frequencies of a spectral selection) are skipped. A label is an
+event at its start. Labels that are repeated are event kinds; otherwise each is an event of the
+kind `label` with this label.
 """
 
 from __future__ import annotations
 
 import html
+import itertools
 import re
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.events.listing import (
-    About,
-    Listed,
+from overview_dsp.data.readers.events.timeline_builder import (
+    ListDescription,
+    ListEntry,
     kind_of,
-    kinds_or_labels,
     timeline_of,
+    with_kinds,
 )
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import clock_s
@@ -35,11 +37,11 @@ _STYLE = re.compile(r"<[^>]*>|\{\\[^}]*\}")
 _SOUND = re.compile(r"[\[(]([^\])]{1,40})[\])]")
 _KIND = "cue"
 _LABEL = re.compile(r"\s*(\d+(?:[.,]\d+)?)\t(\d+(?:[.,]\d+)?)(?:\t(.*))?", re.ASCII)
-_WORD = re.compile(r"[^\W\d_]")
+_LETTER = re.compile(r"[^\W\d_]")
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is text with the arrow of a cue among its first lines."""
+    """Return whether the file is text with the times of a cue in its first lines."""
     text = source.head_text
     if text is None or "-->" not in text:
         return False
@@ -47,15 +49,15 @@ def sniff(source: DataFile) -> bool:
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read cues (takes `duration_s`); InputError names the line."""
+    """Read cues (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
         name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
-        about = About(source.stem, f"events: {name} cues", (), options.duration_s)
-        return timeline_of(_listed(text.splitlines()), about)
+        description = ListDescription(source.stem, f"events: {name} cues", (), options.duration_s)
+        return timeline_of(_listed(text.splitlines()), description)
 
 
-def _listed(lines: list[str]) -> list[Listed]:
+def _listed(lines: list[str]) -> list[ListEntry]:
     listed = []
     for i, line in enumerate(lines):
         if "-->" not in line:
@@ -64,38 +66,35 @@ def _listed(lines: list[str]) -> list[Listed]:
         begin, end = (clock_s(match[k]) for k in (1, 2)) if match else (None, None)
         if begin is None or end is None:
             raise InputError(
-                f"line {i + 1}: {shown(line)} isn't a cue's times; write "
+                f"line {i + 1}: {shown(line)} is not the time of a cue; must have the form "
                 "00:01:02,500 --> 00:01:04,000"
             )
-        words = []
-        for following in lines[i + 1 :]:
-            if not following.strip() or "-->" in following:
-                break
-            words.append(following)
-        said = html.unescape(_STYLE.sub("", " ".join(words)))
-        said = " ".join(said.split())
-        sound = _SOUND.fullmatch(said)
+        following = itertools.takewhile(_is_caption, lines[i + 1 :])
+        text = " ".join(html.unescape(_STYLE.sub("", " ".join(following))).split())
+        sound = _SOUND.fullmatch(text)
         kind = kind_of(sound[1]) if sound else ""
-        listed.append(Listed(begin, kind or _KIND, "" if kind else said, f"line {i + 1}", end))
+        listed.append(ListEntry(begin, kind or _KIND, "" if kind else text, f"line {i + 1}", end))
     return listed
 
 
+def _is_caption(line: str) -> bool:
+    return bool(line.strip()) and "-->" not in line
+
+
 def sniff_labels(source: DataFile) -> bool:
-    """Return whether all lines are labels, some of them in words."""
+    """Return whether all lines are labels, and some contain letters."""
     if source.head_text is None or "\t" not in source.head_text:
         return False
     text = source.head_text
     lines = _lines(text if source.size <= len(source.head) else text[: text.rfind("\n")])
-    found = [_LABEL.fullmatch(line) for _, line in lines]
-    return (
-        bool(found)
-        and all(match and _seconds(match[1]) <= _seconds(match[2]) for match in found)
-        and any(match and match[3] and _WORD.search(match[3]) for match in found)
+    labels = [_LABEL.fullmatch(line) for _, line in lines]
+    return all(match and _seconds(match[1]) <= _seconds(match[2]) for match in labels) and any(
+        match and match[3] and _LETTER.search(match[3]) for match in labels
     )
 
 
 def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read a label track (takes `duration_s`); InputError names the line."""
+    """Read a label track (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
         listed = []
@@ -103,13 +102,15 @@ def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
             match = _LABEL.fullmatch(line)
             if match is None:
                 raise InputError(
-                    f"line {number}: {shown(line)} isn't start, end and label with tabs "
-                    "between them"
+                    f"line {number}: {shown(line)} is not a label; must be start, end and label, "
+                    "separated by tabs"
                 )
-            begin, end, words = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()
-            listed.append(Listed(begin, words, "", f"line {number}", end))
-        about = About(source.stem, "events: an Audacity label track", (), options.duration_s)
-        return timeline_of(kinds_or_labels(listed, "label"), about)
+            begin, end, label = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()
+            listed.append(ListEntry(begin, label, "", f"line {number}", end))
+        description = ListDescription(
+            source.stem, "events: an Audacity label track", (), options.duration_s
+        )
+        return timeline_of(with_kinds(listed, "label"), description)
 
 
 def _lines(text: str) -> list[tuple[int, str]]:

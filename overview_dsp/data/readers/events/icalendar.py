@@ -1,8 +1,8 @@
-"""Calendars (iCalendar, RFC 5545): each VEVENT is an event where it begins.
+"""Reader of calendars (iCalendar, RFC 5545): each VEVENT is an event at its start.
 
-Its first category is the kind (`event` where it has none), its summary the label. Times in UTC or
-with a known time zone lie where they happened; floating ones and days keep the calendar's own
-clock. Entries that recur (RRULE) are there once, and that is said.
+Its first category is the event kind (without one `event`), its summary the label. Times in UTC or
+with a known time zone are converted; floating times and dates are not converted. An entry that
+recurs (RRULE) is read once, and a note is shown.
 """
 
 from __future__ import annotations
@@ -14,7 +14,12 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.events.listing import PLAIN_KIND, About, Listed, timeline_of
+from overview_dsp.data.readers.events.timeline_builder import (
+    DEFAULT_KIND,
+    ListDescription,
+    ListEntry,
+    timeline_of,
+)
 from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
@@ -23,48 +28,48 @@ _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 
 Entry = dict[str, tuple[str, str, int]]
-"""Value, parameters and line of each property of a VEVENT, the first of each."""
+"""Value, parameters and line of each property of a VEVENT; of repeated ones the first."""
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file begins as a calendar."""
+    """Return whether the file begins with BEGIN:VCALENDAR."""
     text = source.head_text
     return text is not None and text.lstrip("\ufeff \r\n").upper().startswith("BEGIN:VCALENDAR")
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read a calendar (takes `duration_s`); InputError names the line."""
+    """Read a calendar (takes `duration_s`); the InputError contains the line."""
     text = source.text
     with validation.located(f"{source.where}: "):
         entries = list(_entries(text))
         if not entries:
-            raise InputError("a calendar without a VEVENT; it has no events")
+            raise InputError("the calendar has no events; must contain a VEVENT")
         moments = [_moment(entry, "DTSTART") for entry in entries]
         zones = {moment.tzinfo is not None for moment in moments}
         notes = []
         if len(zones) > 1:
-            notes.append("entries without a time zone are taken as UTC, as others name one")
+            notes.append("entries without a time zone were read as UTC, because others have one")
         if recurring := sum("RRULE" in entry for entry in entries):
-            notes.append(f"{recurring} entries recur; each is there once, at its first time")
+            notes.append(f"{recurring} entries recur; only the first time of each was read")
         listed = [_listed(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
         first = min(moments, key=_seconds)
         if len(zones) > 1 and first.tzinfo is None:
             first = first.replace(tzinfo=UTC)
-        if first.tzinfo is not None:  # a plain offset: clock changes don't move it
+        if first.tzinfo is not None:  # UTC has no daylight saving time
             first = first.astimezone(UTC)
         provenance, length = "events: a calendar (iCalendar)", options.duration_s
-        about = About(source.stem, provenance, tuple(notes), length, first, True)
-        return timeline_of(listed, about)
+        description = ListDescription(source.stem, provenance, tuple(notes), length, first, True)
+        return timeline_of(listed, description)
 
 
-def _listed(entry: Entry, moment: datetime) -> Listed:
+def _listed(entry: Entry, moment: datetime) -> ListEntry:
     begin = _seconds(moment)
     end = _seconds(_moment(entry, "DTEND")) if "DTEND" in entry else begin
     categories = entry.get("CATEGORIES", ("", "", 0))[0].split(",")
     label = _ESCAPED.sub(lambda m: "\n" if m[1] in "nN" else m[1], entry.get("SUMMARY", ("",))[0])
-    return Listed(
+    return ListEntry(
         begin,
-        categories[0].strip() or PLAIN_KIND,
+        categories[0].strip() or DEFAULT_KIND,
         " ".join(label.split()),
         f"line {entry['DTSTART'][2]}",
         max(begin, end),
@@ -73,7 +78,7 @@ def _listed(entry: Entry, moment: datetime) -> Listed:
 
 
 def _seconds(moment: datetime) -> float:
-    """Seconds since 1970, of a floating moment by its own clock."""
+    """Return seconds since 1970; a floating time counts as UTC."""
     return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
 
 
@@ -92,7 +97,7 @@ def _entries(text: str) -> Iterator[Entry]:
         elif name == "END":
             if value.upper() == "VEVENT" and entry is not None:
                 if "DTSTART" not in entry:
-                    raise InputError(f"line {number}: a VEVENT without DTSTART; give it one")
+                    raise InputError(f"line {number}: the VEVENT has no DTSTART; add one")
                 yield entry
                 entry = None
             if inside:
@@ -102,16 +107,17 @@ def _entries(text: str) -> Iterator[Entry]:
 
 
 def _unfolded(text: str) -> Iterator[tuple[int, str]]:
-    held, at = "", 0
+    """Yield lines with their numbers; folded lines (RFC 5545, 3.1) are joined."""
+    folded, first = "", 0
     for number, line in enumerate(text.lstrip("\ufeff").splitlines(), 1):
         if line[:1] in (" ", "\t"):
-            held += line[1:]
+            folded += line[1:]
         else:
-            if held:
-                yield at, held
-            held, at = line, number
-    if held:
-        yield at, held
+            if folded:
+                yield first, folded
+            folded, first = line, number
+    if folded:
+        yield first, folded
 
 
 def _moment(entry: Entry, name: str) -> datetime:
@@ -119,8 +125,8 @@ def _moment(entry: Entry, name: str) -> datetime:
     found = time_parsing.moment(value, "iso") if value[:8].isdigit() else None
     if found is None:
         raise InputError(
-            f"line {line}, {name}: {shown(value)} isn't a calendar's time; write "
-            "20240603, 20240603T093000 or 20240603T093000Z"
+            f"line {line}, {name}: {shown(value)} isn't a time; must have the form 20240603, "
+            "20240603T093000 or 20240603T093000Z"
         )
     moment = found.to_datetime()
     if moment.tzinfo is not None:

@@ -1,1 +1,1 @@
-"""Football matches from other people's files: one reader a format, one way to score and label."""
+"""Readers of football matches, one per file format, and the timeline that they share."""

@@ -1,4 +1,4 @@
-"""Lists of minutes as CSV: what happened in a match, or the goals of many matches.
+"""Reader of CSV lists with match minutes: the events of a match, or the goals of many matches.
 
 ::
 
@@ -11,19 +11,20 @@
     2018-07-15,France,Croatia,France,Mario Mandžukić,18,TRUE,FALSE
     2018-07-15,France,Croatia,Croatia,Ivan Perišić,28,FALSE,FALSE
 
-Columns are known by many names (`COLUMNS`), in any order, and others are ignored; fields are
-separated by commas, semicolons, tabs or bars. `type` in any common words (`Goal`, `own goal`,
-`SavedShot`, `Second Yellow`, `Card` with another column that says `red`) becomes a football kind;
-what is none of them (substitutions, corners, passes) is left out and counted in a note.
+`COLUMNS` lists the accepted names of the columns, which may be in any order. Other columns are
+ignored. Commas, semicolons, tabs or bars separate the fields. `type` is converted to a football
+event kind (`Goal`, `own goal`, `SavedShot`, `Second Yellow`, or `Card` with `red` in another
+column). Rows of other types, such as substitutions, corners and passes, are omitted and counted in
+a note.
 
-- A list with seconds (`12:34`, or columns minute and second) is exact, minutes counting from 0.
-- A list of bare minutes doesn't say whether its first minute is called 0 or 1: an event is placed
-  at its minute times 60 s, within 60 s of the truth either way. A list of goals (a column of
-  scorers and no column of types) counts from 1: a goal is placed in the middle of its minute.
-- Halves last as `minutes.py` says; rows such as `47:30,half-time` give their ends.
-- In a list of goals, `team` is the one that gets the score. In a list of types an own goal's team
-  is that of its player, and the score goes to the other (noted).
-- Rows of several matches (by date, home and away team, or a number of the match) need `match`.
+- A list with seconds (`12:34`, or columns minute and second) has exact times from 0.
+- A list of minutes only may count from 0 or from 1. An event is at its minute times 60 s, so the
+  error is at most 60 s. A list of goals (with a column of scorers and without types) counts from 1,
+  and a goal is in the middle of its minute.
+- `minutes.py` determines the length of the halves; rows such as `47:30,half-time` set their ends.
+- In a list of goals, `team` is the team that scores. In a list of types, the team of an own goal
+  is that of the player; the other team scores, and a note is shown.
+- A list of several matches (by date, teams, or id of the match) requires the option `match`.
 """
 
 from __future__ import annotations
@@ -36,17 +37,16 @@ from dataclasses import dataclass, replace
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.football.match import (
+from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
     SHOOT_OUT,
-    Happening,
-    choose,
+    MatchEvent,
     match_timeline,
-    plain,
+    normalize_text,
+    select_match,
     short_name,
     team_index,
 )
-from overview_dsp.data.readers.football.minute_words import meaning, words_of
 from overview_dsp.data.readers.football.minutes import (
     ENDS,
     Clock,
@@ -54,6 +54,7 @@ from overview_dsp.data.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
+from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import headed
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
@@ -90,7 +91,7 @@ COLUMNS: dict[str, tuple[str, ...]] = {
     "penalty": ("penalty", "pen", "is penalty"),
     "label": ("label", "text", "comment", "note", "commentary"),
 }  # fmt: skip
-"""What columns are called: names as compared, without case, signs and accents."""
+"""Accepted column names, in lower case and without punctuation and accents."""
 
 PROVENANCE_GOALS = (
     "goals: a CSV list of goals, each in the middle of its minute (true to 30 s of the match clock)"
@@ -101,13 +102,13 @@ PROVENANCE_MINUTES = (
 PROVENANCE_SECONDS = "events: a CSV list with minutes and seconds of the match clock"
 
 STOPPAGE_NOTE = (
-    "the list doesn't give the length of stoppage time: a half lasts 45 minutes here, or until its "
-    "last listed minute of stoppage time"
+    "the list has no length of stoppage time: a half lasts 45 minutes, or until its last listed "
+    "minute of stoppage time"
 )
 
 _MIDDLE_S = 30.0
-_SNIFFED = 50
-_ANYONES = ("", "period", "half_end", "match_end")  # other things start and end too
+_ROWS_CHECKED = 50
+_NOT_SPECIFIC = ("", "period", "half_end", "match_end")  # other tables have starts and ends, too
 _FOOTBALL = re.compile(
     r"substitut|^sub$|corner|offside|throw in|free kick|goal kick|penalty|\bvar\b|tackle|assist"
 )
@@ -137,7 +138,7 @@ _AWAY = frozenset({"a", "away", "2"})
 
 @dataclass(frozen=True)
 class _Row:
-    """One row: its line, its fields by what they are (keys of `COLUMNS`)."""
+    """Row of a list: its line, and its fields by their keys in `COLUMNS`."""
 
     line: int
     fields: dict[str, str]
@@ -145,22 +146,22 @@ class _Row:
     headers: dict[str, str]
 
     @property
-    def place(self) -> str:
+    def location(self) -> str:
         return str(CellLocation(self.line))
 
-    def at(self, what: str) -> CellLocation:
-        """Return the location of the field that is `what`."""
-        return CellLocation(self.line, self.headers.get(what, what))
+    def location_of(self, key: str) -> CellLocation:
+        """Return the location of a field."""
+        return CellLocation(self.line, self.headers.get(key, key))
 
-    def get(self, what: str) -> str:
-        value = self.fields.get(what, "")
+    def get(self, key: str) -> str:
+        value = self.fields.get(key, "")
         return "" if value.lower() in _NONE else value
 
-    def flag(self, what: str) -> bool:
-        value = self.fields.get(what, "").lower()
+    def flag(self, key: str) -> bool:
+        value = self.fields.get(key, "").lower()
         if value in _YES or value in _NO:
             return value in _YES
-        raise self.at(what).error(value, "is no flag; write TRUE or FALSE")
+        raise self.location_of(key).error(value, "must be TRUE or FALSE")
 
     @property
     def match(self) -> tuple[str, str, str, str]:
@@ -168,7 +169,7 @@ class _Row:
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is a table with minutes and with kinds of events or scorers."""
+    """Return whether the file is a table with minutes, and with football events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
     found = headed(source.head_text)
@@ -180,45 +181,45 @@ def sniff(source: DataFile) -> bool:
         return False
     if "minute" in columns and any("scorer" in name for name in columns.get("player", [])):
         return True
-    # other tables have minutes, types and teams too: football's own words must stand beside them
-    return "kind" in columns and _speaks_football(source.head_text, columns, timed[0])
+    # other tables have minutes, types and teams, too
+    return "kind" in columns and _has_football_kinds(source.head_text, columns, timed[0])
 
 
 def matches(source: DataFile) -> list[str]:
-    """Return a line on each match of the file."""
+    """Return a description of each match in the file."""
     text = source.text
     with validation.located(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read one match (takes `match`); InputError names file and line."""
-    text = source.text  # its errors name the file themselves
+    """Read one match (takes `match`); the InputError contains file and line."""
+    text = source.text  # its errors contain the path
     with validation.located(f"{source.where}: "):
         return decode(text, options.match, source.stem)
 
 
 def decode(text: str, match: str | None = None, default_title: str = "") -> Timeline:
-    """Make a Timeline of one match of a list.
+    """Return the Timeline of one match of a list.
 
     Parameters
     ----------
     text
-        The file's text.
+        Text of the file.
     match
         As `LoadOptions.match`; may be None for a list of one match.
     default_title
-        The title if the list names fewer than two teams.
+        Title if the list has fewer than two teams.
 
     Raises
     ------
     InputError
-        No or several such matches; a row whose minute is none or whose team is a third one.
+        The match is unknown or ambiguous, a minute is invalid, or there is a third team.
     """
     grouped = _grouped(_rows(text))
     lines = _lines(grouped)
     ids = [key[3] for key in grouped]
-    chosen = list(grouped)[choose(lines, match, ids if any(ids) else ())]
+    chosen = list(grouped)[select_match(lines, match, ids if any(ids) else ())]
     return _timeline(grouped[chosen], default_title)
 
 
@@ -226,13 +227,13 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
     goals_only = not any("kind" in row.fields for row in rows)
     entries: list[tuple[_Row, Minute, str, str]] = []
     ends: dict[int, Minute] = {}
-    left_out: Counter[str] = Counter()
+    omitted: Counter[str] = Counter()
     kicks = 0
     for row in rows:
         kind, detail = _meaning(row, goals_only)
         if not row.get("minute") and not row.get("clock"):
             if kind:
-                raise row.at("minute" if "minute" in row.headers else "clock").missing(
+                raise row.location_of("minute" if "minute" in row.headers else "clock").missing(
                     "write a minute, such as 38 or 90+3, or remove the row"
                 )
             continue
@@ -240,56 +241,54 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
             kicks += 1
             continue
         if not kind:
-            left_out[words_of(row.get("kind")) or "no type"] += 1
+            omitted[normalize_terms(row.get("kind")) or "no type"] += 1
             continue
         minute = _minute(row)
         if minute.period == SHOOT_OUT:
             kicks += 1
         elif kind in ("half_end", "match_end"):
-            period = _ended(minute, kind)
+            period = _ended_period(minute, kind)
             if period not in ends or minute.on_clock > ends[period].on_clock:
                 ends[period] = minute
         elif kind != "period":
             entries.append((row, minute, kind, detail))
     if not entries and not ends:
         raise InputError(
-            "no goal, card, foul or near miss in it; name them in a column such as type"
+            "the list has no goal, card, foul or near miss; write them in a column such as type"
         )
     minutes = [minute for _, minute, _, _ in entries]
     if goals_only:
-        clock = Clock.laid(
+        clock = Clock.from_minutes(
             minutes, extra_time=any(m.base > 90 for m in minutes) or None, back_s=_MIDDLE_S
         )
         provenance = PROVENANCE_GOALS
     else:
-        clock = Clock.laid(minutes, ends=ends)
+        clock = Clock.from_minutes(minutes, ends=ends)
         exact = any(minute.seconds is not None for minute in minutes)
         provenance = PROVENANCE_SECONDS if exact else PROVENANCE_MINUTES
     teams = _teams(rows)
-    happenings = [_happening(*entry, clock, teams, goals_only) for entry in entries]
+    match_events = [_match_event(*entry, clock, teams, goals_only) for entry in entries]
     notes = []
     if set(clock.lengths_s) - set(ends):
         notes.append(STOPPAGE_NOTE)
     if kicks:
-        notes.append(f"the shoot-out is left out: {kicks} rows")
-    if left_out:
-        most = left_out.most_common(6)
-        words = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most)
-        more = ", ..." if len(left_out) > len(most) else ""
-        notes.append(f"left out, no football kind: {words}{more}")
+        notes.append(f"the shoot-out is omitted: {kicks} rows")
+    if omitted:
+        most = omitted.most_common(6)
+        counts = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most)
+        more = ", ..." if len(omitted) > len(most) else ""
+        notes.append(f"omitted, not a football event kind: {counts}{more}")
     if not goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):
-        notes.append(
-            "own goals: the team listed is taken as the player's, the score goes to the other"
-        )
+        notes.append("own goals: the team in the list is that of the player; the other team scores")
     return match_timeline(
         teams,
         clock.begins_s,
         clock.duration_s,
-        happenings,
+        match_events,
         provenance,
         notes,
         default_title=default_title,
-        about=[rows[0].get("date")],
+        title_parts=[rows[0].get("date")],
     )
 
 
@@ -298,27 +297,27 @@ def _meaning(row: _Row, goals_only: bool) -> tuple[str, str]:
     penalty = "penalty" in row.fields and row.flag("penalty")
     if goals_only:
         return ("own_goal", "") if own else ("goal", "pen" if penalty else "")
-    return meaning(words_of(row.get("kind")), row.details, own=own, penalty=penalty)
+    return meaning(normalize_terms(row.get("kind")), row.details, own=own, penalty=penalty)
 
 
-def _happening(
-    row: _Row, minute: Minute, kind: str, detail: str, clock: Clock, teams: list[str], by_team: bool
-) -> Happening:
-    """Return what a row says; `by_team`: whether a goal's team is the one that gets the score."""
-    team = team_index(_team_name(row), teams, row.place)
-    if kind == "own_goal" and not by_team and team is not None:
+def _match_event(
+    row: _Row, minute: Minute, kind: str, detail: str, clock: Clock, teams: list[str], scores: bool
+) -> MatchEvent:
+    """Return the event of a row; `scores`: the team of an own goal is the one that scores."""
+    team = team_index(_team_name(row), teams, row.location)
+    if kind == "own_goal" and not scores and team is not None:
         team = 1 - team if len(teams) == 2 else None
-    who = short_name(row.get("player"))
-    if not who and kind in GOALS:
-        who = row.get("label")
-    elif not who:
+    player = short_name(row.get("player"))
+    if not player and kind in GOALS:
+        player = row.get("label")
+    elif not player:
         detail = detail or row.get("label")
     written = str(minute) if minute.seconds is None else ""
-    return Happening(clock.time_s(minute), kind, team, who, detail, written, row.place)
+    return MatchEvent(clock.time_s(minute), kind, team, player, detail, written, row.location)
 
 
 def _team_name(row: _Row) -> str:
-    """Return the team of a row; `home` and `away` mean those the row names."""
+    """Return the team of a row, with `home` and `away` replaced by the names in the row."""
     name, home, away = row.get("team"), row.get("home"), row.get("away")
     if home and away and name not in (home, away):
         return home if name.lower() in _HOME else away if name.lower() in _AWAY else name
@@ -343,36 +342,38 @@ def _rows(text: str) -> list[_Row]:
     for line, fields in records(text):
         if columns is None:
             columns = _columns(list(fields))
-            headers = {what: names[0] for what, names in columns.items()}
-        values = {what: fields[names[0]] for what, names in columns.items()}
+            headers = {key: names[0] for key, names in columns.items()}
+        values = {key: fields[names[0]] for key, names in columns.items()}
         details = " ".join(
-            words_of(fields[name])
+            normalize_terms(fields[name])
             for name in columns.get("details", [])
             if fields[name] and fields[name].lower() not in _NONE
         )
         listed.append(_Row(line, values, details, headers))
     if not listed:
-        raise InputError("no rows below the header; add one for each event")
+        raise InputError("the list has no rows below the header; add one row per event")
     return listed
 
 
 def _columns(header: Sequence[str]) -> dict[str, list[str]]:
-    """Return the columns of the header by what they are; each column is one thing."""
-    names = {name: plain(name.replace("_", " ")).replace(" ", "") for name in header if name}
+    """Return the columns of the header by their keys in `COLUMNS`."""
+    names = {
+        name: normalize_text(name.replace("_", " ")).replace(" ", "") for name in header if name
+    }
     columns: dict[str, list[str]] = {}
-    taken: set[str] = set()
-    for what, known in COLUMNS.items():
-        for alias in known:
-            for name, compared in names.items():
-                same = compared == alias.replace(" ", "")
-                if same and name not in taken and (what not in columns or what == "details"):
-                    columns.setdefault(what, []).append(name)
-                    taken.add(name)
+    used: set[str] = set()
+    for key, aliases in COLUMNS.items():
+        for alias in aliases:
+            for name, normalized in names.items():
+                same = normalized == alias.replace(" ", "")
+                if same and name not in used and (key not in columns or key == "details"):
+                    columns.setdefault(key, []).append(name)
+                    used.add(name)
     return columns
 
 
 def _grouped(listed: Sequence[_Row]) -> dict[tuple[str, str, str, str], list[_Row]]:
-    """Return the rows by the match they describe, in order of first appearance."""
+    """Return the rows by match, in order of their first rows."""
     grouped: dict[tuple[str, str, str, str], list[_Row]] = {}
     for row in listed:
         grouped.setdefault(row.match, []).append(row)
@@ -381,16 +382,16 @@ def _grouped(listed: Sequence[_Row]) -> dict[tuple[str, str, str, str], list[_Ro
 
 def _lines(grouped: dict[tuple[str, str, str, str], list[_Row]]) -> list[str]:
     lines = []
-    for (date, home, away, number), of_it in grouped.items():
-        teams = f" {_result(of_it)} ".join([home, away] if home or away else _teams(of_it))
-        lines.append("  ".join(part for part in (date, teams, number) if part) or "the match")
+    for (date, home, away, id_), rows in grouped.items():
+        teams = f" {_result(rows)} ".join([home, away] if home or away else _teams(rows))
+        lines.append("  ".join(part for part in (date, teams, id_) if part) or "the match")
     return lines
 
 
-def _result(of_it: Sequence[_Row]) -> str:
-    """Return the score of a list of goals, whose team is the one that gets it; else a dash."""
+def _result(rows: Sequence[_Row]) -> str:
+    """Return the score of a match in a list of goals; a dash for a list of types."""
     counts = [0, 0]
-    for row in of_it:
+    for row in rows:
         sides = (row.get("home"), row.get("away"))
         if "kind" in row.fields or row.get("team") not in sides:
             return "-"
@@ -399,39 +400,43 @@ def _result(of_it: Sequence[_Row]) -> str:
 
 
 def _minute(row: _Row) -> Minute:
-    place = row.at("minute" if row.get("minute") else "clock")
-    minute = parse_minute(row.get("minute") or row.get("clock"), place)
-    for what in ("added", "second"):
-        value = row.get(what)
+    location = row.location_of("minute" if row.get("minute") else "clock")
+    minute = parse_minute(row.get("minute") or row.get("clock"), location)
+    for key in ("added", "second"):
+        value = row.get(key)
         if not value:
             continue
         number = re.fullmatch(r"\+?([0-9]{1,3})(\.[0-9]{1,6})?", value)
-        if number is None or (what == "added" and number[2] and float(number[2]) != 0.0):
-            raise row.at(what).error(value, "isn't a number of minutes or seconds")
-        if what == "added":
+        if number is None or (key == "added" and number[2] and float(number[2]) != 0.0):
+            raise row.location_of(key).error(value, "isn't a number of minutes or seconds")
+        if key == "added":
             if minute.added is None and (int(number[1]) or minute.base in ENDS.values()):
                 added = int(number[1])
                 minute = replace(minute, added=added or None)
         else:
             seconds = float(number[1] + (number[2] or ""))
             if seconds >= 60.0:
-                raise row.at(what).error(seconds, "is out of range; seconds are 0 to 60")
+                raise row.location_of(key).error(
+                    seconds, "is out of range; seconds must be 0 to 60"
+                )
             minute = replace(minute, seconds=seconds)
-    check_minute(minute.base, minute.added, place)
+    check_minute(minute.base, minute.added, location)
     period = row.get("period")
-    return replace(minute, period=_period(period, row.at("period"))) if period else minute
+    return replace(minute, period=_period(period, row.location_of("period"))) if period else minute
 
 
-def _period(text: str, place: CellLocation) -> int | None:
-    words = re.sub(r" 0$", "", words_of(text))  # 1.0, as a table of numbers writes it
-    for number, known in _PERIODS.items():
-        if words in known:
+def _period(text: str, location: CellLocation) -> int | None:
+    normalized = re.sub(r" 0$", "", normalize_terms(text))  # "1.0" in tables of numbers
+    for number, names in _PERIODS.items():
+        if normalized in names:
             return number
-    raise place.error(text, "is no period; write 1, 2, 3 or 4 (extra time), or 5 (shoot-out)")
+    raise location.error(
+        text, "is not a period; must be 1, 2, 3 or 4 (extra time), or 5 (shoot-out)"
+    )
 
 
-def _ended(minute: Minute, kind: str) -> int:
-    """Return the period that a whistle ends."""
+def _ended_period(minute: Minute, kind: str) -> int:
+    """Return the period that ends with a whistle of this kind."""
     if minute.period in (1, 2, 3, 4):
         return minute.period
     if kind == "half_end" and minute.base < ENDS[2]:
@@ -441,31 +446,32 @@ def _ended(minute: Minute, kind: str) -> int:
     return 3 if kind == "half_end" and minute.base < ENDS[4] else 4
 
 
-def _speaks_football(head: str, columns: dict[str, list[str]], timed: str) -> bool:
-    """Return whether early rows have minutes and, in words, football kinds.
+def _has_football_kinds(head: str, columns: dict[str, list[str]], timed: str) -> bool:
+    """Return whether the first rows have minutes and football event kinds.
 
-    Beside a team or a player one such row will do; without them half of the rows have to.
+    With a column of teams or players one such row is enough; else half of the rows must have them.
     """
-    whole = head[: head.rfind("\n") + 1] or head
-    sides = "team" in columns or "player" in columns
-    bare = sides or "minute" in columns  # numbers under `time` alone are seconds
-    known = other = 0
+    complete = head[: head.rfind("\n") + 1] or head
+    has_sides = "team" in columns or "player" in columns
+    allows_numbers = has_sides or "minute" in columns  # else numbers under `time` are seconds
+    football = other = 0
     try:
-        for _, fields in itertools.islice(records(whole), _SNIFFED):
-            kind = words_of(fields[columns["kind"][0]])
-            details = " ".join(words_of(fields[name]) for name in columns.get("details", []))
-            told = meaning(kind, details, own=False, penalty=False)[0] not in _ANYONES
-            if told and sides and _is_minute(fields[timed]):
+        for _, fields in itertools.islice(records(complete), _ROWS_CHECKED):
+            kind = normalize_terms(fields[columns["kind"][0]])
+            details = " ".join(normalize_terms(fields[name]) for name in columns.get("details", []))
+            specific = meaning(kind, details, own=False, penalty=False)[0] not in _NOT_SPECIFIC
+            if specific and has_sides and _is_minute(fields[timed]):
                 return True
-            known += (told or bool(_FOOTBALL.search(kind))) and _is_minute(fields[timed], bare)
-            other += not told
-    except InputError:  # the reader that claims the file says where it is broken
+            is_football = specific or bool(_FOOTBALL.search(kind))
+            football += is_football and _is_minute(fields[timed], allows_numbers)
+            other += not specific
+    except InputError:  # the reader reports the error
         return False
-    return known > 0 and 2 * known >= known + other
+    return football > 0 and football >= other
 
 
-def _is_minute(text: str, bare: bool = True) -> bool:
-    if not bare and text.strip().replace(".", "", 1).isdigit():
+def _is_minute(text: str, allows_numbers: bool = True) -> bool:
+    if not allows_numbers and text.strip().replace(".", "", 1).isdigit():
         return False
     try:
         parse_minute(text, "")

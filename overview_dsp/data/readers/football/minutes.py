@@ -1,8 +1,8 @@
-"""Minutes as football counts them (`38`, `90+3`), onto a timeline of periods laid end to end.
+"""Conversion of match minutes (`38`, `90+3`) into times on a timeline of consecutive periods.
 
-A list of minutes doesn't say how long stoppage time was. A half lasts its 45 minutes (15 in extra
-time) or until its last listed minute of stoppage time, whichever is longer, unless the list gives
-its end; the next one follows. So `45+2` and `46` are two minutes, not two moments of one.
+A list of minutes has no length of stoppage time. Unless the list has its end, a half lasts 45
+minutes (15 in extra time), or until its last listed minute if that is later. The next half starts
+then, so `45+2` and `46` are different times.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from overview_dsp.data.readers.football.match import SHOOT_OUT, lay_end_to_end
+from overview_dsp.data.readers.football.match_timeline import SHOOT_OUT, concatenate_periods
 from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.time_parsing import match_minute
 from overview_dsp.errors import InputError, shown
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
-"""Minute of the clock at which a period begins."""
+"""Minute of the match clock at the start of each period."""
 
 ENDS = {1: 45, 2: 90, 3: 105, 4: 120}
-"""Minute of the clock at which a period ends, without stoppage time."""
+"""Minute of the match clock at the end of each period, without stoppage time."""
 
 MAX_MINUTE = 150
 _MIDDLE_S = 30.0
@@ -29,17 +29,17 @@ _RANGE = f"0 to {MAX_MINUTE}, such as 38 or 90+3"
 
 @dataclass(frozen=True)
 class Minute:
-    """A moment of the match clock.
+    """Time on the match clock.
 
     Parameters
     ----------
     base, added
-        `90+3` is 90 and 3; `added` is None without a plus.
+        Minute and minute of stoppage time: 90 and 3 for `90+3`; `added` is None without a plus.
     seconds
-        Into the minute that begins at `base` (+ `added`), where the list gives seconds; then
-        minutes count from 0, else they are a minute's number or its beginning, as a list has it.
+        Seconds after the minute, if the list has seconds; minutes then count from 0. Otherwise
+        lists count minutes from 0 or from 1.
     period
-        1 to 5 where the list gives it.
+        Period, 1 to 5, if the list has it.
     """
 
     base: int
@@ -53,48 +53,50 @@ class Minute:
 
     @property
     def on_clock(self) -> int:
-        """Minutes since kick-off, stoppage time counted on."""
+        """Minutes since kick-off, including stoppage time."""
         return self.base + (self.added or 0)
 
 
-def parse_minute(text: str, place: str | CellLocation) -> Minute:
-    """Return the minute written as `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError if not."""
-    found = match_minute(text)
-    if found is None:
-        raise _wrong(place, text, f"isn't a minute; minutes are {_RANGE}")
-    base, added, seconds = found
-    check_minute(base, added, place)
+def parse_minute(text: str, location: str | CellLocation) -> Minute:
+    """Return the Minute of `38`, `38'`, `90+3`, `45+2'` or `12:34`; InputError for other texts."""
+    parts = match_minute(text)
+    if parts is None:
+        raise _error(location, text, f"isn't a minute; minutes must be {_RANGE}")
+    base, added, seconds = parts
+    check_minute(base, added, location)
     return Minute(base, added, seconds)
 
 
-def check_minute(base: int, added: int | None, place: str | CellLocation) -> None:
-    """Refuse minutes no match has."""
+def check_minute(base: int, added: int | None, location: str | CellLocation) -> None:
+    """Raise InputError if a minute is out of range."""
     if not 0 <= base <= MAX_MINUTE:
-        raise _wrong(place, base, f"is no minute; minutes are {_RANGE}")
+        raise _error(location, base, f"is out of range; minutes must be {_RANGE}")
     if added is not None and not 0 <= added <= MAX_ADDED:
-        raise _wrong(place, added, f"minutes of stoppage time; that is 0 to {MAX_ADDED}")
+        raise _error(
+            location, added, f"is out of range; stoppage time must be 0 to {MAX_ADDED} minutes"
+        )
 
 
-def _wrong(place: str | CellLocation, value: object, note: str) -> InputError:
-    if isinstance(place, CellLocation):
-        return place.error(value, note)
-    return InputError(f"{place}: {shown(value)} {note}")
+def _error(location: str | CellLocation, value: object, note: str) -> InputError:
+    if isinstance(location, CellLocation):
+        return location.error(value, note)
+    return InputError(f"{location}: {shown(value)} {note}")
 
 
 @dataclass(frozen=True)
 class Clock:
-    """The periods of one match on the timeline.
+    """Periods of a match on the timeline.
 
     Parameters
     ----------
     begins_s, lengths_s
-        By period: where it begins on the timeline and how long it is, s.
+        Start on the timeline and length of each period, s.
     extra_time
-        Whether minutes above 90 without a plus are extra time, not stoppage time.
+        True if minutes above 90 without a plus are extra time, false for stoppage time.
     back_s
-        How far before the end of its minute an event is placed, s: 30 is the middle.
+        Time from an event to the end of its minute, s: 30 is the middle of the minute.
     restarts
-        Whether the clock of every period begins at 0.
+        True if the clock of each period starts at 0.
     """
 
     begins_s: Mapping[int, float]
@@ -104,7 +106,7 @@ class Clock:
     restarts: bool = False
 
     @classmethod
-    def laid(
+    def from_minutes(
         cls,
         minutes: Iterable[Minute],
         *,
@@ -112,51 +114,53 @@ class Clock:
         back_s: float = 0.0,
         ends: Mapping[int, Minute] | None = None,
     ) -> Clock:
-        """Lay the periods of a match end to end.
+        """Return the consecutive periods of a match.
 
         Parameters
         ----------
         minutes
-            Of all its events.
+            Minutes of all events.
         extra_time
-            Whether the match had it; None = by the minutes: one above 105 without a plus, a
-            period 3 or 4, or, in a list that writes stoppage time with a plus, one above 90.
+            Whether the match had extra time. None: derived from the minutes. There is extra time
+            if a minute has period 3 or 4, or is above 105 without a plus. In a list that writes
+            stoppage time with a plus, a minute above 90 is enough.
         back_s
             As `Clock`.
         ends
-            When periods ended, where the list gives them; a bare minute is its middle.
+            Minutes at which periods ended, if the list has them. Without seconds, the end is in
+            the middle of the minute.
         """
         listed = [minute for minute in minutes if minute.period != SHOOT_OUT]
         ends = ends or {}
-        every = [*listed, *ends.values()]
-        restarts = _restarts(every)
+        known = [*listed, *ends.values()]
+        restarts = _restarts(known)
         if extra_time is None:
-            bases = [m.base for m in every if m.period is None]
-            longest = ENDS[2] if any(m.added is not None for m in every) else ENDS[3]
+            bases = [m.base for m in known if m.period is None]
+            limit = ENDS[2] if any(m.added is not None for m in known) else ENDS[3]
             extra_time = (
-                any(base > longest for base in bases)
-                or any(m.added is not None and m.base in (ENDS[3], ENDS[4]) for m in every)
-                or not {3, 4}.isdisjoint((*ends, *(m.period for m in every)))
+                any(base > limit for base in bases)
+                or any(m.added is not None and m.base in (ENDS[3], ENDS[4]) for m in known)
+                or not {3, 4}.isdisjoint((*ends, *(m.period for m in known)))
             )
-        rough = cls({}, {}, extra_time, back_s, restarts)
+        clock = cls({}, {}, extra_time, back_s, restarts)
         lengths = {
             p: 60.0 * (ENDS[p] - STARTS[p]) for p in ((1, 2, 3, 4) if extra_time else (1, 2))
         }
         for minute in listed:
-            period = rough.period_of(minute)
-            lengths[period] = max(lengths.get(period, 0.0), rough._into(minute, period))
+            period = clock.period_of(minute)
+            lengths[period] = max(lengths.get(period, 0.0), clock._seconds(minute, period))
         for period, minute in ends.items():
-            bare = minute.seconds is None
-            if bare and minute.added is None and minute.base == ENDS[period]:
-                continue  # the name of the whistle, not when it blew
-            into = rough._into(minute, period) - (_MIDDLE_S if bare else 0.0)
-            if into > 0.0:
-                lengths[period] = into
-        begins, _ = lay_end_to_end(lengths)
+            is_whole = minute.seconds is None
+            if is_whole and minute.added is None and minute.base == ENDS[period]:
+                continue  # the nominal end, not the time of the whistle
+            length_s = clock._seconds(minute, period) - (_MIDDLE_S if is_whole else 0.0)
+            if length_s > 0.0:
+                lengths[period] = length_s
+        begins, _ = concatenate_periods(lengths)
         return cls(begins, lengths, extra_time, back_s, restarts)
 
     def period_of(self, minute: Minute) -> int:
-        """Return the period (1 to 4) a minute lies in."""
+        """Return the period of a minute, 1 to 4."""
         if minute.period is not None:
             return min(minute.period, 4)
         if minute.base <= ENDS[1]:
@@ -166,24 +170,25 @@ class Clock:
         return 3 if minute.base <= ENDS[3] else 4
 
     def time_s(self, minute: Minute) -> float:
-        """Return where an event of that minute lies on the timeline, s, within its period."""
+        """Return the time of a minute on the timeline, s, limited to its period."""
         period = self.period_of(minute)
-        into = self._into(minute, period)
+        seconds = self._seconds(minute, period)
         if minute.seconds is None:
-            into -= self.back_s
-        return self.begins_s[period] + min(max(into, 0.0), self.lengths_s[period])
+            seconds -= self.back_s
+        return self.begins_s[period] + min(max(seconds, 0.0), self.lengths_s[period])
 
     @property
     def duration_s(self) -> float:
-        """Length of the match, s."""
+        """Duration of the match, s."""
         return sum(self.lengths_s.values())
 
-    def _into(self, minute: Minute, period: int) -> float:
+    def _seconds(self, minute: Minute, period: int) -> float:
+        """Return the time from the start of the period, s."""
         start = 0 if self.restarts else STARTS[period]
         return 60.0 * (minute.on_clock - start) + (minute.seconds or 0.0)
 
 
 def _restarts(minutes: Sequence[Minute]) -> bool:
-    """Return whether later periods count from 0: none of their minutes reaches their start."""
+    """Return whether periods 2 to 4 count from 0: all their minutes are before their start."""
     later = [m for m in minutes if m.period in (2, 3, 4)]
     return bool(later) and all(m.base < STARTS[m.period or 1] for m in later)

@@ -1,4 +1,4 @@
-"""openfootball: a competition's matches with their goals, as JSON or as plain text.
+"""Reader of openfootball: the matches of a competition with their goals, as JSON or plain text.
 
 JSON (football.json, worldcup.json)::
 
@@ -7,13 +7,13 @@ JSON (football.json, worldcup.json)::
        "score": {"ft": [4, 2], "ht": [2, 1]},
        "goals1": [{"name": "Mandžukić", "minute": 18, "owngoal": true}, ...], "goals2": [...]}]}
 
-Older files group matches under `rounds`, give teams as objects with a name and scores as `score1`,
-`score2` (with `et` and `p` behind for extra time and a shoot-out); newer ones write `"90+4"` where
-older ones have `"minute": 90, "offset": 4`. All are read.
+Older files, which are read too, group matches under `rounds` and have objects as teams. Their
+scores are `score1` and `score2`, with the suffixes `et` and `p` for extra time and a shoot-out.
+Their `"minute": 90, "offset": 4` is `"90+4"` in newer files.
 
-A goal is placed in the middle of its minute: true to 30 s of the match clock. Goals in `goals1`
-count for team 1, own goals too. Halves last as `minutes.py` says. A shoot-out is left out and
-noted.
+A goal is in the middle of its minute, so the error is at most 30 s of the match clock. Goals and
+own goals in `goals1` count for team 1. `minutes.py` determines the length of the halves. A
+shoot-out is omitted, and a note is shown.
 
 Plain text (Football.TXT)::
 
@@ -28,9 +28,9 @@ Plain text (Football.TXT)::
     (64) Sun Jul/15  18:00   France     4-2 (2-1)   Croatia     @ Luzhniki Stadium, Moscow (UTC+3)
                    [Mandžukić 18' (o.g.) Griezmann 38' (pen.); Perišić 28']
 
-Scores may stand after both teams too (`France v Croatia 4-2 (2-1)`), dates in a line of their own.
-It becomes what is read from JSON; goals of one team only are those of the team that has scored. A
-file of scores alone is known for what it is, and refused.
+Scores may follow both teams, too (`France v Croatia 4-2 (2-1)`), and dates may be on a separate
+line. The text is converted to the structure of the JSON files. If a match lists goals without a
+semicolon, they belong to the team that has scored. A file with scores only is an error.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.football.match import (
-    Happening,
-    choose,
-    has_entry,
+from overview_dsp.data.readers.football.match_timeline import (
+    MatchEvent,
+    contains_record,
     match_timeline,
+    select_match,
     short_name,
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
@@ -59,20 +59,20 @@ PROVENANCE = (
 )
 
 STOPPAGE_NOTE = (
-    "the file doesn't give the length of stoppage time: a half lasts 45 minutes here, or until its "
-    "last goal in stoppage time"
+    "the file has no length of stoppage time: a half lasts 45 minutes, or until its last goal in "
+    "stoppage time"
 )
 
 _MIDDLE_S = 30.0
-_LONGEST = 400
+_MAX_LINE_LENGTH = 400
 _SCORE = (
     r"(?:(?P<pen>\d{1,2}-\d{1,2})\s*pen\.?,?\s+)?(?P<score>\d{1,2}-\d{1,2})(?P<aet>\s*a\.?e\.?t\.?)?"
     r"(?:\s*\((?P<before>[\d\s,-]*)\))?(?:,?\s*(?P<pens>\d{1,2}-\d{1,2})\s*pen\.?)?"
 )
-_PLACE = r"(?:\s+@.*|\s{2,}\(.*)?"
+_VENUE = r"(?:\s+@.*|\s{2,}\(.*)?"
 _MATCHES = (
-    re.compile(rf"(?P<one>\S.*?)\s+{_SCORE}\s+(?P<two>[^\W\d].*?|\d+\..*?){_PLACE}"),
-    re.compile(rf"(?P<one>\S.*?)\s+v\.?\s+(?P<two>\S.*?)\s+{_SCORE}{_PLACE}"),
+    re.compile(rf"(?P<one>\S.*?)\s+{_SCORE}\s+(?P<two>[^\W\d].*?|\d+\..*?){_VENUE}"),
+    re.compile(rf"(?P<one>\S.*?)\s+v\.?\s+(?P<two>\S.*?)\s+{_SCORE}{_VENUE}"),
 )
 _NUMBER = re.compile(r"\(\d{1,4}\)\s*")
 _MONTH = r"(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[a-z]*"
@@ -81,7 +81,7 @@ _DATE = re.compile(
     rf"(?:{_MONTH}[ /]\d{{1,2}}|\d{{1,2}}[ .]+{_MONTH})(?:,?[ /]\d{{4}})?)\]?(?:\s+|$)"
 )
 _CLOCK = re.compile(r"\d{1,2}[:.]\d{2}(?:\s+UTC[+-]\d{1,2})?\s+")
-_NO_ROUND = re.compile(r"\||@|\s-\s")  # a list of rounds, a match to come
+_NO_ROUND = re.compile(r"\||@|\s-\s")  # a list of rounds, or a future match
 _NO_TEAM = re.compile(r"[:;,=|/\t]")
 _GOAL = re.compile(
     r"(\d{1,3})\s*['’]?(?:\s*\+\s*(\d{1,2}))?\s*['’](?:\s*\(\s*(o\.?\s?g\.?|p(?:en)?\.?)\s*\))?"
@@ -92,19 +92,19 @@ Pair = tuple[int, int]
 
 @dataclass(frozen=True)
 class _Match:
-    """A match as listed."""
+    """Match in the file."""
 
     raw: dict[str, object]
     round: str
-    place: str
+    location: str
 
     def team(self, number: int) -> str:
-        """Return a team's name, "" where missing."""
+        """Return the name of team 1 or 2; "" if it is missing."""
         value = self.raw.get(f"team{number}")
         return _text(value if isinstance(value, dict) else {"name": value}, "name").strip()
 
     def score(self, name: str, old: str) -> Pair | None:
-        """Return a score: `score[name]`, or `score1<old>` and `score2<old>`; None where missing."""
+        """Return `score[name]`, or `score1<old>` and `score2<old>`; None if it is missing."""
         score = self.raw.get("score")
         if isinstance(score, dict):
             pair = score.get(name)
@@ -124,12 +124,12 @@ class _Match:
 
     @property
     def final(self) -> Pair | None:
-        """The score without a shoot-out."""
+        """Final score without a shoot-out."""
         return self.score("et", "et") or self.score("ft", "")
 
     @property
     def line(self) -> str:
-        """What a list of matches says about it."""
+        """Description of the match for display."""
         final = self.final
         result = f"{final[0]}-{final[1]}" if final else "-"
         teams = f"{self.team(1) or '?'} {result} {self.team(2) or '?'}"
@@ -137,25 +137,25 @@ class _Match:
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is JSON whose `matches` (or `rounds`) name team1 and team2."""
+    """Return whether the file is JSON with matches that have `team1` and `team2`."""
     if not source.looks_like_json or '"team1"' not in source.text:
         return False
     document = source.json
-    return isinstance(document, dict) and has_entry(
+    return isinstance(document, dict) and contains_record(
         (raw for raw, _, _ in _listed(document)), "team1", "team2"
     )
 
 
 def sniff_text(source: DataFile) -> bool:
-    """Return whether the file is text of matches with goals in minutes, or of scores alone."""
+    """Return whether the file is a text with matches, with or without goals."""
     if source.head_text is None or source.looks_like_json:
         return False
     document = document_of(source.head_text)
-    return _has_goals(document) or _is_a_list_of_scores(source.head_text, document)
+    return _has_goals(document) or _is_score_list(source.head_text, document)
 
 
 def matches(source: DataFile) -> list[str]:
-    """Return a line on each match of the file."""
+    """Return a description of each match in the file."""
     document = _document(source)
     with validation.located(f"{source.where}: "):
         return [match.line for match in _matches(document)]
@@ -167,7 +167,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     Raises
     ------
     InputError
-        Names the file, the match and the goal; a text of scores alone.
+        The file is invalid or has scores only. The message contains file, match and goal.
     """
     document = _document(source)
     with validation.located(f"{source.where}: "):
@@ -175,89 +175,89 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
 
 def _document(source: DataFile) -> object:
-    """Return the file as its JSON has it; errors name the file."""
+    """Return the file in the structure of the JSON files; errors contain the path."""
     if source.looks_like_json:
         return source.json
     document = document_of(source.text)
     if not _has_goals(document) and any(sum(_final(match)) for match in document["matches"]):
         raise InputError(
-            f"{source.where}: openfootball's text with the scores of matches, but no goal in "
+            f"{source.where}: the openfootball file has scores of matches, but no goals with "
             "minutes",
             "write the goals below their match, as in (Berg 7', 45+2' Lund 60'(pen.); Firefly "
-            "88'); a list of minutes (minute,type,player,team) is read too",
+            "88'), or use a list of minutes (minute,type,player,team)",
         )
     return document
 
 
 def decode(document: object, match: str | None = None, default_title: str = "") -> Timeline:
-    """Make a Timeline of one match of a parsed file.
+    """Return the Timeline of one match of a parsed file.
 
     Parameters
     ----------
     document
-        The JSON object.
+        JSON object.
     match
         As `LoadOptions.match`; may be None for a file of one match.
     default_title
-        The title if the file names no teams.
+        Title if the file has no teams.
 
     Raises
     ------
     InputError
-        No or several such matches; a goal without a minute, or with one no match has.
+        The match is unknown or ambiguous, or the minute of a goal is invalid.
     """
     listed = _matches(document)
-    chosen = listed[choose([entry.line for entry in listed], match)]
+    selected = listed[select_match([entry.line for entry in listed], match)]
     competition = _text(document, "name") if isinstance(document, dict) else ""
-    with validation.located(f"{chosen.place}: "):
-        return _timeline(chosen, competition, default_title)
+    with validation.located(f"{selected.location}: "):
+        return _timeline(selected, competition, default_title)
 
 
 def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
     goals = [(team, *goal) for team in (0, 1) for goal in _goals(match, team)]
     final = match.final
     if final is None and not goals and match.score("ht", "i") is None:
-        raise InputError("has neither a score nor goals: it isn't played yet; choose another")
+        raise InputError("the match has neither a score nor goals; select another one")
     extra = match.score("et", "et") is not None
-    clock = Clock.laid(
+    clock = Clock.from_minutes(
         [minute for _, minute, _, _ in goals],
-        # an older file may give a result after extra time as its only one
+        # in older files the result after extra time may be the only one
         extra_time=extra or any(m.added is None and m.base > 90 for _, m, _, _ in goals),
         back_s=_MIDDLE_S,
     )
-    happenings = [
-        Happening(
+    match_events = [
+        MatchEvent(
             clock.time_s(minute),
             "own_goal" if entry.get("owngoal") is True else "goal",
             team,
             short_name(_text(entry, "name")),
             "pen" if entry.get("penalty") is True else "",
             str(minute),
-            place,
+            location,
         )
-        for team, minute, entry, place in goals
+        for team, minute, entry, location in goals
     ]
-    notes, about = [STOPPAGE_NOTE], [competition, match.round, match.date]
+    notes, title_parts = [STOPPAGE_NOTE], [competition, match.round, match.date]
     if not goals and final != (0, 0):
-        notes.append("the file lists no goals of this match")
+        notes.append("the file has no goals of this match")
         if final is not None:
-            about.insert(0, f"final score {final[0]}-{final[1]}")
+            title_parts.insert(0, f"final score {final[0]}-{final[1]}")
         final = None
     shoot_out = match.score("p", "p")
     teams = [match.team(1), match.team(2)]
     if shoot_out is not None:
         notes.append(
-            f"the shoot-out is left out: {teams[0]} {shoot_out[0]}, {teams[1]} {shoot_out[1]}"
+            f"the shoot-out is omitted: {teams[0]} {shoot_out[0]}, {teams[1]} {shoot_out[1]}"
         )
     return match_timeline(
         teams if all(teams) else [],
         clock.begins_s,
         clock.duration_s,
-        happenings,
+        match_events,
         PROVENANCE,
         notes,
         default_title=default_title,
-        about=about,
+        title_parts=title_parts,
         final=final,
     )
 
@@ -268,55 +268,55 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
     if listed is None:
         return
     if not isinstance(listed, list):
-        raise InputError(f"{key} is {shown(listed)}, not a list [...]")
+        raise InputError(f"{key} is {shown(listed)}; must be a list [...]")
     for i, entry in enumerate(listed):
-        place = f"{key}[{i}]"
+        location = f"{key}[{i}]"
         if not isinstance(entry, dict):
-            raise InputError(f"{place} is {shown(entry)}, not an object {{...}}")
-        yield _minute(entry, place), entry, place
+            raise InputError(f"{location} is {shown(entry)}; must be an object {{...}}")
+        yield _minute(entry, location), entry, location
 
 
-def _minute(entry: dict[str, object], place: str) -> Minute:
-    given, offset = entry.get("minute"), entry.get("offset")
-    if isinstance(given, str):
-        minute = parse_minute(given, f"{place}.minute")
-    elif type(given) is not int:
+def _minute(entry: dict[str, object], location: str) -> Minute:
+    value, offset = entry.get("minute"), entry.get("offset")
+    if isinstance(value, str):
+        minute = parse_minute(value, f"{location}.minute")
+    elif type(value) is not int:
         raise InputError(
-            f"{place}.minute is {shown(given)}; minutes are whole numbers, such as 38 or 90"
+            f"{location}.minute is {shown(value)}; must be a whole number, such as 38 or 90"
         )
     else:
-        minute = Minute(given)
+        minute = Minute(value)
     if offset is not None and offset != 0:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
         if type(offset) is not int:
-            raise InputError(f"{place}.offset is {shown(offset)}, not a number of minutes")
+            raise InputError(f"{location}.offset is {shown(offset)}; must be a number of minutes")
         minute = Minute(minute.base, offset)
-    check_minute(minute.base, minute.added, place)
+    check_minute(minute.base, minute.added, location)
     return minute
 
 
 def _matches(document: object) -> list[_Match]:
     if not isinstance(document, dict):
-        raise InputError(f"the document is {shown(document)}, not an object {{...}}")
+        raise InputError(f"the document is {shown(document)}; must be an object {{...}}")
     found = []
-    for raw, round_name, place in _listed(document):
+    for raw, round_name, location in _listed(document):
         if not isinstance(raw, dict):
-            raise InputError(f"{place} is {shown(raw)}, not an object {{...}}")
-        found.append(_Match(raw, _text(raw, "round", round_name), place))
+            raise InputError(f"{location} is {shown(raw)}; must be an object {{...}}")
+        found.append(_Match(raw, _text(raw, "round", round_name), location))
     return found
 
 
 def _listed(document: dict[str, object]) -> Iterator[tuple[object, str, str]]:
-    """Yield (match, name of its round, place) of all matches."""
+    """Yield each match, the name of its round, and its location."""
     groups: list[tuple[object, str, str]] = [(document.get("matches"), "", "matches")]
     rounds = document.get("rounds")
     for i, entry in enumerate(rounds if isinstance(rounds, list) else []):
         if isinstance(entry, dict):
             groups.append((entry.get("matches"), _text(entry, "name"), f"rounds[{i}].matches"))
-    for group, name, place in groups:
+    for group, name, location in groups:
         for j, raw in enumerate(group if isinstance(group, list) else []):
-            yield raw, name, f"{place}[{j}]"
+            yield raw, name, f"{location}[{j}]"
 
 
 def _text(table: dict[str, object], key: str, default: str = "") -> str:
@@ -331,24 +331,24 @@ def _has_goals(document: dict[str, Any]) -> bool:
     return any(match["goals1"] or match["goals2"] for match in document["matches"])
 
 
-def _is_a_list_of_scores(text: str, document: dict[str, Any]) -> bool:
-    """Distinguish matches under a heading or a date from other lines that hold figures."""
+def _is_score_list(text: str, document: dict[str, Any]) -> bool:
+    """Return whether at least half of the lines are matches, below a heading or a date."""
     listed = document["matches"]
     if not any(document["name"] or match["date"] for match in listed):
         return False
     teams = [match[key] for match in listed for key in ("team1", "team2")]
-    rest = [line for line in _lines(text) if not _is_about(line)]
+    rest = [line for line in _lines(text) if not _is_heading(line)]
     return 2 * len(listed) >= len(rest) and not any(_NO_TEAM.search(team) for team in teams)
 
 
-def _is_about(line: str) -> bool:
-    """Return whether a line is a heading, a date alone or in brackets."""
+def _is_heading(line: str) -> bool:
+    """Return whether a line is a heading, only a date, or in brackets."""
     dated = _DATE.match(line)
     return line[0] in "=▪»([" or (dated is not None and dated.end() == len(line))
 
 
 def document_of(text: str) -> dict[str, Any]:
-    """Return the text as openfootball's JSON has it."""
+    """Return a text in the structure of openfootball's JSON files."""
     title, round_name, date = "", "", ""
     listed: list[dict[str, Any]] = []
     for line in _lines(text):
@@ -372,19 +372,19 @@ def document_of(text: str) -> dict[str, Any]:
 
 
 def _lines(text: str) -> Iterator[str]:
-    """Lines without comments and blanks; what is in brackets over several as one."""
-    waiting = ""
+    """Yield lines without comments and spaces; brackets over several lines are joined."""
+    pending = ""
     for whole in text.splitlines():
-        line = re.sub(r"(^|\s)#.*", "", whole[:_LONGEST]).strip()
-        if waiting:
-            line = f"{waiting} {line}"
+        line = re.sub(r"(^|\s)#.*", "", whole[:_MAX_LINE_LENGTH]).strip()
+        if pending:
+            line = f"{pending} {line}"
         if not line:
             continue
         goals = line[0] in "([" and not _NUMBER.match(line) and not _DATE.match(line)
         open_, closed = (sum(map(line.count, marks)) for marks in ("([", ")]"))
-        # an empty line ends what is never closed
-        waiting = line if goals and open_ > closed and whole.strip() and len(line) < 4000 else ""
-        if not waiting:
+        # an empty line ends a bracket that is not closed
+        pending = line if goals and open_ > closed and whole.strip() and len(line) < 4000 else ""
+        if not pending:
             yield line
 
 
@@ -427,7 +427,7 @@ def _goals_in(text: str) -> list[dict[str, Any]]:
     goals: list[dict[str, Any]] = []
     name, end = "", 0
     for found in _GOAL.finditer(text):
-        name = text[end : found.start()].strip(" ,-") or name  # the same one has scored again
+        name = text[end : found.start()].strip(" ,-") or name  # without a name: the previous player
         end = found.end()
         goal: dict[str, Any] = {"name": name, "minute": int(found[1])}
         if found[2]:

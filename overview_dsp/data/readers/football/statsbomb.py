@@ -1,26 +1,27 @@
-"""StatsBomb open-data event files: the JSON list of one match's events.
+"""Reader of StatsBomb open-data event files: a JSON list with the events of one match.
 
-Periods 1 to 4 are laid end to end: ordered by (period, timestamp), since StatsBomb's minutes
-overlap (period 1 runs on to 47:30 while period 2 restarts at 45:00). A period is as long as its
-latest `Half End`, or, with a note, its last event where there is none; what a file lists after the
-`Half End` counts as at the period's end, with a note. Period 5, a shoot-out, is left out and noted.
+Periods 1 to 4 are concatenated. Events are sorted by period and timestamp, because the minutes of
+periods overlap: period 1 may end at 47:30, and period 2 starts at 45:00. A period ends with its
+last `Half End`; without one, it ends with its last event, and a note is shown. Events after the
+`Half End` are moved to it, with a note. Period 5, a shoot-out, is omitted, with a note.
 
-Kinds:
+Event kinds:
 
-- `goal`: a Shot of outcome Goal, labelled with the running score (`1-0 Parris (pen)`), the team of
-  the first Starting XI first.
-- `own_goal`: the pair of `Own Goal For` and `Own Goal Against` records, one event at the time of
-  `Own Goal For`, whose team gets the score.
-- `near_miss`: a Shot that was saved (Saved, Saved to Post, Saved Off Target), hit the post (Post),
-  was blocked on the line (Blocked, with a related Block record whose `block.save_block` is true;
-  either record may name the other in `related_events`), or missed (Off T, Wayward) from a good
-  chance (`statsbomb_xg` of at least `GOOD_CHANCE_XG`).
+- `goal`: a Shot with the outcome Goal. The label has the running score (`1-0 Parris (pen)`); the
+  team of the first Starting XI comes first.
+- `own_goal`: a pair of the records `Own Goal For` and `Own Goal Against`. The event has the time of
+  `Own Goal For`, whose team scores.
+- `near_miss`: a Shot with one of these outcomes:
+  - Saved, Saved to Post, Saved Off Target, or Post
+  - Blocked, if a Block record with `block.save_block` is related (a block on the line); either
+    record may contain the other in `related_events`
+  - Off T or Wayward, if `statsbomb_xg` is at least `GOOD_CHANCE_XG`
 - `yellow_card`, `red_card` (Red Card and Second Yellow): from `foul_committed.card` and
   `bad_behaviour.card`.
-- `foul`: each Foul Committed, one with a card too (both at the same time).
-- `period`: kick-off at 0, each boundary between periods once, the end of the match.
+- `foul`: each Foul Committed, also with a card.
+- `period`: kick-off at 0, the start of each later period, and the end of the match.
 
-The details, felt when zoomed, are what the players do with the ball (`TOUCHES`).
+Detail events are the players' actions with the ball (`BALL_TOUCHES`).
 """
 
 from __future__ import annotations
@@ -31,14 +32,14 @@ from dataclasses import dataclass, replace
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.readers.events.listing import repeated_ids
-from overview_dsp.data.readers.football.match import (
+from overview_dsp.data.readers.events.timeline_builder import repeated_ids
+from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
     SHOOT_OUT,
-    Happening,
-    Touch,
-    has_entry,
-    lay_end_to_end,
+    BallTouch,
+    MatchEvent,
+    concatenate_periods,
+    contains_record,
     match_timeline,
     shoot_out_note,
     short_name,
@@ -48,17 +49,17 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 GOOD_CHANCE_XG = 0.10
-"""Chance (expected goals) from which a shot that misses is a near miss: one in ten goes in."""
+"""Minimum probability of a goal (xG) for which a missed shot is a near miss."""
 
 OWN_GOAL_PAIR_US = 10_000_000
-"""Furthest apart the two records of one own goal may be where neither names the other, us."""
+"""Maximum time between the two records of an own goal that are not related, us."""
 
 MAX_OWN_GOALS = 1000
-"""Most own goals that are paired (the record is 149)."""
+"""Maximum number of own goals. The world record is 149."""
 
 PROVENANCE = "events: a StatsBomb open-data event file"
 
-TOUCHES = {
+BALL_TOUCHES = {
     "Ball Receipt*": "receipt", "Ball Recovery": "recovery", "Goal Keeper": "goalkeeper",
     "50/50": "fifty-fifty", "Pass": "pass", "Carry": "carry", "Pressure": "pressure",
     "Duel": "duel", "Dribble": "dribble", "Dribbled Past": "dribbled past", "Block": "block",
@@ -74,42 +75,35 @@ _NEAR_MISSES = {
 }
 _OUTCOMES = sorted({*_NEAR_MISSES, "Goal"})
 _CARDS = {"Yellow Card": "yellow_card", "Second Yellow": "red_card", "Red Card": "red_card"}
-_CARD_PLACES = {"Foul Committed": "foul_committed", "Bad Behaviour": "bad_behaviour"}
+_CARD_SECTIONS = {"Foul Committed": "foul_committed", "Bad Behaviour": "bad_behaviour"}
 _ENDS = {1: "half-time", 2: "full time", 3: "extra-time half-time", 4: "full time"}
 _CLOCK = re.compile(r"([0-9]{2}):([0-5][0-9]):([0-5][0-9])(?:\.([0-9]{1,6}))?")
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is a JSON list with period, timestamp and type in an early entry."""
+    """Return whether the file is a JSON list of objects with period, timestamp and type."""
     if not source.looks_like_json or not isinstance(source.json, list):
         return False
-    return has_entry(source.json, "period", "timestamp", "type")
+    return contains_record(source.json, "period", "timestamp", "type")
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
-    """Read an event file (takes no options); InputError names the file and the record."""
-    document = source.json  # its errors name the file themselves
+    """Read an event file (takes no options); the InputError contains file and record."""
+    document = source.json  # its errors contain the path
     with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
 
 
 def decode(document: object, default_title: str = "") -> Timeline:
-    """Make a Timeline of a parsed event file.
-
-    Parameters
-    ----------
-    document
-        The JSON list.
-    default_title
-        The title if the file names no team.
+    """Return the Timeline of a parsed event file; `default_title` is used without team names.
 
     Raises
     ------
     InputError
-        A record lacks something that is needed; the line names it: `event 123 (id ...): ...`.
+        A record is invalid. The message contains its number and id: `event 123 (id ...): ...`.
     """
     if not isinstance(document, list):
-        raise InputError(f"the document is {shown(document)}, not a list of events")
+        raise InputError(f"the document is {shown(document)}; must be a list of events")
     records = [Record.parse(raw, i) for i, raw in enumerate(document, start=1)]
     played = sorted(
         (record for record in records if record.period != SHOOT_OUT),
@@ -117,30 +111,30 @@ def decode(document: object, default_title: str = "") -> Timeline:
     )
     notes: list[str] = []
     lengths = _lengths_us(played, notes)
-    begins, end = lay_end_to_end(lengths)
+    begins, end = concatenate_periods(lengths)
     teams = _teams(records)
     own_goals = _own_goals(played, notes)
     on_line = _blocked_on_line(played)
-    happenings: dict[tuple[object, ...], Happening] = {}
-    touches: list[Touch] = []
+    match_events: dict[tuple[object, ...], MatchEvent] = {}
+    ball_touches: list[BallTouch] = []
     for record in played:
-        found = list(_kinds(record, own_goals, on_line, teams[:2]))
+        found = list(_classify(record, own_goals, on_line, teams[:2]))
         if found and record.clock_us > lengths[record.period]:
             notes.append(
-                f"{record.place} ({record.kind}) is listed after the end of period "
-                f"{record.period}: put at its end"
+                f"{record.location} ({record.kind}) is after the end of period {record.period}: "
+                "moved to its end"
             )
         time_s = (begins[record.period] + min(record.clock_us, lengths[record.period])) / 1e6
-        if not found and record.kind in TOUCHES:
-            touches.append((time_s, TOUCHES[record.kind], short_name(record.player)))
-        for kind, name, who, detail in found:
+        if not found and record.kind in BALL_TOUCHES:
+            ball_touches.append((time_s, BALL_TOUCHES[record.kind], short_name(record.player)))
+        for kind, name, player, detail in found:
             team = teams.index(name) if name else None
-            one = Happening(time_s, kind, team, who, detail, "", record.place)
-            # each goal has its own score
-            key = (time_s, kind, team, who, detail, record.position if kind in GOALS else 0)
-            first = happenings.setdefault(key, one)
+            one = MatchEvent(time_s, kind, team, player, detail, "", record.location)
+            # goals are never repeats: each one has its own score
+            key = (time_s, kind, team, player, detail, record.number if kind in GOALS else 0)
+            first = match_events.setdefault(key, one)
             if first is not one:
-                notes.append(f"{one.place} repeats {first.place}: left out")
+                notes.append(f"{one.location} repeats {first.location}: omitted")
     if any(record.period == SHOOT_OUT for record in records):
         kicks = [r for r in records if r.period == SHOOT_OUT and r.kind == "Shot"]
         scored = [(r.team, _name(r.section("shot"), "outcome") == "Goal") for r in kicks]
@@ -148,73 +142,73 @@ def decode(document: object, default_title: str = "") -> Timeline:
         notes.append(f"the shoot-out (period 5) {shoot_out_note(scored, names)}")
     notes += repeated_ids(record.id for record in records)
     return match_timeline(
-        (*teams, *[""] * (2 - len(teams))),  # the score of one team is counted too
+        (*teams, *[""] * (2 - len(teams))),  # so that goals are counted with one team, too
         {period: begin / 1e6 for period, begin in begins.items()},
         end / 1e6,
-        happenings.values(),
+        match_events.values(),
         PROVENANCE,
         notes,
         default_title=default_title,
-        touches=touches,
+        ball_touches=ball_touches,
         end_label=_ENDS[max(begins)],
     )
 
 
 def _lengths_us(played: Sequence[Record], notes: list[str]) -> dict[int, int]:
-    """Return how long each period is, us."""
+    """Return the length of each period, us."""
     lengths = {}
     for period in sorted({record.period for record in played}):
-        of_it = [record for record in played if record.period == period]
-        whistles = [record for record in of_it if record.kind == "Half End"]
+        records = [record for record in played if record.period == period]
+        whistles = [record for record in records if record.kind == "Half End"]
         if not whistles:
-            notes.append(f"period {period} has no 'Half End': it ends with its last event here")
-        lengths[period] = max(record.clock_us for record in whistles or of_it)
+            notes.append(f"period {period} has no 'Half End': it ends with its last event")
+        lengths[period] = max(record.clock_us for record in whistles or records)
     return lengths
 
 
-def _kinds(
+def _classify(
     record: Record, own_goals: dict[int, str], on_line: frozenset[int], teams: Sequence[str]
 ) -> Iterator[tuple[str, str, str, str]]:
-    """Yield (kind, team, who, detail) of what happens in a record."""
-    who, team = short_name(record.player), record.team
+    """Yield the event kind, team, player and detail of the events in a record."""
+    player, team = short_name(record.player), record.team
     if record.kind == "Shot":
         outcome = record.named("shot", "outcome")
         if outcome is None or outcome not in _OUTCOMES:
             raise record.error(
-                f"shot.outcome.name is {shown(outcome)}; outcomes are {', '.join(_OUTCOMES)}"
+                f"shot.outcome.name is {shown(outcome)}; must be one of {', '.join(_OUTCOMES)}"
             )
         if outcome != "Goal" and not _is_near(record, outcome, on_line):
             return
         penalty = record.named("shot", "type") == "Penalty"
         if outcome == "Goal":
-            team_index(team, teams, record.place, "goal's team", needed=True)
-            yield "goal", team, who, "pen" if penalty else ""
+            team_index(team, teams, record.location, "goal's team", needed=True)
+            yield "goal", team, player, "pen" if penalty else ""
         else:
-            yield "near_miss", team, who, ("penalty " if penalty else "") + _NEAR_MISSES[outcome]
-    elif record.position in own_goals:
-        if record.kind == "Own Goal Against":  # alone: its team is the one that suffers
+            yield "near_miss", team, player, ("penalty " if penalty else "") + _NEAR_MISSES[outcome]
+    elif record.number in own_goals:
+        if record.kind == "Own Goal Against":  # the other team scores
             team = next((other for other in teams if other != team), "")
-        team_index(team, teams, record.place, "goal's team", needed=True)
-        yield "own_goal", team, own_goals[record.position], ""
-    elif record.kind in _CARD_PLACES:
+        team_index(team, teams, record.location, "goal's team", needed=True)
+        yield "own_goal", team, own_goals[record.number], ""
+    elif record.kind in _CARD_SECTIONS:
         if record.kind == "Foul Committed":
-            yield "foul", team, who, ""
-        card = record.named(_CARD_PLACES[record.kind], "card")
+            yield "foul", team, player, ""
+        card = record.named(_CARD_SECTIONS[record.kind], "card")
         if card is not None:
             if card not in _CARDS:
                 raise record.error(
-                    f"{_CARD_PLACES[record.kind]}.card.name is {shown(card)}; cards "
-                    f"are {', '.join(_CARDS)}"
+                    f"{_CARD_SECTIONS[record.kind]}.card.name is {shown(card)}; must be one of "
+                    f"{', '.join(_CARDS)}"
                 )
-            yield _CARDS[card], team, who, "second yellow" if card == "Second Yellow" else ""
+            yield _CARDS[card], team, player, "second yellow" if card == "Second Yellow" else ""
 
 
 def _own_goals(played: Sequence[Record], notes: list[str]) -> dict[int, str]:
-    """Return who scored each own goal, by the position of the record that stands for it."""
+    """Return the scorer of each own goal, by the number of its record."""
     against = [record for record in played if record.kind == "Own Goal Against"]
     if len(against) > MAX_OWN_GOALS:
         raise InputError(
-            f"{len(against)} own goals, more than the {MAX_OWN_GOALS} of any match; is it one?"
+            f"the file has {len(against)} own goals; one match must have at most {MAX_OWN_GOALS}"
         )
     scorers: dict[int, str] = {}
     for record in played:
@@ -222,55 +216,55 @@ def _own_goals(played: Sequence[Record], notes: list[str]) -> dict[int, str]:
             partner = _partner(record, against)
             if partner is not None:
                 against.remove(partner)
-            scorers[record.position] = short_name(partner.player) if partner else ""
+            scorers[record.number] = short_name(partner.player) if partner else ""
     for record in against:
         notes.append(
-            f"{record.place} is an 'Own Goal Against' without its 'Own Goal For': the goal is "
-            "given to the other team"
+            f"{record.location} is an 'Own Goal Against' without an 'Own Goal For': the goal "
+            "counts for the other team"
         )
-        scorers[record.position] = short_name(record.player)
+        scorers[record.number] = short_name(record.player)
     return scorers
 
 
 def _teams(records: Sequence[Record]) -> list[str]:
-    """Return all teams, the one of the first Starting XI first (StatsBomb's home team)."""
-    elevens = [record.team for record in records if record.kind == "Starting XI"]
+    """Return all teams; the team of the first Starting XI is the home team."""
+    starting = [record.team for record in records if record.kind == "Starting XI"]
     others = [record.team for record in records]
-    return list(dict.fromkeys(team for team in (*elevens, *others) if team))
+    return list(dict.fromkeys(team for team in (*starting, *others) if team))
 
 
 def _is_near(record: Record, outcome: str, on_line: frozenset[int]) -> bool:
-    """Return whether a shot nearly went in (rule: module docstring)."""
+    """Return whether a shot is a near miss, by the rules in the module docstring."""
     if outcome == "Blocked":
-        return record.position in on_line
+        return record.number in on_line
     if _NEAR_MISSES[outcome] != "missed":
         return True
     xg = record.section("shot").get("statsbomb_xg")
-    if xg is None:  # no estimate, no good chance
+    if xg is None:
         return False
-    with validation.located(f"{record.place}: "):
-        chance = validation.number(xg, "shot.statsbomb_xg", "it is a probability")
+    with validation.located(f"{record.location}: "):
+        chance = validation.number(xg, "shot.statsbomb_xg", "must be a probability, 0 to 1")
     return chance >= GOOD_CHANCE_XG
 
 
 def _blocked_on_line(records: list[Record]) -> frozenset[int]:
-    """Return the positions of the shots a Block with `save_block` is related to, either way."""
+    """Return the numbers of the shots that are related to a Block with `save_block`."""
     blocks = [
         record
         for record in records
         if record.kind == "Block" and record.section("block").get("save_block") is True
     ]
     block_ids = {block.id for block in blocks if block.id}
-    named = frozenset(entry for block in blocks for entry in block.related)
+    related_ids = frozenset(id_ for block in blocks for id_ in block.related)
     return frozenset(
-        record.position
+        record.number
         for record in records
-        if record.kind == "Shot" and (record.id in named or record.related & block_ids)
+        if record.kind == "Shot" and (record.id in related_ids or record.related & block_ids)
     )
 
 
 def _partner(own_goal_for: Record, against: list[Record]) -> Record | None:
-    """Return the `Own Goal Against` of an `Own Goal For`: the related one, else the nearest."""
+    """Return the `Own Goal Against` of an `Own Goal For`: the related or the nearest one."""
     for record in against:
         if record.id in own_goal_for.related or own_goal_for.id in record.related:
             return record
@@ -285,23 +279,23 @@ def _partner(own_goal_for: Record, against: list[Record]) -> Record | None:
 
 @dataclass(frozen=True)
 class Record:
-    """An event as StatsBomb lists it.
+    """Event in a StatsBomb file.
 
     Parameters
     ----------
-    position
-        Place in the file, from 1 (StatsBomb's own `index`).
+    number
+        Number in the file, from 1 (StatsBomb's `index`).
     raw
-        The JSON object.
+        JSON object.
     id, kind, team, player
-        `id`, `type.name`, `team.name`, `player.name`; all but `kind` are "" where missing.
+        `id`, `type.name`, `team.name` and `player.name`; "" if missing (`kind` is required).
     period
-        1 to 5.
+        Period, 1 to 5.
     clock_us
-        `timestamp`, the time since the period's start, in whole microseconds: sums stay exact.
+        Time since the start of the period, in whole microseconds, so that sums are exact.
     """
 
-    position: int
+    number: int
     raw: dict[str, object]
     id: str
     kind: str
@@ -311,66 +305,66 @@ class Record:
     clock_us: int
 
     @classmethod
-    def parse(cls, raw: object, position: int) -> Record:
-        """Check what every record needs; InputError names the record."""
+    def parse(cls, raw: object, number: int) -> Record:
+        """Return the record of a JSON object; the InputError contains its number."""
         if not isinstance(raw, dict):
-            raise InputError(f"event {position}: is {shown(raw)}, not an object {{...}}")
+            raise InputError(f"event {number}: is {shown(raw)}; must be an object {{...}}")
         id_, period, kind = raw.get("id"), raw.get("period"), _name(raw, "type")
         team, player = _name(raw, "team") or "", _name(raw, "player") or ""
         id_ = id_ if isinstance(id_, str) else ""
-        record = cls(position, raw, id_, kind or "", team, player, 0, 0)
+        record = cls(number, raw, id_, kind or "", team, player, 0, 0)
         if type(period) is not int or not 1 <= period <= SHOOT_OUT:
-            raise record.error(f"period is {shown(period)}; periods are 1 to {SHOOT_OUT}")
+            raise record.error(f"period is {shown(period)}; must be 1 to {SHOOT_OUT}")
         if kind is None:
-            raise record.error("type.name is missing; it says what the event is, such as 'Shot'")
+            raise record.error("type.name is missing; must be the event type, such as 'Shot'")
         written = raw.get("timestamp")
-        found = _CLOCK.fullmatch(written) if isinstance(written, str) else None
-        if found is None:
+        clock = _CLOCK.fullmatch(written) if isinstance(written, str) else None
+        if clock is None:
             raise record.error(
-                f"timestamp is {shown(written)}; it is the time in the period, hh:mm:ss.sss"
+                f"timestamp is {shown(written)}; must be the time in the period, hh:mm:ss.sss"
             )
-        seconds = int(found[1]) * 3600 + int(found[2]) * 60 + int(found[3])
-        clock_us = seconds * 1_000_000 + int((found[4] or "").ljust(6, "0"))
+        seconds = int(clock[1]) * 3600 + int(clock[2]) * 60 + int(clock[3])
+        clock_us = seconds * 1_000_000 + int((clock[4] or "").ljust(6, "0"))
         return replace(record, period=period, clock_us=clock_us)
 
     @property
-    def place(self) -> str:
-        """How an error line or a note names this record."""
-        named = f" (id {shown(self.id)[1:-1]})" if self.id else ""
-        return f"event {self.position}{named}"
+    def location(self) -> str:
+        """CellLocation for error messages and notes."""
+        id_ = f" (id {shown(self.id)[1:-1]})" if self.id else ""
+        return f"event {self.number}{id_}"
 
     def error(self, problem: str) -> InputError:
-        """Return the error of this record."""
-        return InputError(f"{self.place}: {problem}")
+        """Return an InputError with the location of this record."""
+        return InputError(f"{self.location}: {problem}")
 
     def section(self, key: str) -> dict[str, object]:
-        """Return a part of the record, empty where missing; InputError if it isn't an object."""
+        """Return an object in the record, empty if it is missing; InputError for other types."""
         value = self.raw.get(key)
         if value is None:
             return {}
         if not isinstance(value, dict):
-            raise self.error(f"{key} is {shown(value)}, not an object {{...}}")
+            raise self.error(f"{key} is {shown(value)}; must be an object {{...}}")
         return value
 
     def named(self, section: str, key: str) -> str | None:
-        """Return `section.key.name`, None where the section has no such key.
+        """Return `section.key.name`; None if the section has no such key.
 
         Raises
         ------
         InputError
-            The key is there, but without a name.
+            The section has the key, but no name in it.
         """
         part = self.section(section)
         if part.get(key) is None:
             return None
         name = _name(part, key)
         if name is None:
-            raise self.error(f"{section}.{key} is {shown(part[key])}; it needs a name")
+            raise self.error(f"{section}.{key} is {shown(part[key])}; must have a name")
         return name
 
     @property
     def related(self) -> frozenset[str]:
-        """Ids of related events; what isn't a list of text is none."""
+        """Ids of related events; empty if the value is not a list of texts."""
         value = self.raw.get("related_events")
         if not isinstance(value, list):
             return frozenset()

@@ -1,1 +1,1 @@
-"""How the live output holds on this machine: callback times, frames lost, control latency."""
+"""Benchmarks of live output: callback times, lost frames, control latency."""

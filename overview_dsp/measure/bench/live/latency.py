@@ -55,7 +55,7 @@ def strike_delay() -> float:
     engine.process(out)
     engine.control(PLACE * HALF_TURN, True, HOLD)
     engine.process(out)
-    return float(engine.take_strikes().time_s[0]) * RATE - HOLD
+    return float(engine.pop_strikes().time_s[0]) * RATE - HOLD
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def tap_while_playing(engine: Engine, delay: float) -> Tap:
     OverviewError
         The stream stopped, or nothing was struck.
     """
-    engine.take_strikes()
+    engine.pop_strikes()
     before = engine.sample_time
     pushed = time.monotonic()
     engine.control(PLACE * HALF_TURN, True)
@@ -118,7 +118,7 @@ def tap_while_playing(engine: Engine, delay: float) -> Tap:
         if time.monotonic() > until + BACK_S:
             raise OverviewError(f"the output has not called for {SILENT_S:g} s")
         time.sleep(0.005)
-    strikes = engine.take_strikes()
+    strikes = engine.pop_strikes()
     if not len(strikes):
         raise OverviewError("a tap was not heard: the output dropped it")
     applied = round(float(strikes.time_s[0]) * RATE - delay)

@@ -48,7 +48,7 @@ class SessionRow:
 
 
 def can_measure() -> bool:
-    """Whether this platform says what a process has used."""
+    """Return whether this platform reports the resources of a process."""
     return Path(f"/proc/{os.getpid()}/stat").exists()
 
 

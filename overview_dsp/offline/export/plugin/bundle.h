@@ -20,7 +20,7 @@ typedef struct {
 } bundle_image;
 
 typedef struct {
-    const char *name, *section;
+    const char *id, *name, *section; /* the id that hosts keep, whatever is renamed */
     const char *const *choices; /* NULL for a number; a choice's value is its index */
 } bundle_label;
 

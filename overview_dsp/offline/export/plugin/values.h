@@ -5,10 +5,10 @@
 
 #include <stdio.h>
 
-/* Ids stay, whatever is added to the table. */
+/* Ids stay, whatever is added to the table or renamed in it. */
 static const char *value_id(int which) {
     static const char *const hands[] = {"theta2", "touch", "timeline", "preset"};
-    return which < VOICE_OWN ? hands[which] : overview_parameters[which - VOICE_OWN].id;
+    return which < VOICE_OWN ? hands[which] : bundle_labels[which - VOICE_OWN].id;
 }
 static uint32_t value_number(int which) {
     const char *id;

@@ -79,9 +79,9 @@ def test_turning_points_are_the_most_prominent_and_apart(tmp_path: Path) -> None
     assert 1 <= len(chosen) <= 8
     assert all(prominent[i] >= 0.1 * (high - low) for i in chosen)
     assert min(np.diff(sorted(chosen)), default=99) >= 0.01 * 1999
-    left_out = [p for i, p in prominent.items() if min(abs(i - j) for j in chosen) > 40]
+    omitted = [p for i, p in prominent.items() if min(abs(i - j) for j in chosen) > 40]
     if len(chosen) == 8:
-        assert max(left_out) <= max(prominent[i] for i in chosen)
+        assert max(omitted) <= max(prominent[i] for i in chosen)
 
 
 @given(hnp.arrays(np.float64, st.integers(1, 60), elements=st.integers(-5, 5).map(float)))

@@ -1,0 +1,190 @@
+"""Network sources of a live timeline: HTTP polling, server-sent events, WebSockets."""
+
+from __future__ import annotations
+
+import http.client
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
+from overview_dsp.data.feeds.sources import (
+    CHUNK_BYTES,
+    CLOSE_TIMEOUT_S,
+    LostError,
+    Received,
+    is_feed,
+)
+from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.errors import InputError
+from overview_dsp.installation import install_command
+
+POLL_EVERY_S = 1.0
+"""Interval at which a file is requested, s; `Retry-After` is respected."""
+
+RESPONSE_TIMEOUT_S = 10.0
+STREAM_TIMEOUT_S = 60.0
+"""Time without data, not even a comment, after which a stream is lost, s."""
+
+MAX_BYTES = 64 << 20
+"""Maximum size of a file that is requested repeatedly."""
+
+MAX_MESSAGE_BYTES = 16 << 20
+"""Maximum size of a WebSocket message, which may hold many lines."""
+
+
+@dataclass
+class Http:
+    """URL of server-sent events, or of any other file, which is requested repeatedly."""
+
+    name: str
+    close_timeout_s: float = CLOSE_TIMEOUT_S
+    _tag: str | None = field(default=None, init=False)
+    _last_id: str | None = field(default=None, init=False)
+
+    def read(self) -> Iterator[Received]:
+        """Yield the events of a stream, or the file each time it changes."""
+        self._tag = None
+        while True:
+            response = self._request()
+            if response is None:
+                yield b""
+                time.sleep(POLL_EVERY_S)
+                continue
+            with response:
+                if response.headers.get_content_type() == "text/event-stream":
+                    self._tag = None
+                    yield from self._events(response)
+                    raise LostError("the stream has ended")
+                data = _body(response)
+            tag = response.headers.get("ETag") or response.headers.get("Last-Modified")
+            if is_feed(data):
+                yield from _parts(data if data.endswith(b"\n") else data[: data.rfind(b"\n") + 1])
+            elif data:
+                try:
+                    yield load_timeline(data)
+                except InputError as error:
+                    # the file may be incomplete, so it is requested again
+                    raise LostError(f"{error}") from None
+            self._tag = tag
+            time.sleep(POLL_EVERY_S)
+
+    def _request(self) -> Any:
+        """Return the response; None if the file has not changed."""
+        request = urllib.request.Request(self.name)
+        request.add_header("Accept", "text/event-stream, application/x-ndjson, */*;q=0.5")
+        if self._tag is not None:
+            by_time = self._tag.endswith("GMT")
+            request.add_header("If-Modified-Since" if by_time else "If-None-Match", self._tag)
+        if self._last_id is not None:
+            request.add_header("Last-Event-ID", self._last_id)
+        try:
+            return urllib.request.urlopen(request, timeout=RESPONSE_TIMEOUT_S)
+        except urllib.error.HTTPError as error:
+            with error:
+                if error.code == 304:
+                    return None
+                after = error.headers.get("Retry-After", "")
+                raise LostError(
+                    f"HTTP {error.code} {error.reason}",
+                    min(float(after), 600.0) if after.isdecimal() else 0.0,
+                ) from None
+        except (OSError, http.client.HTTPException) as error:
+            raise LostError(_reason(error)) from None
+        except ValueError as error:
+            raise InputError(f"{self.name}: {error}") from None
+
+    def _events(self, response: Any) -> Iterator[Received]:
+        """Yield the data of server-sent events (WHATWG HTML, 9.2), one feed line per event.
+
+        Only complete events are yielded. After a new connection the server repeats an incomplete
+        event, because the request contains the id of the last complete one.
+        """
+        line, data = b"", b""
+        event_id: str | None = None
+        try:
+            socket = getattr(getattr(response.fp, "raw", None), "_sock", None)
+            if socket is not None:
+                socket.settimeout(STREAM_TIMEOUT_S)
+            while part := response.readline(CHUNK_BYTES):
+                # cut just above the limit, so that the feed format rejects the line
+                line = (line + part.rstrip(b"\r\n"))[: MAX_LINE_BYTES + 16]
+                if not part.endswith(b"\n"):
+                    continue
+                field, _, value = line.partition(b":")
+                value, line = value.removeprefix(b" "), b""
+                if field == b"data":
+                    data = (data + value + b"\n")[:MAX_BYTES]
+                elif field == b"id" and len(value) < 256:
+                    event_id = value.decode("latin-1")
+                elif not field and not value:
+                    yield data
+                    self._last_id, data = event_id or self._last_id, b""
+                else:
+                    yield b""
+        except (OSError, http.client.HTTPException) as error:
+            raise LostError(_reason(error)) from None
+
+
+@dataclass
+class WebSocket:
+    """URL of a WebSocket whose messages are lines of a feed."""
+
+    name: str
+    close_timeout_s: float = CLOSE_TIMEOUT_S
+
+    def read(self) -> Iterator[Received]:
+        """Yield the messages."""
+        try:
+            from websockets.exceptions import InvalidURI, WebSocketException
+            from websockets.sync.client import connect
+        except ImportError:
+            raise InputError(
+                f"{self.name}: a WebSocket requires the package websockets: "
+                f"{install_command('web')}"
+            ) from None
+        try:
+            with connect(
+                self.name,
+                open_timeout=RESPONSE_TIMEOUT_S,
+                max_size=MAX_MESSAGE_BYTES,
+                close_timeout=1.0,
+            ) as socket:
+                while True:
+                    try:
+                        message = socket.recv(timeout=1.0)
+                    except TimeoutError:
+                        yield None
+                        continue
+                    data = message.encode() if isinstance(message, str) else message
+                    yield from _parts(data if data.endswith(b"\n") else data + b"\n")
+        except InvalidURI as error:
+            raise InputError(f"{self.name}: {error}") from None
+        except (OSError, WebSocketException) as error:
+            raise LostError(_reason(error)) from None
+
+
+def _parts(data: bytes) -> Iterator[bytes]:
+    for start in range(0, len(data), CHUNK_BYTES):
+        yield data[start : start + CHUNK_BYTES]
+
+
+def _body(response: Any) -> bytes:
+    try:
+        data: bytes = response.read(MAX_BYTES + 1)
+    except (OSError, http.client.HTTPException) as error:
+        raise LostError(_reason(error)) from None
+    if len(data) > MAX_BYTES:
+        raise InputError(
+            f"the response has more than {MAX_BYTES >> 20} MB, the maximum; serve a feed instead"
+        )
+    return data
+
+
+def _reason(error: BaseException) -> str:
+    inner = error.reason if isinstance(error, urllib.error.URLError) else None
+    cause = inner if isinstance(inner, BaseException) else error
+    return str(getattr(cause, "strerror", None) or cause) or type(cause).__name__

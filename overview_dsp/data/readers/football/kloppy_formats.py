@@ -1,0 +1,358 @@
+"""Reader of match events in formats that kloppy supports (the extra `football`).
+
+The formats are Opta F24 or F73, Stats Perform MA3 (XML or JSON), Sportec, Metrica JSON,
+DataFactory, and Wyscout v3. The first four require a second file with the teams in the same folder:
+Opta F7, MA1, match information, or EPTS metadata. It is detected by its content.
+
+Some data are read from the raw events, because kloppy 3.19 omits them: own goals of DataFactory,
+cards of Wyscout v3 and Metrica, and woodwork of Metrica. Wyscout v2 has its own reader (`wyscout`),
+because kloppy omits its own goals and does not know its home team.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
+from overview_dsp.data.readers.events.timeline_builder import repeated_ids
+from overview_dsp.data.readers.football.match_timeline import (
+    MAX_PERIOD_S,
+    SHOOT_OUT,
+    START_LABELS,
+    BallTouch,
+    MatchEvent,
+    concatenate_periods,
+    match_timeline,
+    short_name,
+)
+from overview_dsp.data.readers.plugins import require_package
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError
+
+MAX_BYTES = 16 * 2**20
+"""Maximum file size without `max_mb`. A match has up to 5 MB; kloppy needs 20 times the memory."""
+
+LATE_START_S = (600.0, 14_400.0)
+"""Range of the first time in a period, s, if the clock runs on from the previous period.
+
+Later times indicate a broken clock.
+"""
+
+MAX_FILES = 200
+"""Maximum number of files that are searched for the teams."""
+
+_CARDS = {
+    "FIRST_YELLOW": ("yellow_card", ""),
+    "SECOND_YELLOW": ("red_card", "second yellow"),
+    "RED": ("red_card", ""),
+}
+_NEAR = {"SAVED": "saved", "POST": "on the post"}
+_BALL_TOUCHES = {
+    "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
+    "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
+    "MISCONTROL": "miscontrol", "GOALKEEPER": "goalkeeper",
+}  # fmt: skip
+_OWN_GOAL_OF_DATAFACTORY = 10
+
+
+@dataclass(frozen=True)
+class _Format:
+    """File format of a provider.
+
+    Parameters
+    ----------
+    name
+        Name of the events for display.
+    matches
+        Function that returns whether a file is in this format.
+    load
+        Module and function of kloppy, and its arguments: the events, then the companion file.
+    companion
+        Name of the companion file, and function that returns whether a file is one.
+    """
+
+    name: str
+    matches: Callable[[DataFile], bool]
+    load: tuple[str, ...]
+    companion: tuple[str, Callable[[DataFile], bool]] | None = None
+
+
+def _xml(root: str, *texts: str) -> Callable[[DataFile], bool]:
+    """Return a test for XML with this root element, and with the texts at its beginning."""
+
+    def matches(source: DataFile) -> bool:
+        return source.xml_root == root and all(t in (source.head_text or "") for t in texts)
+
+    return matches
+
+
+def _json(*path: str | int) -> Callable[[DataFile], bool]:
+    """Return a test for JSON with a value at a path of keys and indices."""
+
+    def matches(source: DataFile) -> bool:
+        if not source.looks_like_json or f'"{path[0]}"' not in source.text:
+            return False
+        value: Any = source.json
+        try:
+            for step in path:
+                value = value[step]
+        except (KeyError, IndexError, TypeError):
+            return False
+        return value is not None
+
+    return matches
+
+
+def _either(*tests: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
+    return lambda source: any(test(source) for test in tests)
+
+
+_FORMATS = (
+    _Format(
+        "Opta events (F24)",
+        _xml("Games", "<Event", "type_id="),
+        ("opta", "load", "f24_data", "f7_data"),
+        ("the match's F7 file (line-ups)", _xml("SoccerFeed")),
+    ),
+    _Format(
+        "Stats Perform events (MA3)",
+        _either(_xml("matchEvents"), _json("liveData", "event", 0, "typeId")),
+        ("statsperform", "load_event", "ma3_data", "ma1_data"),
+        ("the match's MA1 file (line-ups)", _either(_xml("match"), _json("liveData", "lineUp"))),
+    ),
+    _Format(
+        "Sportec events",
+        _xml("PutDataRequest", "<Event "),
+        ("sportec", "load_event", "event_data", "meta_data"),
+        ("the match information", _xml("PutDataRequest", "<MatchInformation")),
+    ),
+    _Format(
+        "Metrica events (JSON)",
+        _json("data", 0, "start", "frame"),
+        ("metrica", "load_event", "event_data", "meta_data"),
+        ("the match's EPTS metadata (XML)", _xml("main", "<Metadata")),
+    ),
+    _Format(
+        "DataFactory match", _json("incidences", "goals"), ("datafactory", "load", "event_data")
+    ),
+    _Format(
+        "Wyscout v3 events",
+        _json("events", 0, "type", "primary"),
+        ("wyscout", "load", "event_data"),
+    ),
+)
+
+
+def sniff(source: DataFile) -> bool:
+    """Return whether the file has match events in one of the formats."""
+    return _format_of(source) is not None
+
+
+def read(source: DataFile, options: LoadOptions) -> Timeline:
+    """Read a match (takes only the options for limits).
+
+    Raises
+    ------
+    InputError
+        kloppy is not installed or cannot read the file, or the companion file is missing.
+    """
+    format_ = _format_of(source)
+    assert format_ is not None  # checked by `sniff`
+    files = [_bytes(source)]
+    with validation.located(f"{source.where}: "):
+        module, function, *arguments = format_.load
+        kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
+        if format_.companion is not None:
+            files.append(_bytes(_companion(source, format_.name, *format_.companion)))
+        streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                dataset = getattr(kloppy, function)(**streams)
+        except Exception as error:  # the exceptions of kloppy are not documented
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+            raise InputError(
+                f"kloppy cannot read these {format_.name} ({reason}); the file may be incomplete"
+            ) from error
+        return _timeline(dataset, format_.name, source.stem)
+
+
+def _format_of(source: DataFile) -> _Format | None:
+    return next((format_ for format_ in _FORMATS if format_.matches(source)), None)
+
+
+def _bytes(source: DataFile) -> bytes:
+    """Return the text of a file as UTF-8, after checking its size and content."""
+    limit = source.options.max_mb * 2**20 if source.options.max_mb is not None else MAX_BYTES
+    if source.size > limit:
+        raise InputError(
+            f"{source.where}: size is {source.size / 2**20:.0f} MB; one match must have at most "
+            f"{limit / 2**20:g} MB: raise the limit with max_mb (--read max-mb=MB)"
+        )
+    if source.looks_like_json:
+        _ = source.json  # checks its limits
+        return source.text.removeprefix("\ufeff").encode()
+    # kloppy detects XML by the declaration
+    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
+
+
+def _companion(
+    source: DataFile, name: str, companion: str, is_companion: Callable[[DataFile], bool]
+) -> DataFile:
+    """Return the companion file, which must be the only one in the folder."""
+    found: list[DataFile] = []
+    try:
+        paths = sorted(p for p in source.folder.iterdir() if p.suffix.lower() in (".xml", ".json"))
+    except OSError:  # no permission to list the folder
+        paths = []
+    for path in paths[:MAX_FILES]:
+        with contextlib.suppress(InputError):  # an unrelated file
+            candidate = DataFile.open(path, source.options)
+            if path != source.path and candidate.size <= MAX_BYTES and is_companion(candidate):
+                found.append(candidate)
+    if len(found) > 1:
+        # for several matches in a folder: the file whose name begins with most of the same letters
+        prefixes = [os.path.commonprefix([source.path.name, f.path.name]) for f in found]  # noqa: RUF071
+        longest = max(map(len, prefixes))
+        best = [one for one, same in zip(found, prefixes, strict=True) if len(same) == longest]
+        found = best if len(best) == 1 else found
+    if len(found) != 1:
+        problem = f"{len(found)} files in the folder may be" if found else "the folder lacks"
+        raise InputError(
+            f"{name}: {problem} {companion}; put only that of this match into the same folder"
+        )
+    return found[0]
+
+
+def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
+    notes = repeated_ids(_unique_ids(dataset.events))
+    kicks: list[bool] = []
+    outside = 0
+    by_period: dict[int, list[tuple[float, Any]]] = {}
+    for event in dataset.events:
+        time_s = event.timestamp.total_seconds()
+        if event.period.id in START_LABELS:
+            by_period.setdefault(event.period.id, []).append((time_s, event))
+        elif event.period.id == SHOOT_OUT and event.event_type.name == "SHOT":
+            kicks.append(_result(event) == "GOAL")
+    lengths: dict[int, float] = {}
+    for period, events in sorted(by_period.items()):
+        start = min((time_s for time_s, _ in events if time_s >= 0.0), default=0.0)
+        if LATE_START_S[0] < start < LATE_START_S[1]:
+            notes.append(f"the clock of period {period} starts at {start:.0f} s, not at 0")
+        else:
+            start = 0.0
+        inside = [(t - start, e) for t, e in events if 0.0 <= t - start <= MAX_PERIOD_S]
+        outside += len(events) - len(inside)
+        lengths[period] = max((time_s for time_s, _ in inside), default=0.0)
+        by_period[period] = inside
+    begins, end_s = concatenate_periods(lengths)
+    if outside:
+        notes.append(f"{outside} events are outside their period: omitted")
+    if kicks:
+        notes.append(f"the shoot-out is omitted: {len(kicks)} kicks, {sum(kicks)} scored")
+    match_events: list[MatchEvent] = []
+    ball_touches: list[BallTouch] = []
+    for period in begins:
+        for period_s, event in by_period[period]:
+            time_s, player, team = begins[period] + period_s, _player(event), _team(event)
+            kinds = list(_classify(event))
+            for kind, detail in kinds:
+                scorer = 1 - team if kind == "own_goal" and team is not None else team
+                location = f"event {event.event_id}"
+                match_events.append(MatchEvent(time_s, kind, scorer, player, detail, "", location))
+            if not kinds and event.event_type.name in _BALL_TOUCHES:
+                ball_touches.append((time_s, _BALL_TOUCHES[event.event_type.name], player))
+    metadata = dataset.metadata
+    date = metadata.date
+    return match_timeline(
+        [team.name or f"team {team.team_id}" for team in metadata.teams],
+        begins,
+        end_s,
+        match_events,
+        f"events: {format_name}, read with kloppy",
+        notes,
+        default_title=default_title,
+        title_parts=[date.date().isoformat()] if isinstance(date, datetime) else [],
+        final=_score(metadata.score),
+        ball_touches=ball_touches,
+    )
+
+
+def _unique_ids(events: Iterable[Any]) -> Iterator[str]:
+    """Yield the ids of events; once if kloppy splits an event, such as a pass that goes out."""
+    seen: set[tuple[int, str]] = set()
+    for event in events:
+        key = (id(event.raw_event), str(event.event_id))
+        if event.raw_event is None or key not in seen:
+            seen.add(key)
+            yield key[1]
+
+
+def _classify(event: Any) -> Iterator[tuple[str, str]]:
+    """Yield the event kinds and details of an event."""
+    kind, result = event.event_type.name, _result(event)
+    raw = event.raw_event if isinstance(event.raw_event, Mapping) else {}
+    if kind == "FOUL_COMMITTED":
+        yield "foul", ""
+        secondary = _table(raw.get("type")).get("secondary")
+        for card in ("yellow_card", "red_card"):  # Wyscout v3
+            if isinstance(secondary, list) and card in secondary:
+                yield card, ""
+    elif kind == "CARD":
+        # cards of Wyscout v3 are read from the fouls above
+        if event.card_type is not None and "primary" not in _table(raw.get("type")):
+            yield _CARDS[event.card_type.name]
+    elif kind == "SHOT":
+        penalty = any(
+            getattr(q.value, "name", "") == "PENALTY" for q in event.qualifiers or () if q.value
+        )
+        names = _subtypes(raw)
+        if result == "OWN_GOAL" or raw.get("type") == _OWN_GOAL_OF_DATAFACTORY:
+            yield "own_goal", ""
+        elif result == "GOAL":
+            yield "goal", "pen" if penalty else ""
+        elif result in _NEAR or "WOODWORK" in names:
+            yield "near_miss", "penalty saved" if penalty else _NEAR.get(result, "on the post")
+        elif penalty:
+            yield "near_miss", "penalty missed"
+    elif _table(raw.get("type")).get("name") == "CARD":  # Metrica
+        yield ("red_card" if "RED" in _subtypes(raw) else "yellow_card"), ""
+
+
+def _table(value: object) -> Mapping[str, object]:
+    return value if isinstance(value, Mapping) else {}
+
+
+def _subtypes(raw: Mapping[str, object]) -> list[object]:
+    """Return the names of Metrica's subtypes, which are a list or one object."""
+    value = raw.get("subtypes")
+    return [_table(one).get("name") for one in (value if isinstance(value, list) else [value])]
+
+
+def _result(event: Any) -> str:
+    return str(getattr(event.result, "name", ""))
+
+
+def _player(event: Any) -> str:
+    player = event.player
+    return short_name(player.last_name or player.name or "") if player is not None else ""
+
+
+def _team(event: Any) -> int | None:
+    ground = getattr(getattr(event.team, "ground", None), "name", "")
+    return {"HOME": 0, "AWAY": 1}.get(ground)
+
+
+def _score(score: Any) -> tuple[int, int] | None:
+    """Return the final score; Metrica's may be an empty text."""
+    home, away = getattr(score, "home", None), getattr(score, "away", None)
+    return (home, away) if isinstance(home, int) and isinstance(away, int) else None

@@ -1,0 +1,77 @@
+"""Conversion of presets to and from plain data for JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
+from overview_dsp.design.presets.validation import migrate_kind, migrate_values
+from overview_dsp.errors import InputError
+from overview_dsp.validation import located
+
+
+def preset_to_dict(preset: Preset) -> dict[str, Any]:
+    """Return a preset as plain dicts, lists, texts and numbers."""
+    return {
+        "name": preset.name,
+        "title": preset.title,
+        "description": preset.description,
+        "values": dict(preset.values),
+        "kinds": {
+            name: {
+                **vars(kind),
+                "points": list(kind.points),
+                "aliases": list(kind.aliases),
+                "modes": [vars(mode) for mode in kind.modes],
+            }
+            for name, kind in preset.kinds.items()
+        },
+        "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
+        "authors": list(preset.authors),
+        "points": list(preset.points),
+    }
+
+
+def preset_from_dict(data: Any) -> Preset:
+    """Return the preset of `preset_to_dict` data; InputError if they are not valid."""
+    try:
+        return _preset_of(data)
+    except InputError:
+        raise
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"not a saved preset: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"not a saved preset: {type(error).__name__} {error}") from None
+
+
+def _preset_of(data: Any) -> Preset:
+    name, title, description = (data[key] for key in ("name", "title", "description"))
+    if not all(isinstance(text, str) for text in (name, title, description)):
+        raise InputError("not a saved state: name, title and description must be texts")
+    return Preset(
+        name,
+        title,
+        description,
+        migrate_values(data["values"]),
+        {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+        # earlier states have none of these
+        Tags(**data.get("tags", {})),
+        tuple(data.get("authors", ())),
+        tuple(data.get("points", ())),
+    )
+
+
+def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
+    data = migrate_kind(data)
+    # keys of other versions are ignored
+    known = (*KIND_PARAMETERS, "points", "aliases")
+    with located(f"kinds.{name}: "):
+        modes: Any = [
+            {key: known.check(mode[key]) for key, known in MODE_PARAMETERS.items()}
+            for mode in data["modes"]
+        ]
+        return EventKind(
+            modes=tuple(ClickMode(**mode) for mode in modes),
+            **{key: data[key] for key in known if key in data},
+        )

@@ -1,0 +1,1 @@
+"""C interface of the kernels, on plain pointers instead of numba's arrays."""

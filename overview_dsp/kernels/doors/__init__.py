@@ -1,1 +1,0 @@
-"""C functions over the kernels, on plain pointers: what callers without numba's arrays call."""

@@ -1,0 +1,254 @@
+"""Updates of a session's live timeline, and announcements of its new events.
+
+During a touch the positions of all events stay. New data wait until the release, or for a chosen
+time. In the layout `whole`, data ahead of disk and input are updated at once, because no position
+changes. A new event that is strong enough is announced by a haptic pattern while nothing touches
+the disk.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+from overview_dsp.data.feeds.follower import Follower
+from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.feeds.timeline_diff import (
+    ANNOUNCEMENT_S,
+    TAP_HOLD_S,
+    TAP_POSITION,
+    announcement_change,
+)
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.inputs.feeds import parse_layout
+from overview_dsp.live.session.active_window import ActiveWindow
+from overview_dsp.live.session.session import Session
+from overview_dsp.signal.engine.replay import set_pattern
+from overview_dsp.units import HALF_TURN, clock_text
+
+UPDATE_EVERY_S = 0.05
+"""Shortest time between two surfaces. New data are felt within 0.1 s."""
+
+MARGIN = 0.05
+"""Distance from the disk and its input beyond which data may change during a touch (0 to 1)."""
+
+MAX_AGE_S = 180.0
+"""Greatest age of an event, on the feed's clock, at which it is announced."""
+
+LAYOUT_KEY = "follow.layout"
+
+DISCREET = "in company"
+"""Use of presets that announce nothing unless the user asks for it."""
+
+
+@dataclass(frozen=True)
+class FollowSettings:
+    """Settings that a session follows a live timeline by.
+
+    Parameters
+    ----------
+    live
+        Live timeline.
+    follower
+        Reader of its feed; None if the program adds the data itself.
+    after_s
+        Time of a touch after which new data are applied, s; None waits for the release.
+    announce
+        Event kind. Events of at least its strength are announced; `"none"` announces none. None
+        announces own goals and stronger events, and nothing with a discreet preset.
+    layout_is_explicit
+        Whether the user chose the layout; otherwise the preset may choose it.
+    preset
+        Suggested preset, where it is known before any data arrive.
+    """
+
+    live: LiveTimeline
+    follower: Follower | None = None
+    after_s: float | None = None
+    announce: str | None = None
+    layout_is_explicit: bool = False
+    preset: str | None = None
+
+    def use_preset_layout(self, preset: Preset) -> None:
+        """Use the preset's layout unless the user chose one."""
+        layout = str(preset.values[LAYOUT_KEY])
+        if layout != "auto" and not self.layout_is_explicit:
+            self.live.layout = parse_layout(layout)
+
+
+class LiveUpdates:
+    """Updates a session's window from its live timeline, and announces new events.
+
+    Thread: control.
+
+    Attributes
+    ----------
+    announced : list of Event
+        Latest announced events, up to 100, the newest last.
+    """
+
+    def __init__(self, session: Session, follow: FollowSettings, window: ActiveWindow) -> None:
+        self._engine, self._say, self._window = session.engine, session.say, window
+        self._follow = follow
+        self._seen = follow.live.revision
+        self._touched_since: float | None = None
+        self._next_update = 0.0
+        self._next_event: Event | None = None
+        self._announcement: tuple[float, bool] | None = None  # its start; whether its tap touches
+        self._must_update = False
+        self._failed: tuple[Timeline, float] | None = None
+        self._preset_layout = self._engine.preset.values[LAYOUT_KEY]
+        self.announced: list[Event] = []
+
+    @property
+    def live(self) -> LiveTimeline:
+        """Live timeline."""
+        return self._follow.live
+
+    @property
+    def status_text(self) -> str:
+        """Status for display: the time up to which there are data."""
+        follower = self._follow.follower
+        if follower is None:
+            return f"data until {clock_text(self.live.now_s)}"
+        return follower.status_text
+
+    def poll(self, pointer_touches: bool) -> None:
+        """Apply new data and announce new events as far as the present touch allows it."""
+        now = time.monotonic()
+        if self._follow.follower is not None:
+            for line in self._follow.follower.take_messages():
+                self._say(line)
+        layout = self._engine.preset.values[LAYOUT_KEY]
+        if layout != self._preset_layout:
+            self._preset_layout = layout
+            self._follow.use_preset_layout(self._engine.preset)
+        self._read_changes()
+        touched = pointer_touches or self._is_touched()
+        self._touched_since = None if not touched else self._touched_since or now
+        if self._announcement is not None:
+            self._continue_announcement(now, pointer_touches, touched)
+            return
+        if now < self._next_update:
+            return
+        after_s = math.inf if self._follow.after_s is None else self._follow.after_s
+        snapshot = self.live.padded_snapshot()
+        if self._touched_since is not None and now - self._touched_since < after_s:
+            self._update_future(snapshot, now)
+            return
+        if snapshot is not self._window.timeline or self._must_update:
+            if not self._window.update_timeline(snapshot):
+                return  # two surfaces are being crossfaded
+            self._must_update = touched  # the angle map was kept for the touch
+            self._next_update = now + UPDATE_EVERY_S
+            self._touched_since = now if touched else None
+        if self._next_event is not None and not touched:
+            self._announce(self._next_event, now)
+
+    def _update_future(self, snapshot: Timeline, now: float) -> None:
+        """Apply only the data that are ahead of the disk and of its input."""
+        window, holder = self._window, self._engine.active_input
+        is_new = self.live.layout == "whole" and snapshot is not window.timeline
+        if not is_new or holder is None or window.timeline.known_until_s is None:
+            return
+        position = max(self._engine.meters.cursor, holder[1] / HALF_TURN) + MARGIN
+        known = window.timeline.known_until_s / window.timeline.duration_s
+        failed = self._failed
+        tried = failed is not None and failed[0] is snapshot and position >= failed[1] - MARGIN
+        if tried or position >= known + MARGIN:
+            return
+        if window.update_future(snapshot, position):
+            self._must_update = True  # all of the data follow at the release
+            self._next_update = now + UPDATE_EVERY_S
+        else:
+            self._failed = (snapshot, position)
+
+    def _is_touched(self) -> bool:
+        """Return whether an input other than the announcement's tap moves the disk."""
+        engine, holder = self._engine, self._engine.active_input
+        if self._announcement is not None:
+            tap = ("touch", TAP_POSITION * HALF_TURN) if self._announcement[1] else None
+            return holder not in (None, tap)
+        # after a release the disk still moves to its last input
+        arrives = engine.meters.engaged and engine.preset.values["disk.release"] == "recoil"
+        return holder is not None or arrives
+
+    def end_announcement(self) -> None:
+        """Forget the present announcement: the engine was restarted."""
+        self._announcement = None
+
+    # --- new events -----------------------------------------------------------------------------
+
+    def _read_changes(self) -> None:
+        changes = self.live.changes_since(self._seen)
+        if not changes:
+            return
+        self._seen = changes[-1].revision
+        preset = self._engine.preset
+        least, silent = self._least_strength(preset), self._is_silent(preset)
+        for change in changes:
+            event = change.event
+            strength = _strength(preset, event)
+            if strength < least:
+                continue
+            text = f"{event.kind.replace('_', ' ')} {event.display_label}".strip()
+            at = clock_text(event.time_s)
+            if change.action == "retracted":
+                self._say(f"retracted: {text} at {at}")
+                if self._next_event == event:
+                    self._next_event = None
+                continue
+            self._say(f"new: {text} at {at}")
+            recent = event.time_s >= self.live.now_s - MAX_AGE_S
+            stronger = self._next_event is None or strength >= _strength(preset, self._next_event)
+            if recent and stronger and not silent:
+                self._next_event = event
+
+    def _least_strength(self, preset: Preset) -> float:
+        """Return the strength from which on an event is reported and announced."""
+        kind = preset.kinds.get(self._follow.announce or "own_goal")
+        if kind is not None:
+            return kind.height
+        named = [one.height for name, one in preset.kinds.items() if name != DEFAULT_KIND]
+        return max(named or [preset.kinds[DEFAULT_KIND].height])
+
+    def _is_silent(self, preset: Preset) -> bool:
+        """Return whether new events are shown as text, but not announced."""
+        announce = self._follow.announce
+        return announce == "none" or (announce is None and DISCREET in preset.tags.usage)
+
+    # --- announcements --------------------------------------------------------------------------
+
+    def _announce(self, event: Event, now: float) -> None:
+        """Set the event's pattern as the surface and tap it."""
+        self._next_event = None
+        try:
+            set_pattern(self._engine, announcement_change(event))
+        except InputError:
+            return
+        except OverviewError:  # two surfaces are being crossfaded: try again at the next poll
+            self._next_event = event
+            return
+        self._engine.control(TAP_POSITION * HALF_TURN, True)
+        self._announcement = (now, True)
+        self.announced = [*self.announced[-99:], event]
+
+    def _continue_announcement(self, now: float, pointer_touches: bool, touched: bool) -> None:
+        """Release the tap and restore the timeline when it is time; at once during a touch."""
+        assert self._announcement is not None
+        start, taps = self._announcement
+        if taps and (touched or now >= start + TAP_HOLD_S):
+            if not pointer_touches:  # a touch of the pointer has replaced the tap
+                self._engine.control(TAP_POSITION * HALF_TURN, False)
+            self._announcement = (start, False)
+        if touched or now >= start + ANNOUNCEMENT_S:
+            self._announcement = None
+            self._must_update = not self._window.update_timeline(self.live.padded_snapshot())
+
+
+def _strength(preset: Preset, event: Event) -> float:
+    kind = preset.kinds[preset.kind_for(event.kind) or DEFAULT_KIND]
+    return kind.height * event.weight

@@ -1,0 +1,150 @@
+"""Opening a player on the device that the user chose, and saving its settings at the end."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.files.atomic import require_writable
+from overview_dsp.live.output.devices import find_device
+from overview_dsp.live.output.portaudio_library import SILENT, device_named
+from overview_dsp.live.output.portaudio_stream import CallbackKind
+from overview_dsp.live.output.saved_settings import resolve_output, save_settings
+from overview_dsp.live.output.settings import is_pad
+from overview_dsp.live.output.stream_opener import MAX_BLOCK, StreamOpener
+from overview_dsp.live.session.live_updates import FollowSettings
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
+from overview_dsp.live.takes.recovery import pop_interrupted_takes
+from overview_dsp.signal.actuators.stage import warn_of_carrier
+from overview_dsp.signal.engine.coefficients import announce_compile
+
+
+@dataclass(frozen=True)
+class PlayerSettings:
+    """Settings that a player is opened with.
+
+    Parameters
+    ----------
+    preset
+        Name or path of the preset.
+    compare
+        Second preset to switch to, or None.
+    linear
+        Whether the presets are used without their angle maps.
+    window
+        First window of the timeline, s; None shows the whole timeline.
+    follow
+        Settings of a live timeline; None for a complete one.
+    device
+        Name or number of the output. None is the default, `"none"` no sound, `"pad"` a game pad.
+    block_size
+        Block size in frames; 0 lets the device choose.
+    sample_rate
+        Sample rate, Hz; None is the device's default.
+    callback
+        Kind of PortAudio callback.
+    actuator
+        Name or file of the actuator. `"none"` removes it, None uses the one last used with the
+        device.
+    click, tactor
+        Changes to the settings last used with the device, as fields of `SignalSettings`.
+    record
+        File of a take that starts at the first sample; None for no take.
+    seed
+        Seed of the texture noise.
+    """
+
+    preset: str
+    compare: str | None = None
+    linear: bool = False
+    window: tuple[float, float] | None = None
+    follow: FollowSettings | None = None
+    device: str | None = None
+    block_size: int = 256
+    sample_rate: float | None = None
+    callback: CallbackKind = "native"
+    actuator: str | None = None
+    click: Mapping[str, Any] = field(default_factory=dict)
+    tactor: Mapping[str, Any] = field(default_factory=dict)
+    record: str | None = None
+    seed: int = 0
+
+
+class OpenedPlayer:
+    """Context manager that opens a player and closes it.
+
+    At the end it saves the take, and the device's settings if they were changed.
+    """
+
+    def __init__(
+        self,
+        timeline: Timeline,
+        settings: PlayerSettings,
+        note: Callable[[str], None],
+        say: Callable[[str], None],
+    ) -> None:
+        """Open the player; `note` receives messages, `say` one line per take at the end.
+
+        Raises
+        ------
+        OverviewError
+            A device, file or value can't be used.
+        """
+        self._note, self._say = note, say
+        self._window = settings.window and timeline.require_window(*settings.window)
+        self._opener = StreamOpener(settings.device, settings.block_size, settings.callback)
+        if settings.record is not None:
+            require_writable(settings.record)
+            require_writable(os.path.splitext(settings.record)[0] + ".json")
+        for take in pop_interrupted_takes():
+            note(f"interrupted take saved as {take} (overview render ... --gesture {take})")
+        watch = PresetWatch(settings.preset, settings.linear)
+        other = None if settings.compare is None else PresetWatch(settings.compare, settings.linear)
+        self._device, rate, channels = None, 48_000.0, 0  # without sound
+        if settings.device != SILENT:
+            device = find_device(device_named(settings.device))
+            self._device, rate, channels = device.full_name, device.sample_rate, device.channels
+        changes = settings.click, settings.tactor
+        self._resolved = resolve_output(self._device, *changes, settings.actuator, channels)
+        output = self._resolved.settings
+        if self._device is not None and is_pad(self._device, channels):
+            actuator = "none" if output.actuator is None else output.actuator.name
+            note(f"{self._device} is a game pad: {output.channels_text}, actuator {actuator}")
+        if output.actuator is not None:
+            warn_of_carrier(output.actuator, watch.preset.number("tactor.frequency_hz"))
+        native = settings.callback == "native" and self._device is not None
+        announce_compile("process", "callback" if native else "finish_block")
+        self.player = Player(
+            timeline,
+            watch,
+            self._opener,
+            output,
+            sample_rate=settings.sample_rate or rate,
+            max_block_size=MAX_BLOCK,
+            callback="native" if native else "python",
+            record=settings.record,
+            seed=settings.seed,
+            other=other,
+            follow=settings.follow,
+        )
+
+    def __enter__(self) -> Player:
+        if self._window is not None:
+            self.player.show(*self._window)
+        return self.player
+
+    def __exit__(self, *error: object) -> None:
+        self.player.close()
+        for message in self.player.take_messages():
+            self._note(message)
+        for line in self.player.takes.summaries:
+            self._say(line)
+        # not if the user changed to another device during the session
+        same = self.player.output.opener is self._opener
+        last = self.player.output.settings
+        if same and self._device is not None and self._resolved.differ(last):
+            save_settings(self._device, last)

@@ -1,0 +1,222 @@
+"""Perceptual features of a preset that do not depend on its level, and distances between presets.
+
+- *sharpness*: steepest rise of the vibration to its pulses, dB/s (median);
+- *density*: pulses that are felt separately, per second;
+- *rhythm*: spread of the pauses between pulses over their median (0: regular);
+- *duration*: time that a pulse stays within 6 dB of its peak, ms (median);
+- *pitch*: frequency of the vibration, Hz;
+- *brightness*: centroid of the click's spectrum, Hz (median over its loud parts);
+- *decay*: time in which a click falls by 12 dB, ms (median).
+
+Just noticeable differences (JNDs) are ratios. They are 1.25 for frequency and duration by touch
+(Israr and Tan 2006: 0.18 to 0.25) and 2 for sharpness, as in `measure.report`. They are 1.25 for
+brightness and decay, which is far above the threshold of an ear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import Gesture
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.kernels.layout import CLICK, TACTOR
+from overview_dsp.measure.perceived_level import (
+    FALL_DB,
+    GESTURES,
+    JND_DURATION,
+    JND_SHARPNESS,
+    PULSE_HOP_S,
+    near_peak,
+    pulse_indices,
+    strokes,
+    window_db,
+)
+from overview_dsp.measure.report import jnds_over_strokes
+from overview_dsp.offline.rendering.offline import RenderResult, render
+
+LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
+"""Values that are added before ratios are taken: the lowest density that is a rhythm, one pulse per
+second, and the lowest spread that is uneven, a fifth of a pause."""
+
+RISE_S = 0.030
+_FFT = 2048
+_LOUD_DB = 20.0
+_DECAY_DB = 12.0
+
+
+@dataclass(frozen=True)
+class PerceptualFeatures:
+    """Perceptual features of a stroke without its level; NaN where it has none.
+
+    Attributes
+    ----------
+    sharpness : float
+        Steepest rise, dB/s.
+    density_hz, rhythm : float
+        Pulses per second, and spread of the pauses.
+    duration_ms : float
+        Duration of a pulse.
+    pitch_hz, brightness_hz : float
+        Frequency of the vibration; spectral centroid of the click.
+    decay_ms : float
+        Decay of a click.
+
+    Examples
+    --------
+    >>> one = ov.measure.perceptual_features(football, match, {"fast": ov.sweep(1.0)})["fast"]
+    >>> one.pitch_hz
+    250.0
+    """
+
+    sharpness: float
+    density_hz: float
+    rhythm: float
+    duration_ms: float
+    pitch_hz: float
+    brightness_hz: float
+    decay_ms: float
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value:.4g}" for name, value in vars(self).items())
+        return f"PerceptualFeatures({values})"
+
+
+_JNDS = {"sharpness": JND_SHARPNESS}
+_LEAST = {"density_hz": LEAST_DENSITY_HZ, "rhythm": LEAST_RHYTHM}
+
+
+def perceptual_features(
+    preset: Preset,
+    timeline: Timeline,
+    gestures: Mapping[str, Gesture] = GESTURES,
+    sample_rate: float = 48_000,
+) -> dict[str, PerceptualFeatures]:
+    """Measure the strokes of a preset on a timeline, independent of its gain.
+
+    Parameters
+    ----------
+    preset : Preset
+        Preset that is rendered.
+    timeline : Timeline
+        Timeline of the surface.
+    gestures : mapping of str to Gesture
+        Gestures by name; default: slow, medium and fast sweeps and a tap.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    dict of str to PerceptualFeatures
+        Features of each gesture's outward stroke and its recoil.
+
+    Raises
+    ------
+    InputError
+        A preset or a gesture that `render` refuses.
+
+    Examples
+    --------
+    >>> sweeps = {"fast": ov.sweep(1.0)}
+    >>> quiet = football.with_changes({"tactor.gain_db": -6.0, "click.gain_db": -20.0})
+    >>> one = ov.measure.perceptual_features(football, match, sweeps)
+    >>> other = ov.measure.perceptual_features(quiet, match, sweeps)
+    >>> ov.measure.level_matched_distance(one, other) < 0.5
+    True
+    """
+    found = {}
+    for name, gesture in gestures.items():
+        result = render(timeline, preset, gesture, sample_rate)
+        for stroke in strokes(result.trace.engaged, result.trace.cursor):
+            way = name if stroke.name == "out" else f"{name} {stroke.name}"
+            found[way] = _features(result, stroke.start, stroke.stop)
+    return found
+
+
+def level_matched_distance(
+    first: Mapping[str, PerceptualFeatures], second: Mapping[str, PerceptualFeatures]
+) -> float:
+    """Return the just noticeable differences between two presets with matched levels.
+
+    The result is that of the feature that differs most: its median over all strokes. All recoils
+    count as one stroke, since they are similar after any gesture.
+
+    Parameters
+    ----------
+    first, second : mapping of str to PerceptualFeatures
+        Features of the same gestures on one timeline.
+
+    Returns
+    -------
+    float
+        Number of JNDs.
+
+    Examples
+    --------
+    >>> same = ov.measure.perceptual_features(football, match, {"fast": ov.sweep(1.0)})
+    >>> ov.measure.level_matched_distance(same, same)
+    0.0
+    """
+    return jnds_over_strokes({name: _differences(first[name], second[name]) for name in first})
+
+
+def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> NDArray[np.float64]:
+    found = []
+    for field, a, b in zip(fields(PerceptualFeatures), astuple(one), astuple(other), strict=True):
+        least = _LEAST.get(field.name, 0.0)
+        ratio = (a + least) / (b + least) if a + least > 0.0 and b + least > 0.0 else math.nan
+        found.append(abs(math.log(ratio)) / math.log(_JNDS.get(field.name, JND_DURATION)))
+    return np.array(found)
+
+
+def _features(result: RenderResult, start: int, stop: int) -> PerceptualFeatures:
+    rate = result.sample_rate
+    level = window_db(result.samples[start:stop, TACTOR], rate, PULSE_HOP_S)[1]
+    peaks = pulse_indices(level)
+    pauses = np.diff(peaks)
+    reach = round(RISE_S / PULSE_HOP_S)
+    befores = [level[max(0, peak - reach) : peak + 1] for peak in peaks]
+    rises = [np.diff(before).max() / PULSE_HOP_S for before in befores if len(before) > 1]
+    lasts = [near_peak(level, int(peak), FALL_DB) * PULSE_HOP_S * 1000.0 for peak in peaks]
+    seconds = (stop - start) / rate
+    brightness, decay = _timbre(result, start, stop)
+    return PerceptualFeatures(
+        float(np.median(rises)) if rises else math.nan,
+        len(peaks) / seconds,
+        float(np.std(pauses) / np.median(pauses)) if len(pauses) > 2 else math.nan,
+        float(np.median(lasts)) if lasts else math.nan,
+        result.engine.preset.number("tactor.frequency_hz"),
+        brightness,
+        decay,
+    )
+
+
+def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
+    """Return brightness (Hz) and decay (ms) of the click."""
+    rate = result.sample_rate
+    samples = result.samples[start:stop, CLICK].astype(np.float64)
+    count = len(samples) // _FFT
+    if not count:
+        return math.nan, math.nan
+    pieces = samples[: count * _FFT].reshape(count, _FFT) * np.hanning(_FFT)
+    power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2
+    total = power.sum(axis=1)
+    if not total.max() > 0.0:
+        return math.nan, math.nan
+    loud = total >= total.max() * 10.0 ** (-_LOUD_DB / 10.0)
+    pitch = np.fft.rfftfreq(_FFT, 1.0 / rate)
+    middle = (power[loud] @ pitch) / total[loud]
+    level = window_db(result.samples[start:stop, CLICK], rate, PULSE_HOP_S)[1]
+    decays = []
+    for peak in pulse_indices(level):
+        if level[peak] < level.max() - _LOUD_DB:
+            continue
+        below = np.flatnonzero(level[peak:] <= level[peak] - _DECAY_DB)
+        if len(below):
+            decays.append(below[0] * PULSE_HOP_S * 1000.0)
+    return float(np.median(middle)), float(np.median(decays)) if decays else math.nan

@@ -1,0 +1,459 @@
+"""Felt level of the tactor channel, by stroke and by event.
+
+Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk.
+The outward stroke lasts from the touch until shaft 2 disengages, which is when the disk has arrived
+after the release. The recoil lasts from there until the disk is back at the start.
+
+An event is felt while the disk is within its span (where its profile exceeds a tenth of its
+height). Its level is the highest of the windows that overlap that time. The event-free level of a
+stroke is the median of the windows that overlap no event's span.
+
+A *pulse* is a peak of the felt level. `pulse_indices` finds peaks of a prominence of at least
+`STEP_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
+observer detects, by the millisecond.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp import validation
+from overview_dsp.design.gestures import Gesture, sweep, tap
+from overview_dsp.errors import InputError, shown
+from overview_dsp.signal.surface.model import Surface
+from overview_dsp.units import FELT_WINDOW_S
+
+HOP_S = 0.001
+"""Time from one window to the next, s: short enough that one window holds a whole short pulse."""
+
+_RUN = 64
+"""Frames per run; the lowest and highest position of a run are found at once."""
+
+COASTS = 0.001
+"""Share of the timeline. A disk that moves on by less after the release turned back there."""
+
+BACK_AT = 0.01
+"""Cursor at which a recoil ends."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Frames of one movement of the disk in a trace.
+
+    Attributes
+    ----------
+    name : str
+        `out` or `recoil`.
+    start, stop : int
+        First frame, and the frame after the last.
+
+    Examples
+    --------
+    >>> ov.measure.Stroke("out", 0, 8000)
+    Stroke(name='out', start=0, stop=8000)
+    """
+
+    name: str
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class StrokeFeel:
+    """Felt levels of one stroke.
+
+    Attributes
+    ----------
+    stroke : Stroke
+    event_free_db : float
+        Median level of the windows outside every event's span, dB.
+    event_db : float64 (events,)
+        Highest level at each event of the surface's table, dB; NaN if the event was not passed.
+    rise : float64 (events,)
+        Steepest rise of the torque's size at each event, N m/s; NaN if the event was not passed.
+    """
+
+    stroke: Stroke
+    event_free_db: float
+    event_db: NDArray[np.float64]
+    rise: NDArray[np.float64]
+
+
+def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
+    """Find the strokes of a trace: outward movements and recoils.
+
+    An outward stroke lasts from the touch until the disk turns back. The disk turns back when shaft
+    2 disengages, or later if it still moves away from the start.
+
+    Parameters
+    ----------
+    engaged, cursor : float64 (frames,)
+        Columns of the trace.
+
+    Returns
+    -------
+    list of Stroke
+        Strokes in order of time.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> [stroke.name for stroke in ov.measure.strokes(result.trace.engaged, result.trace.cursor)]
+    ['out', 'recoil']
+    """
+    engaged = validation.floats(engaged, "engaged")
+    cursor = validation.floats(cursor, "cursor")
+    validation.equally_long("engaged and cursor", engaged, cursor)
+    if not len(engaged):
+        return []
+    held = engaged > 0.5
+    edges = np.flatnonzero(np.diff(held)) + 1
+    bounds = [0, *edges.tolist(), len(held)]
+    found: list[Stroke] = []
+    for start, stop in itertools.pairwise(bounds):
+        if held[start]:
+            found.append(Stroke("out", start, stop))
+        elif start > 0:
+            before = found.pop()
+            # the disk may still move on, to a position beyond the furthest one of the touch
+            turn = start + int(np.argmax(cursor[start:stop]))
+            if cursor[turn] > cursor[start - 1] + COASTS:
+                start = min(turn + 1, stop - 1)
+            found.append(Stroke("out", before.start, start))
+            back = np.flatnonzero(cursor[start:stop] <= BACK_AT)
+            end = start + int(back[0]) + 1 if len(back) else stop
+            if end - start > 1:
+                found.append(Stroke("recoil", start, end))
+    return found
+
+
+def window_db(
+    signal: NDArray[np.float32], sample_rate: float, hop_s: float = FELT_WINDOW_S
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Measure the level of windows of 10 ms.
+
+    Windows may begin and end between samples, so that sample rates can be compared.
+
+    Parameters
+    ----------
+    signal : float32 (frames,)
+        One channel.
+    sample_rate : float
+        Hz.
+    hop_s : float
+        Time from one window to the next, s.
+
+    Returns
+    -------
+    starts : float64 (windows,)
+        Start of each window, in frames.
+    level : float64 (windows,)
+        RMS, dB of full scale; -200 for silence.
+
+    Examples
+    --------
+    >>> starts, level = ov.measure.window_db(np.ones(800, dtype=np.float32), 8000)
+    >>> starts[:2], float(level[0])
+    (array([ 0., 80.]), 0.0)
+    """
+    samples = validation.floats(signal, "signal")
+    sample_rate = validation.positive(sample_rate, "sample_rate")
+    length, hop = FELT_WINDOW_S * sample_rate, validation.positive(hop_s, "hop_s") * sample_rate
+    starts = np.arange(0.0, max(0.0, len(samples) - length) + 0.5, hop)
+    energy = np.zeros(len(samples) + 1)
+    np.cumsum(np.square(samples), out=energy[1:])
+    frames = np.arange(len(energy), dtype=np.float64)
+    mean = (np.interp(starts + length, frames, energy) - np.interp(starts, frames, energy)) / length
+    return starts, 10.0 * np.log10(np.maximum(mean, 1e-20))
+
+
+def _first_within(
+    runs: NDArray[np.float64],
+    lows: NDArray[np.float64],
+    highs: NDArray[np.float64],
+    spans: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """Return the first frame in which the runs are within each span; their size if none."""
+    first, last = spans[:, 0], spans[:, 1]
+    # all earlier runs are below the span, or above it
+    reached = np.searchsorted(np.maximum.accumulate(highs), first)
+    run = np.maximum(reached, np.searchsorted(-np.minimum.accumulate(lows), -last))
+    run = np.minimum(run, len(runs) - 1)
+    there = runs[run]
+    within = (there >= first[:, None]) & (there <= last[:, None])
+    position = within.argmax(axis=1)
+    frame: NDArray[np.int64] = run * _RUN + position
+    for i in np.flatnonzero(~within[np.arange(len(run)), position]):
+        # the run skips the span
+        later = runs[run[i] :].ravel()
+        inside = np.flatnonzero((later >= first[i]) & (later <= last[i]))
+        frame[i] = run[i] * _RUN + inside[0] if len(inside) else runs.size
+    return frame
+
+
+def passages(
+    surface: Surface, cursor: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Return the events that a stroke passes, and the first and last frame on each.
+
+    It passes the events that it enters (`Surface.edges`). Of those at its start it passes the ones
+    whose position it crosses.
+    """
+    frames = len(cursor)
+    if not frames:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
+    # the last run is padded with the last position
+    course = np.append(cursor, np.full(-frames % _RUN, cursor[-1]))
+    starts = np.arange(0, len(course), _RUN)
+    lows, highs = np.minimum.reduceat(course, starts), np.maximum.reduceat(course, starts)
+    lower, upper = surface.edges.T
+    upwards = (cursor[0] < lower) & (lower <= highs.max())
+    downwards = (lows.min() < upper) & (upper <= cursor[0])
+    passed = (lows.min() < surface.position) & (surface.position <= highs.max())
+    events = np.flatnonzero(upwards | downwards | passed)
+    spans, runs = surface.span[events], course.reshape(-1, _RUN)
+    first = _first_within(runs, lows, highs, spans)
+    backwards = _first_within(runs[::-1, ::-1], lows[::-1], highs[::-1], spans)
+    last = np.minimum(len(course) - 1 - backwards, frames - 1)
+    is_on = first <= last
+    return events[is_on], first[is_on], last[is_on]
+
+
+def _highest(
+    starts: NDArray[np.float64],
+    level: NDArray[np.float64],
+    length: float,
+    first: NDArray[np.int64],
+    last: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Return the highest level of the windows that overlap frames `first` to `last`, or NaN."""
+    begin = np.searchsorted(starts + length, first, side="right")
+    end = np.searchsorted(starts, last, side="right")
+    bounds = np.stack([begin, end], axis=1).ravel()
+    highest = np.maximum.reduceat(np.append(level, -np.inf), bounds)[::2]
+    return np.where(begin < end, highest, np.nan)
+
+
+def event_levels(
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+) -> NDArray[np.float64]:
+    """Measure the highest level at each event of a surface in any stroke.
+
+    Parameters
+    ----------
+    surface : Surface
+        Surface of the render.
+    columns : Trace or mapping
+        Its columns `engaged` and `cursor` are used.
+    tactor : float32 (frames,)
+        Tactor channel of the same render.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    float64 (events,)
+        RMS over 10 ms, dB of full scale; NaN for events that were not passed.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> surface, tactor = result.engine.surface, result.samples[:, 1]
+    >>> ov.measure.event_levels(surface, result.trace, tactor, 8000).shape == surface.event.shape
+    True
+    """
+    validation.instance(surface, Surface, "surface", "ov.build_surface makes one")
+    if not isinstance(columns, Mapping) or not {"engaged", "cursor"} <= set(columns):
+        raise InputError(f"columns is {shown(columns)}; give a render's trace")
+    validation.equally_long(
+        "the trace's engaged and tactor", columns["engaged"], validation.floats(tactor, "tactor")
+    )
+    found = np.full(len(surface.position), np.nan)
+    for stroke in strokes(columns["engaged"], columns["cursor"]):
+        frames = slice(stroke.start, stroke.stop)
+        starts, level = window_db(tactor[frames], sample_rate, HOP_S)
+        events, first, last = passages(surface, columns["cursor"][frames])
+        highest = _highest(starts, level, FELT_WINDOW_S * sample_rate, first, last)
+        found[events] = np.fmax(found[events], highest)
+    return found
+
+
+def stroke_feel(
+    stroke: Stroke,
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+    hop_s: float = HOP_S,
+) -> StrokeFeel:
+    """Measure one stroke.
+
+    Parameters
+    ----------
+    columns : the trace (`cursor` and `torque` are used)
+    tactor : float32 (frames,), the tactor channel of the same render
+    """
+    cursor = columns["cursor"][stroke.start : stroke.stop]
+    torque = np.abs(columns["torque"][stroke.start : stroke.stop])
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
+    length = FELT_WINDOW_S * sample_rate
+    within = np.concatenate([[0], np.cumsum(surface.in_span(cursor))])
+    first_frame = np.floor(starts).astype(np.int64)
+    last_frame = np.minimum(np.ceil(starts + length).astype(np.int64), len(cursor))
+    occupied = within[last_frame] - within[first_frame] > 0
+    free = level[~occupied]
+    slope = np.diff(torque, prepend=torque[:1]) * sample_rate
+    count = len(surface.position)
+    event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
+    events, first, last = passages(surface, cursor)
+    event_db[events] = _highest(starts, level, length, first, last)
+    for i, start, stop in zip(events, first, last + 1, strict=True):
+        inside = (cursor[start:stop] >= surface.span[i, 0]) & (
+            cursor[start:stop] <= surface.span[i, 1]
+        )
+        rise[i] = slope[start:stop][inside].max()
+    return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
+
+
+STEP_DB = 2.3
+"""Just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+
+JND_DURATION = 1.25
+JND_SHARPNESS = 2.0
+MERGED_S = 0.030
+"""Two pulses closer than this are felt as one."""
+
+FALL_DB = 6.0
+
+GESTURES: Mapping[str, Gesture] = {
+    "slow": sweep(6.0),
+    "medium": sweep(3.0),
+    "fast": sweep(1.0),
+    "tap": tap(1.0, 3.0),
+}
+"""Slow, medium and fast sweeps over the whole timeline, and a tap at its end."""
+
+
+def ratio_jnds(first: float, second: float, step: float) -> float:
+    """Return the difference of two values in ratios of `step`; NaN unless both are above 0."""
+    if not (first > 0.0 and second > 0.0):
+        return math.nan
+    return abs(math.log(first / second)) / math.log(step)
+
+
+PULSE_HOP_S = 0.002
+
+
+def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the indices of the pulses in a level (dB, one value per `PULSE_HOP_S`)."""
+    from scipy.signal import find_peaks
+
+    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / PULSE_HOP_S))
+    return np.asarray(found, dtype=np.int64)
+
+
+def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
+    """Return how many levels around a peak stay within `fall_db` of it, the peak included."""
+    below = np.flatnonzero(level < level[peak] - fall_db)
+    after = int(np.searchsorted(below, peak))
+    first = below[after - 1] + 1 if after else 0
+    return int((below[after] if after < len(below) else len(level)) - first)
+
+
+def count_resolved_events(
+    stroke: Stroke,
+    surface: Surface,
+    columns: Mapping[str, NDArray[np.float64]],
+    tactor: NDArray[np.float32],
+    sample_rate: float,
+) -> int:
+    """Count the events of a surface that are felt separately in a stroke.
+
+    Parameters
+    ----------
+    stroke : Stroke
+        Frames of the render.
+    surface : Surface
+        Surface of the render.
+    columns : Trace or mapping
+        Its column `cursor` is used.
+    tactor : float32 (frames,)
+        Tactor channel of the same render.
+    sample_rate : float
+        Hz.
+
+    Returns
+    -------
+    int
+        Number of pulses at least 30 ms from each other, while the disk is on an event.
+
+    Examples
+    --------
+    >>> result = ov.render(match, football, ov.sweep(0.5), sample_rate=8000)
+    >>> trace, surface = result.trace, result.engine.surface
+    >>> stroke = ov.measure.strokes(trace.engaged, trace.cursor)[0]
+    >>> ov.measure.count_resolved_events(stroke, surface, trace, result.samples[:, 1], 8000) > 0
+    True
+    """
+    cursor = columns["cursor"][stroke.start : stroke.stop]
+    starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, PULSE_HOP_S)
+    peaks = pulse_indices(level)
+    middles = (starts[peaks] + FELT_WINDOW_S * sample_rate / 2.0).astype(np.int64)
+    return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))
+
+
+TOUCH_FLOOR_DB = -50.0
+"""Lowest level that a finger feels, dB of full scale."""
+
+PULSE_PROMINENCE_DB = 2.5
+"""Prominence of a pulse: a just noticeable step of amplitude on the skin (Israr and Tan 2006)."""
+
+MIN_PULSE_GAP_MS = 30
+"""Of two pulses nearer than this, only the higher one is detected."""
+
+BEFORE_MS, AFTER_MS = 15.0, 40.0
+"""A pulse belongs to an event from this long before the disk enters it to this long after."""
+
+TRAILING_S = 0.15
+"""Output after the disk turns back that still belongs to the outward stroke: its last pulse."""
+
+
+def levels(
+    signal: NDArray[np.float32], sample_rate: float, window_s: float, floor_db: float
+) -> NDArray[np.float64]:
+    """Return the RMS over a window around each millisecond, dB of full scale, above a floor."""
+    energy = np.zeros(len(signal) + 1)
+    np.cumsum(np.square(signal, dtype=np.float64), out=energy[1:])
+    middle = np.arange(0.0, len(signal), sample_rate / 1000.0).astype(np.int64)
+    half = int(window_s * sample_rate / 2.0)
+    first, end = np.maximum(middle - half, 0), np.minimum(middle + half, len(signal))
+    mean = (energy[end] - energy[first]) / (end - first)
+    return np.asarray(np.maximum(10.0 * np.log10(mean + 1e-12), floor_db), dtype=np.float64)
+
+
+def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the milliseconds of the pulses in a level that a finger detects."""
+    return find_pulses(np.maximum(level, TOUCH_FLOOR_DB), PULSE_PROMINENCE_DB, TOUCH_FLOOR_DB + 3.0)
+
+
+def find_pulses(
+    level: NDArray[np.float64], prominence_db: float, lowest_db: float
+) -> NDArray[np.int64]:
+    """Return the milliseconds of a level's prominent peaks, at least 30 ms from any higher one."""
+    from scipy.signal import find_peaks
+
+    rises, _ = find_peaks(level, prominence=prominence_db, height=lowest_db)
+    # only a prominent peak hides a lower one near it
+    alone = np.full(len(level), -np.inf)
+    alone[rises] = level[rises]
+    found, _ = find_peaks(alone, distance=MIN_PULSE_GAP_MS)
+    return np.asarray(found, dtype=np.int64)

@@ -1,0 +1,46 @@
+"""The screen of a timeline that grows."""
+
+from __future__ import annotations
+
+import overview_dsp as ov
+from overview_dsp.live.output.null_stream import NullStream
+from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.screen.app import PlayApp
+from overview_dsp.live.session.live_updates import FollowSettings
+from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.presets import PresetWatch
+from tests.live.screen.test_app import run
+
+
+def test_it_says_how_far_the_data_reach_and_what_is_new():
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
+    live.append(events=[ov.Event(300.0, "foul")], clock_s=800.0)
+
+    async def watched():
+        player = Player(
+            live.padded_snapshot(),
+            PresetWatch("football"),
+            lambda engine, settings: NullStream(engine, 256, settings),
+            OutputSettings(),
+            callback="python",
+            follow=FollowSettings(live),
+        )
+        app = PlayApp(player)
+        async with app.run_test(size=(100, 30)) as pilot:
+            live.append(events=[ov.Event(900.0, "goal", "1-0 Parris")], clock_s=905.0)
+            seen = ""
+            for _ in range(300):
+                await pilot.pause(0.05)
+                seen = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+                if all(part in seen for part in ("new: goal 1-0 Parris", "data until 15:05", "┊")):
+                    break
+        player.close()
+        return seen
+
+    seen = run(watched())
+    assert "new: goal 1-0 Parris" in seen
+    assert "data until 15:05" in seen
+    # now is marked above the axis and on it, where nothing else is written
+    (axis,) = [line for line in seen.splitlines() if "1:35:00" in line and "now" in line]
+    assert abs(axis.index("now") - 905.0 / 5700.0 * 99.0) < 3.0
+    assert "┊" in seen
