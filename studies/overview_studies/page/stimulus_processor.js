@@ -36,7 +36,7 @@ class KernelSource {
     for (let i = this.read; i < total; i += 1) {
       const at = i % L.APPLIED_LOG;
       rows.set(
-        [kernel.read(L.APPLIED_TIME + at), kernel.m[L.APPLIED_THETA2 + at],
+        [kernel.read(L.APPLIED_TIME + at), kernel.numbers[L.APPLIED_THETA2 + at],
           kernel.read(L.APPLIED_TOUCHING + at), kernel.read(L.APPLIED_SOURCE + at)],
         EVENT * (i - this.read),
       );
@@ -48,8 +48,8 @@ class KernelSource {
   /** Return clock (samples), cursor (0 to 1) and whether the disk rests. */
   meters() {
     const { kernel } = this;
-    const cursor = kernel.m[L.X] / L.CELLS;
-    const rests = cursor < REST_THRESHOLD && kernel.m[L.M_ENVELOPE] < REST_THRESHOLD;
+    const cursor = kernel.numbers[L.X] / L.CELLS;
+    const rests = cursor < REST_THRESHOLD && kernel.numbers[L.M_ENVELOPE] < REST_THRESHOLD;
     return [kernel.read(L.CLOCK), cursor, rests];
   }
 }

@@ -2,7 +2,7 @@
 
 import { Answers } from "./answers.js";
 import { Server } from "./client.js";
-import { by } from "./dom.js";
+import { byId } from "./dom.js";
 import { endSession } from "./session_end.js";
 import { StimulusPlayer } from "./stimulus_player.js";
 import { runSteps } from "./flow.js";
