@@ -46,7 +46,7 @@ class OverviewError(Exception):
     ...     ov.sweep(-1.0)
     ... except ov.OverviewError as error:
     ...     print(error)
-    a sweep's duration -1 s is out of range; it is more than 0 and up to 86400 s
+    a sweep's duration -1 s is out of range; allowed: more than 0 and up to 86400 s
     """
 
     exit_code = 1

@@ -43,7 +43,7 @@ SERVER = {
     f"overview_dsp.{name}"
     for name in (
         *("web.app", "web.certificate", "web.connections", "web.control"),
-        *("web.data", "web.live_data", "web.media", "web.published"),
+        *("web.data", "web.live_data", "web.media", "web.static_publisher"),
         *("web.security.middleware", "web.security.request_body", "web.server"),
     )
 }
@@ -205,7 +205,7 @@ main()
     )
     assert done.returncode == 1
     assert len(done.stderr.splitlines()) == 1
-    wanted = rf"numba [\d.]+ is installed, .*numba\.{missing}; .*pip install '{re.escape(NUMBA)}'"
+    wanted = rf"numba [\d.]+ has no numba\.{missing}; .*pip install '{re.escape(NUMBA)}'"
     assert re.search(wanted, done.stderr)
     assert os.listdir(tmp_path) == []
 

@@ -22,7 +22,9 @@ CATEGORIES = {
     "docs": "docs sentences over 32 words, and paragraphs that continue a code block",
 }
 LONGEST_SENTENCE = 32
-NOT_SOURCES = {".git", "venv", ".venv", "node_modules", "site-packages", "_build", "_generated"}
+NOT_SOURCES = set(
+    ".git venv .venv node_modules site-packages _build _generated gallery generated".split()
+)
 SKIPPED = re.compile(
     r"(.*/)?((\.git|tests?|build|_build|dist)/|CHANGE|LICENSE|CODE_OF|HISTORY|test_)"
 )

@@ -64,7 +64,7 @@ def test_the_examples_are_good_but_for_their_faults(folder):
         ("twice.csv", b"time_s,kind\n1,goal\n1,goal\n", "twice.csv"),
         ("nan.json", native(events=[{"time_s": float("nan"), "kind": "goal"}]), "events[0]"),
         ("out.json", native(events=[{"time_s": 11, "kind": "goal"}]), "events[0].time_s is 11.0"),
-        ("same.json", native(events=[{"time_s": 1, "kind": "goal"}] * 2), "twice"),
+        ("same.json", native(events=[{"time_s": 1, "kind": "goal"}] * 2), "repeated"),
         ("times.json", native(intensity={"time_s": [0, 5, 5], "value": [0, 1, 2]}), "time_s[2]"),
         ("back.json", native(intensity={"time_s": [0, 5, 4], "value": [0, 1, 2]}), "time_s[2]"),
         ("nothing.json", b'{"overview_timeline": 1, "duration_s": 10}', "nothing.json"),
@@ -166,7 +166,7 @@ def test_a_sample_rate_too_low_for_the_carrier_is_one_line(folder):
     (folder / "high.toml").write_text(text, encoding="utf-8")
     refused(
         render(folder, MATCH, "--preset", "high.toml", "--sample-rate", "2000"),
-        "tactor.frequency_hz = 900",
+        "tactor.frequency_hz is 900",
         "900 Hz",
     )
 

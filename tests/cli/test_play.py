@@ -107,7 +107,7 @@ def test_a_signal_that_is_ignored_from_the_start_stays_ignored():
         (["--set", "click.gain=99"], "gain 99 is out of range"),
         (["--set", "click.channel=2"], "both use channel 2"),
         (["--set", "tactor.channel=3+x"], "channel '3+x' must be a number, several numbers (3+4)"),
-        (["--input", "wobble:3"], "gesture 'wobble:3' is not understood"),
+        (["--input", "wobble:3"], "gesture 'wobble:3' is not valid"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
     ],

@@ -32,7 +32,7 @@ def test_show_reports_span_curve_events_gaps_and_where_they_are_from(folder, mat
     kinds = "3 period, 16 foul, 4 near_miss, 1 own_goal, 3 yellow_card, 5 goal"
     assert lines[3] == f"events   32: {kinds}"
     count = len(match.details)
-    assert lines[4] == f"details  {count}: {count} touch; felt in windows"
+    assert lines[4] == f"details  {count}: {count} touch; shown in windows"
     assert lines[5] == "gaps     none"
     assert lines[6] == f"from     {match.provenance}"
     assert lines[7:] == [f"note     {note}" for note in match.notes]

@@ -74,10 +74,10 @@ def test_the_three_largest_events_of_a_heart_stand_out(record, heart, seconds):
 
 def test_steady_beats_come_up_one_by_one_when_a_window_spreads_them(record, heart):
     whole = ov.build_surface(record, heart)
-    assert whole.left_out["beat"] == record.kinds()["beat"]
+    assert whole.omitted_events["beat"] == record.kinds()["beat"]
     minute = record.window(300.0, 360.0)
     spread = ov.build_surface(minute, heart)
-    assert "beat" not in spread.left_out
+    assert "beat" not in spread.omitted_events
     assert len(spread.position) == len(minute.events)
     surface, found = feel(minute, heart, ov.sweep(6.0))
     beats = np.array([minute.events[event].kind == "beat" for event in surface.event])

@@ -352,7 +352,7 @@ def test_map_and_length_change_while_it_runs(session, live):
 
 def test_the_map_is_a_presets_choice_until_a_person_makes_one(session, live, tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text(preset_path("football").read_text() + '\n[follow]\nmap = "so-far"\n')
+    path.write_text(preset_path("football").read_text() + '\n[follow]\nlayout = "so-far"\n')
     one = session()
     one.run(0.1)
     assert one.window_timeline.duration_s == 5700.0

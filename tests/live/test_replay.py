@@ -388,7 +388,7 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
         assert ov.load_gesture(tmp_path / "take.csv").duration_s >= before - 0.1
         wait(player, lambda: poll(player).time_s > before)
         for words, why in (
-            (("rate", "5"), "out of range"),
+            (("rate", "5"), "must be 1000 to 768000 Hz"),
             (("block-size", "-1"), "must be 0 to 8192"),
             (("channels", "1", "1"), "both use channel 1"),
             (("channels", "1", "2,3"), "must be a number, several numbers (3+4), or 0"),

@@ -101,7 +101,7 @@ def test_hearts_have_what_is_out_of_turn_and_some_are_so_short_that_each_beat_is
     assert {"premature_atrial", "premature_ventricular", "missed_beat", "rhythm", "flutter"} <= (
         kinds_in(made)
     )
-    felt = [bool(ov.build_surface(one, heart).left_out) for one in made]
+    felt = [bool(ov.build_surface(one, heart).omitted_events) for one in made]
     assert felt == [seed % 3 != 2 for seed in range(30)]
     for one in made:
         assert one.intensity.value.min() > 35.0  # a pause among eight intervals

@@ -39,7 +39,7 @@ def serve(
         metavar="LIST",
     ),
     seconds: float | None = SECONDS,
-    as_json: bool = option("Print the address as one line of JSON.", "--json"),
+    as_json: bool = option("Report the address as one line of JSON.", "--json"),
     server: Server,
 ) -> None:
     """Serve the study in FOLDER (of `overview study build`) until Ctrl-C.

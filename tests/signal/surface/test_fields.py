@@ -179,12 +179,12 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         (plain_preset(surface__model="bristle", surface__torque_ratio=15.0), None),
         (
             plain_preset(surface__model="bristle", surface__torque_ratio=16.0),
-            r"^surface\.grip: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
+            r"^surface\.torque_ratio: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
         ),
         (plain_preset(surface__model="detent", surface__torque_ratio=31.0), None),
         (
             plain_preset(surface__model="detent", surface__torque_ratio=32.0),
-            r"surface\.grip: the disk gets stuck at 32 mN.*lower it,",
+            r"surface\.torque_ratio: the disk gets stuck at 32 mN.*lower it,",
         ),
     ],
 )
@@ -204,7 +204,9 @@ def test_detents_hold_where_the_curve_is_highest():
     preset = plain_preset(
         surface__model="detent", surface__torque_ratio=16.0, surface__intensity_gain=1.0
     )
-    with pytest.warns(ov.OverviewWarning, match=r"^surface\.grip: the disk gets stuck at 32 mN"):
+    with pytest.warns(
+        ov.OverviewWarning, match=r"^surface\.torque_ratio: the disk gets stuck at 32 mN"
+    ):
         ov.build_surface(timeline, preset)
 
 

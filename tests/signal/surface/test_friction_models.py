@@ -87,7 +87,7 @@ def test_bristles_that_no_spring_can_pull_over_are_named():
         ov.OverviewWarning, match=r"kinds\.default: the disk gets stuck at.*disk\.k2"
     ):
         ov.build_surface(timeline_of(50.0), sticky(height=1000.0))
-    with pytest.warns(ov.OverviewWarning, match=r"surface\.grip: the disk gets stuck"):
+    with pytest.warns(ov.OverviewWarning, match=r"surface\.torque_ratio: the disk gets stuck"):
         ov.build_surface(timeline_of(), creaking(surface__torque_ratio=10_000.0))
 
 
