@@ -33,7 +33,7 @@ def in_node(given):
 
 
 def find_step(task, method, rng, levels=7):
-    max_trials = 40
+    most = 40
     table = quest_table(levels, 0.0 if method == "yesno" else 0.5)
     tracks = [
         {"start": start, "down": down, "steps": [2, 1], "reversals": 4}

@@ -179,7 +179,8 @@ def test_a_torque_as_great_as_the_finger_pulls_at_most_is_warned_of():
         (plain_preset(surface__model="bristle", surface__torque_ratio=15.0), None),
         (
             plain_preset(surface__model="bristle", surface__torque_ratio=16.0),
-            r"^surface\.torque_ratio: the disk gets stuck at 32 mN.*lower it or surface\.static_ratio,",
+            r"^surface\.torque_ratio: the disk gets stuck at 32 mN.*"
+            r"lower it or surface\.static_ratio,",
         ),
         (plain_preset(surface__model="detent", surface__torque_ratio=31.0), None),
         (
