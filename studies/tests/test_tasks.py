@@ -73,7 +73,7 @@ def adaptive_step(folder, task, more):
 
 
 def test_a_staircase_goes_to_where_seven_in_ten_are_right(tmp_path):
-    step = adaptive_step(tmp_path, "staircase", "standard = 2.0\nmost = 400\nreversals = 50")
+    step = adaptive_step(tmp_path, "staircase", "standard = 2.0\nmax_trials = 400\nreversals = 50")
     step = {**step, "levels": list(range(40)), "stimuli": ["x"] * 40}
     step["tracks"] = [{**t, "start": 30, "steps": [4, 2, 1]} for t in step["tracks"]]
     rng = np.random.default_rng(3)
@@ -90,7 +90,7 @@ def test_a_staircase_goes_to_where_seven_in_ten_are_right(tmp_path):
 
 
 def test_two_tracks_take_turns_and_end_each_by_itself(tmp_path):
-    step = adaptive_step(tmp_path, "staircase", "standard = 2.0\nmost = 60\nreversals = 2")
+    step = adaptive_step(tmp_path, "staircase", "standard = 2.0\nmax_trials = 60\nreversals = 2")
     run, seen = Run(step), []
     while not run.over:
         seen.append(run.level)
@@ -101,7 +101,7 @@ def test_two_tracks_take_turns_and_end_each_by_itself(tmp_path):
 
 
 def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path):
-    step = adaptive_step(tmp_path, "quest", "standard = 2.0\nmost = 120")
+    step = adaptive_step(tmp_path, "quest", "standard = 2.0\nmax_trials = 120")
     from overview_studies.adaptive import quest_table
 
     step = {**step, "levels": list(range(20)), "stimuli": ["x"] * 20}
@@ -116,10 +116,10 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     assert abs(run.posterior_mean - 12.0) < 1.0
     again = Run(step)
     for answer in answers[:60]:
-        again.answered(answer)
+        again.record(answer)
     third = Run(step)
     for answer in answers[:60]:
-        third.answered(answer)
+        third.record(answer)
     assert again.level == third.level
 
 
@@ -127,9 +127,9 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     ("task", "more"),
     [
         ("staircase", 'standard = 2.0'),
-        ("quest", 'standard = 2.0\nmost = 25'),
+        ("quest", 'standard = 2.0\nmax_trials = 25'),
         ("staircase", 'method = "yesno"'),
-        ("quest", 'method = "yesno"\nmost = 25'),
+        ("quest", 'method = "yesno"\nmax_trials = 25'),
     ],
 )  # fmt: skip
 def test_adaptive_runs_give_thresholds(tmp_path, task, more):
