@@ -104,10 +104,11 @@ TASKS = {
                lambda found: found == -12.0),
     "draw": (study("draw", kinds='curves = ["peak"]', output='channel = "visual"'), feel, drawn,
              lambda found: found[0] == 0.2 and len(found) == 64),
-    "staircase": (study("staircase", f"{VARY}\nmax_trials = 3", hand="sweep:0.3", stimuli=GAINS), play,
-                  digit("1"), lambda found: found == 0),
-    "quest": (study("quest", 'vary = "tactor.gain_db"\nmethod = "yesno"\nmax_trials = 3', stimuli=GAINS,
-                    phases="catch = 0.3"), feel, answered("I felt it"), lambda found: found == 1),
+    "staircase": (study("staircase", f"{VARY}\nmax_trials = 3", hand="sweep:0.3", stimuli=GAINS),
+                  play, digit("1"), lambda found: found == 0),
+    "quest": (study("quest", 'vary = "tactor.gain_db"\nmethod = "yesno"\nmax_trials = 3',
+                    stimuli=GAINS, phases="catch = 0.3"), feel, answered("I felt it"),
+              lambda found: found == 1),
 }  # fmt: skip
 
 
