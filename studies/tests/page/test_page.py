@@ -279,19 +279,22 @@ FELT = """async ([key, output, events, frames]) => {
         const quantum = 128 * Math.ceil(sample / 128);
         if (quantum > done && quantum < frames) {
             felt.context.suspend(quantum / 48000).then(async () => {
-                for (const [at, place, touching] of events) {
-                    if (128 * Math.ceil(at / 128) === quantum) {
-                        presentation.control(place, touching, -1);
+                try {
+                    for (const [at, place, touching] of events) {
+                        if (128 * Math.ceil(at / 128) === quantum) {
+                            presentation.control(place, touching, -1);
+                        }
                     }
+                    await presentation.readState();
+                } finally {
+                    felt.context.resume();  // an error fails the test
                 }
-                await presentation.look();
-                felt.context.resume();
             });
             done = quantum;
         }
     }
     const sound = await felt.context.startRendering();
-    await presentation.look();
+    await presentation.readState();
     const samples = [0, 1].map((channel) => Array.from(sound.getChannelData(channel)));
     return { samples, take: { sample_rate: 48000, samples: frames, events: presentation.events } };
 }"""
