@@ -44,6 +44,7 @@ LARGEST_FILM, LARGEST_SOUND = 2_000_000, 300_000  # bytes, as README readers loa
 PATH = ((0.0, 0.02), (2.4, 0.70), (2.9, 0.62), (3.4, 0.70), (4.4, 0.95))
 """Seconds and positions of the hand; between them it speeds up and slows down as an arm does."""
 RELEASE_S, END_S = 4.6, 7.4
+RECOIL_S = 3.4  # of the sound, after the release
 FRAMES_PER_SECOND = 12.5
 PAGE = {"width": 390, "height": 780}
 TERMINAL = (96, 30)
@@ -212,7 +213,7 @@ def write_sound(out: Path) -> None:
     times = np.arange(0, RELEASE_S, 1 / 200)
     angles = np.pi * np.array([pointer_position(seconds) for seconds in times])
     gesture = ov.Gesture(times, angles, times < times[-1], duration_s=RELEASE_S)
-    result = ov.render(ov.load_timeline(MATCH), ov.load_preset("football"), gesture)
+    result = ov.render(ov.load_timeline(MATCH), ov.load_preset("football"), gesture, tail=RECOIL_S)
     result.save(out)
 
 

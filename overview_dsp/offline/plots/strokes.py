@@ -71,7 +71,7 @@ def plot_strokes(
         if gestures:
             angle = _input_angle(gestures[column], trace.time[shown], touching)
             axes[4].plot(
-                *extremes(time, angle), color=GREY, linewidth=0.9, label="angle", zorder=1.5
+                *extremes(time, angle), color=GREY, linewidth=0.9, label="input angle", zorder=1.5
             )
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for gap in timeline.gaps:
@@ -83,7 +83,7 @@ def plot_strokes(
         axes[0].set_yscale("symlog", linthresh=1.0)
         # plain numbers, since powers of ten need slow typesetting of formulas
         axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-        axes[-1].set_xlabel("time, s (dashed: the angle releases)")
+        axes[-1].set_xlabel("time, s (dashed: release)")
     # fixed margins, since automatic layout takes longer than drawing
     inch = 1.0 / (5.2 * len(results) + 0.6)
     figure.subplots_adjust(
