@@ -218,6 +218,13 @@ class Coverage:
         self._ends[first:stop] = [max(end, time_s)]
         return True
 
+    def cut(self, end_s: float) -> None:
+        """Remove the times after `end_s`."""
+        count = bisect_right(self._starts, end_s)
+        self._starts, self._ends = self._starts[:count], self._ends[:count]
+        if count:
+            self._ends[-1] = min(self._ends[-1], end_s)
+
     @property
     def first_s(self) -> float:
         """Earliest time that was added, s; infinite without any."""

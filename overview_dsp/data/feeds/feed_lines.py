@@ -124,10 +124,24 @@ def apply_line(live: LiveTimeline, line: bytes | str) -> str:
     InputError
         The line is not in the feed format, or a value is not allowed; nothing is changed.
     """
+    key, document = parse_line(line)
+    if key in KEYS:
+        apply_parsed(live, key, document)
+    return key
+
+
+def parse_line(line: bytes | str) -> tuple[str, dict[str, Any]]:
+    """Return the key of a line, as `apply_line` does, and its object.
+
+    Raises
+    ------
+    InputError
+        The line is not in the feed format.
+    """
     try:
         text = line.decode() if isinstance(line, bytes) else line
         if not text.strip():
-            return ""
+            return "", {}
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{_start(line)}: must be one JSON object ({error})") from None
@@ -135,7 +149,7 @@ def apply_line(live: LiveTimeline, line: bytes | str) -> str:
         raise InputError(f"{_start(line)}: must be a JSON object {{...}}")
     found = [key for key in KEYS if key in document]
     if not found:
-        return "later"
+        return "later", document
     if len(found) > 1:
         raise InputError(
             f"{_start(line)}: has both {found[0]} and {found[1]}; write them as two lines"
@@ -150,8 +164,7 @@ def apply_line(live: LiveTimeline, line: bytes | str) -> str:
             f"{_start(line)}: unknown key {shown(min(unknown))} in a line with {key}; allowed: "
             f"{', '.join(sorted(allowed)) or 'no further key'}"
         )
-    _apply(live, key, document[key], document)
-    return key
+    return key, document
 
 
 def _start(line: bytes | str) -> str:
@@ -159,8 +172,9 @@ def _start(line: bytes | str) -> str:
     return shown(text.strip()[:60])
 
 
-def _apply(live: LiveTimeline, key: str, value: object, line: Mapping[str, Any]) -> None:
-    """Apply a line with one of `KEYS`."""
+def apply_parsed(live: LiveTimeline, key: str, line: Mapping[str, Any]) -> None:
+    """Apply a line with one of `KEYS`; InputError if a value is not allowed."""
+    value: Any = line[key]
     if key == HEADER:
         _apply_header(live, value, line)
     elif key == "event":
@@ -171,7 +185,7 @@ def _apply(live: LiveTimeline, key: str, value: object, line: Mapping[str, Any])
         live.append(details=(event_of(value),))
     elif key == "sample":
         several = isinstance(value, list) and bool(value) and isinstance(value[0], list)
-        live.append(intensity=value if several else (value,))  # type: ignore[arg-type]  # validated by append
+        live.append(intensity=value if several else (value,))
     elif key == "retract":
         event = _as_text(value)
         live.retract(event if isinstance(event, str) else event_of(event))

@@ -8,7 +8,8 @@ import time
 from collections import deque
 from collections.abc import Generator
 
-from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, apply_line
+from overview_dsp.data.feeds.clock_guard import ClockGuard
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.feeds.sources import LostError, Source
 from overview_dsp.data.timeline.model import Timeline
@@ -38,10 +39,13 @@ class Follower:
         Number of invalid lines.
     lost : int
         Number of times the source was lost.
+    guard : ClockGuard
+        Guard that holds lines whose time jumps too far.
     """
 
     def __init__(self, live: LiveTimeline, source: Source) -> None:
         self.live = live
+        self.guard = ClockGuard(live)
         self._source = source
         self._messages: deque[str] = deque(maxlen=200)
         self._reported: set[str] = set()
@@ -138,16 +142,21 @@ class Follower:
 
     def _apply_line(self, line: bytes) -> None:
         try:
-            if apply_line(self.live, line) == "later":
+            if self.guard.apply(line) == "later":
                 self._reject("a line of a later version of the format")
         except InputError as error:
             self._reject(str(error))
+        for text in self.guard.take_reports():
+            self._report_once(text)
 
     def _reject(self, reason: str) -> None:
         self.rejected += 1
-        if len(self._reported) < MAX_MESSAGES and reason not in self._reported:
-            self._reported.add(reason)
-            self._report(f"line skipped: {reason}")
+        self._report_once(f"line skipped: {reason}")
+
+    def _report_once(self, text: str) -> None:
+        if len(self._reported) < MAX_MESSAGES and text not in self._reported:
+            self._reported.add(text)
+            self._report(text)
 
     def _report(self, text: str) -> None:
         self._messages.append(f"{self._source.name}: {text}")

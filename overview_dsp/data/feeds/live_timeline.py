@@ -446,7 +446,7 @@ class LiveTimeline:
         Parameters
         ----------
         duration_s : float or None
-            Final duration, s. None: until now.
+            Final duration, s. None: until now. A clock beyond it is set back to it.
 
         Raises
         ------
@@ -465,6 +465,8 @@ class LiveTimeline:
         with self._lock:
             end_s = max(self.now_s, SHORTEST_S) if length is None else length
             if self._end_s != end_s:
+                self._clock_s = min(self._clock_s, end_s)  # the end overrules a wrong clock
+                self._coverage.cut(end_s)
                 self._end_s = end_s
                 self._record_revision()
 

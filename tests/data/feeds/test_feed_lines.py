@@ -45,7 +45,7 @@ def test_each_kind_of_line_has_its_effect():
     assert (shown.duration_s, shown.known_until_s) == (5700.0, 100.0)
     apply_line(live, encode_line({"retract": 7}))
     apply_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
-    assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 100.0)
+    assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 90.0)
     assert live.snapshot().events == ()
     assert apply_line(live, '{"subtitle": "of a later version"}') == "later"
     assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 0 events>"
