@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ from scipy.signal import butter, sosfilt
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels import layout
+from overview_dsp.live.session import commands
 from overview_dsp.live.takes.takes import timeline_path
+from overview_dsp.signal.engine import engine as engine_module
 from tests.live.stepped_session import RATE, Session, event
 
 
@@ -447,3 +450,43 @@ def test_a_take_of_a_live_session_is_rendered_again_to_the_bit(session, live, tm
     assert abs(len(heard) - len(again)) <= 400
     assert np.abs(heard).max() > 0.01
     assert np.array_equal(again[:count], heard[:count])
+
+
+@pytest.mark.parametrize("source", ["touch", "serial"])
+@pytest.mark.parametrize("moment", ["before the decision", "while the surface is built"])
+@pytest.mark.parametrize("map", ["whole", "so far"])
+def test_a_touch_from_another_thread_keeps_its_map_though_no_block_has_read_it(
+    session, live, monkeypatch, map, moment, source
+):
+    """At 300 times the speed a feed changes the timeline at every poll."""
+    live.layout = map
+    one = session()
+    one.run(0.2)
+    engine = one.player.engine
+    build = engine_module.build_surface
+
+    def touch():
+        finger = threading.Thread(target=engine.control, args=(0.3, True, None, source))
+        finger.start()
+        finger.join()
+
+    def build_late(*arguments):
+        surface = build(*arguments)
+        touch()
+        return surface
+
+    for n in range(6):
+        held = engine.surface.angle_map
+        live.append(events=[event(820 + 6000 * n, "goal", str(n))], clock_s=821.0 + 6000 * n)
+        with monkeypatch.context() as patch:
+            if moment == "before the decision":
+                touch()
+            else:
+                patch.setattr(engine_module, "build_surface", build_late)
+            one.messages += commands.poll(one.player).messages
+        for _ in range(5):
+            one.run(0.06)
+            assert engine.surface.angle_map is held, f"touch {n}"
+        engine.control(0.3, False, None, source)
+        one.run(3.0)
+        assert one.window_timeline is live.padded_snapshot()

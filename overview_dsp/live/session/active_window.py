@@ -59,15 +59,17 @@ class ActiveWindow:
         self._requested_preset: Preset | None = None
         self._requested_timeline: Timeline | None = None
         self._deferred_preset: Preset | None = None  # its angle map waits for a release
-        self._is_live = False
+        self._is_live = self._only_untouched = False
         self._reported: set[str] = set()
 
-    def update_timeline(self, timeline: Timeline) -> bool:
+    def update_timeline(self, timeline: Timeline, only_untouched: bool = False) -> bool:
         """Use a newer version of the timeline and keep the window as far as the timeline reaches.
 
-        Return False if no surface slot is free. The request is dropped in that case.
+        Return False if no surface slot is free, or if a touch prevents it. The request is dropped
+        in that case.
         """
         self._is_live = True
+        self._only_untouched = only_untouched
         self._requested_timeline = timeline
         self._apply_requests()
         done, self._requested_timeline = self._requested_timeline is None, None
@@ -182,7 +184,7 @@ class ActiveWindow:
         for line in self.presets.check_files():
             self._say(line)
         self._requested_preset = self.presets.pop_changed() or self._requested_preset
-        if self._deferred_preset is not None and self._engine.active_input is None:
+        if self._deferred_preset is not None and not self._engine.touched:
             self._requested_preset = self._requested_preset or self._deferred_preset
         self._apply_requests()
 
@@ -245,7 +247,7 @@ class ActiveWindow:
             self.apply_window(self._requested_window)
         if self._requested_preset is not None:
             requested, used = self._requested_preset, self._requested_preset
-            if self._engine.active_input is not None:  # events keep their positions during a touch
+            if self._engine.touched:  # events keep their positions during a touch
                 used = requested.with_value(SHARE, self._engine.preset.number(SHARE))
             self._engine.set_preset(used)
             self._deferred_preset = None if used == requested else requested
@@ -265,11 +267,13 @@ class ActiveWindow:
         timeline = whole if is_whole else whole.window(start, end)
         change = self._timeline_change(whole, {"window": None if is_whole else [start, end]})
         kept_map = self._engine.surface.angle_map
-        held = self._engine.active_input is not None and kept_map.duration_s == timeline.duration_s
+        held = self._engine.touched and kept_map.duration_s == timeline.duration_s
         if change is not None and held:
             change["timeline"]["keeps_map"] = True
         surface = build_surface(timeline, self._engine.preset, kept_map) if held else None
-        self._engine.set_timeline(timeline, change=change, surface=surface)
+        self._engine.set_timeline(
+            timeline, change=change, surface=surface, only_untouched=self._only_untouched
+        )
         self.timeline = whole
         self.set_current(timeline, (start, end))
 

@@ -140,8 +140,8 @@ class LiveUpdates:
             self._update_future(snapshot, now)
             return
         if snapshot is not self._window.timeline or self._must_update:
-            if not self._window.update_timeline(snapshot):
-                return  # two surfaces are being crossfaded
+            if not self._window.update_timeline(snapshot, only_untouched=not touched):
+                return  # two surfaces are being crossfaded, or a touch has begun
             self._must_update = touched  # the angle map was kept for the touch
             self._next_update = now + UPDATE_EVERY_S
             self._touched_since = now if touched else None
@@ -174,7 +174,7 @@ class LiveUpdates:
             return holder not in (None, tap)
         # after a release the disk still moves to its last input
         arrives = engine.meters.engaged and engine.preset.values["disk.release"] == "recoil"
-        return holder is not None or arrives
+        return engine.touched or arrives
 
     def end_announcement(self) -> None:
         """Forget the present announcement: the engine was restarted."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections import deque
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
-from overview_dsp.errors import InputError, NotPreparedError
+from overview_dsp.errors import InputError, NotPreparedError, OverviewError
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.derive import derive
 from overview_dsp.kernels.noise import seed_state
@@ -265,7 +266,7 @@ class Engine:
             write_surface(self._f64, 0, self._surface)
             self._slot_surfaces[0] = self._surface
         block.reset(self._f64, self._i64, self._u64)
-        self._queues.clear_dropped()
+        self._queues.clear()
         self._journal.clear()
         self._struck.reset(self._surface, self._timeline)
 
@@ -452,6 +453,7 @@ class Engine:
         window: tuple[float, float] | None = None,
         change: Mapping[str, Any] | None = None,
         surface: Surface | None = None,
+        only_untouched: bool = False,
     ) -> None:
         """Change the timeline, for example to a window of it, with a crossfade.
 
@@ -467,11 +469,13 @@ class Engine:
             Change of a live timeline, which a recording stores instead of a window.
         surface : Surface or None
             Surface of the timeline; None builds it.
+        only_untouched : bool
+            Whether a touch, even one that is still pending, prevents the change.
 
         Raises
         ------
         OverviewError
-            As `set_surface`.
+            As `set_surface`; or a touch prevents the change.
 
         Examples
         --------
@@ -483,7 +487,7 @@ class Engine:
         note = dict(change) if change is not None else None
         if note is None and window is not None:
             note = {"window": list(window)}
-        self._change(self._preset, surface, sample_time, note, timeline)
+        self._change(self._preset, surface, sample_time, note, timeline, only_untouched)
 
     def set_surface(self, surface: Surface, sample_time: int | None = None) -> None:
         """Crossfade to another surface in 30 ms.
@@ -519,6 +523,7 @@ class Engine:
         sample_time: int | None,
         note: dict[str, Any] | None,
         timeline: Timeline | None = None,
+        only_untouched: bool = False,
     ) -> None:
         """Apply a preset and a surface at one sample; on an error change nothing."""
         timeline = self._timeline if timeline is None else timeline
@@ -532,9 +537,13 @@ class Engine:
                 write_surface(self._f64, slot, surface)
                 self._slot_surfaces[slot] = surface
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
-            store_requested(self._f64, preset, changed)
+            # no touch can come between the check and the change
+            with self._queues.no_new_events() if only_untouched else nullcontext():
+                if only_untouched and self._queues.touched:
+                    raise OverviewError("an input touches the disk; change the timeline later")
+                store_requested(self._f64, preset, changed)
+                number = self._queues.push(changed, stamp) if changed else 0
             if changed:
-                number = self._queues.push(changed, stamp)
                 self._journal.append((number, note))
                 if surface is not None:  # it comes last
                     last = number + len(changed) - 1
@@ -641,6 +650,12 @@ class Engine:
         """Source that controls the disk and its theta2 (rad) as of the last block, or None."""
         self._require_prepared()
         return memory_reader.read_active_input(self._f64)
+
+    @property
+    def touched(self) -> bool:
+        """True while an input controls the disk, or will after the events that are pending."""
+        self._require_prepared()
+        return self._queues.touched
 
     @property
     def settled_at(self) -> int | None:

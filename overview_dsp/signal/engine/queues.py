@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import warnings
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
@@ -39,6 +40,7 @@ class ControlQueues:
         # between writers in Python; the audio thread takes none of them
         self._writing = [threading.Lock() for _ in SOURCES]
         self._dropped = [0 for _ in SOURCES]
+        self._touches = [False for _ in SOURCES]  # of the latest event of each source
         _compile()
 
     @property
@@ -46,11 +48,25 @@ class ControlQueues:
         """Number of control events dropped because their ring was full."""
         return sum(self._dropped)
 
-    def clear_dropped(self) -> None:
-        """Reset the number of dropped events."""
+    def clear(self) -> None:
+        """Reset the number of dropped events and the latest touches, after the rings."""
         for ring, writing in enumerate(self._writing):
             with writing:
                 self._dropped[ring] = 0
+                self._touches[ring] = False
+
+    @property
+    def touched(self) -> bool:
+        """True while a source controls the disk, or will after the events that are pending."""
+        return any(self._touches) or int(self._i64[layout.HOLDER]) >= 0
+
+    @contextlib.contextmanager
+    def no_new_events(self) -> Iterator[None]:
+        """Hold back control events of all sources."""
+        with contextlib.ExitStack() as writing:  # in the order of rings, to avoid deadlocks
+            for lock in self._writing:
+                writing.enter_context(lock)
+            yield
 
     def control(self, theta2: float, touching: bool, stamp: int, source: str) -> None:
         """Push a control event; a full ring drops and counts it, with one warning."""
@@ -61,6 +77,7 @@ class ControlQueues:
         event = ring, stamp, validation.real(theta2, "theta2"), bool(touching)
         with self._writing[ring]:
             if push_control(self._f64, self._i64, *event):
+                self._touches[ring] = event[3]
                 return
             self._dropped[ring] += 1
             first = self._dropped[ring] == 1
@@ -111,6 +128,7 @@ class ControlQueues:
                 self._f64[layout.RING_THETA2 + at] = theta2[events]
                 i64[layout.RING_TOUCHING + at] = touching[events]
                 publish(i64, layout.RING_WRITTEN + ring, written + len(events))
+                self._touches[ring] = bool(touching[events[-1]])
 
     def require_capacity(self, changes: int) -> None:
         """Raise OverviewError if this number of changes does not fit into the ring."""

@@ -93,7 +93,7 @@ def test_each_ring_takes_as_many_events_as_it_has_places_and_counts_what_it_drop
         queues.control(3.0, True, 7, SOURCES[ring])
     assert queues.dropped == 2
     assert waiting(memory, words, ring)[-1] == (5, 1.0, 1)
-    queues.clear_dropped()
+    queues.clear()
     assert queues.dropped == 0
     with pytest.warns(ov.OverviewWarning, match=SOURCES[ring]):
         queues.control(4.0, True, 8, SOURCES[ring])
