@@ -360,6 +360,8 @@ class LiveTimeline:
     def replace(self, timeline: Timeline) -> None:
         """Replace all data by a timeline that was read again.
 
+        An event whose label alone has changed is neither retracted nor added.
+
         Parameters
         ----------
         timeline : Timeline
@@ -377,9 +379,17 @@ class LiveTimeline:
                 return
             before = {identity_of(event): event for event in self._all_events()}
             after = {identity_of(event): event for event in timeline.events}
+            removed = [event for key, event in before.items() if key not in after]
             changes: list[tuple[Action, Event]] = []
-            changes += [("retracted", event) for key, event in before.items() if key not in after]
-            changes += [("added", event) for key, event in after.items() if key not in before]
+            for key, event in after.items():
+                if key in before:
+                    continue
+                same = (one for one in removed if (one.time_s, one.kind) == key[:2])
+                if (renamed := next(same, None)) is not None:  # only its label is another
+                    removed.remove(renamed)
+                else:
+                    changes.append(("added", event))
+            changes = [*(("retracted", event) for event in removed), *changes]
             self._document = timeline
             self._record_revision(changes)
 

@@ -33,7 +33,7 @@ MAX_BYTES = 64 << 20
 """Maximum size of a file that is requested repeatedly."""
 
 MAX_MESSAGE_BYTES = 16 << 20
-"""Maximum size of a WebSocket message, which may hold many lines."""
+"""Maximum size of a WebSocket message or a server-sent event, which may hold many lines."""
 
 
 @dataclass
@@ -103,7 +103,7 @@ class Http:
         Only complete events are yielded. After a new connection the server repeats an incomplete
         event, because the request contains the id of the last complete one.
         """
-        line, data = b"", b""
+        line, data, size = b"", list[bytes](), 0
         event_id: str | None = None
         try:
             socket = getattr(getattr(response.fp, "raw", None), "_sock", None)
@@ -117,12 +117,18 @@ class Http:
                 field, _, value = line.partition(b":")
                 value, line = value.removeprefix(b" "), b""
                 if field == b"data":
-                    data = (data + value + b"\n")[:MAX_BYTES]
+                    size += len(value) + 1
+                    if size > MAX_MESSAGE_BYTES:
+                        raise LostError(
+                            f"a server-sent event has more than {MAX_MESSAGE_BYTES >> 20} MB, "
+                            "the maximum; end each event with an empty line"
+                        )
+                    data.append(value + b"\n")
                 elif field == b"id" and len(value) < 256:
                     event_id = value.decode("latin-1")
                 elif not field and not value:
-                    yield data
-                    self._last_id, data = event_id or self._last_id, b""
+                    yield b"".join(data)
+                    self._last_id, data, size = event_id or self._last_id, [], 0
                 else:
                     yield b""
         except (OSError, http.client.HTTPException) as error:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
-from overview_dsp.data.feeds.feed_lines import KEYS
+from overview_dsp.data.feeds.feed_lines import HEADER, KEYS, parse_line
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of
 from overview_dsp.data.readers.audio.reader import timeline_of
 from overview_dsp.data.readers.registry import load_timeline
@@ -63,13 +63,35 @@ class Source(Protocol):
 
 
 def is_feed(head: bytes) -> bool:
-    """Return whether a file's first bytes are lines of the feed format."""
+    """Return whether a file's first bytes are lines of the feed format.
+
+    Rows of a table may have a key such as `event` too; its value is then no object.
+    """
     first = head.lstrip().split(b"\n", 1)[0]
     try:
-        document = json.loads(first)
+        key, document = parse_line(first)
+    except InputError:
+        return first.startswith(b"{") and f'"{HEADER}"'.encode() in first[:64]
+    return key in KEYS and (key not in ("event", "detail") or isinstance(document[key], dict))
+
+
+def _is_complete(head: bytes) -> bool:
+    """Return whether a file's first bytes without a newline suffice to detect its format."""
+    if not head.strip() or b"\n" in head:
+        return bool(head.strip())
+    return _is_binary(head) or _is_json(head)
+
+
+def _is_binary(head: bytes) -> bool:
+    return b"\0" in head[:CHUNK_BYTES]
+
+
+def _is_json(data: bytes) -> bool:
+    try:
+        json.loads(data)
     except (ValueError, RecursionError):
         return False
-    return isinstance(document, dict) and not document.keys().isdisjoint(KEYS)
+    return data.lstrip()[:1] in (b"{", b"[")
 
 
 @dataclass
@@ -96,7 +118,7 @@ class GrowingFile:
                 raise InputError(f"{self.name}: cannot be read ({error.strerror})") from None
             with file:
                 head = file.read(CHUNK_BYTES)
-                if b"\n" not in head and len(head) < CHUNK_BYTES:  # too short to detect the format
+                if not _is_complete(head) and len(head) < CHUNK_BYTES:
                     yield None
                     time.sleep(POLL_EVERY_S)
                     continue
@@ -144,7 +166,9 @@ class GrowingFile:
             with open(self.name, "rb") as file:
                 data = file.read()
             end = data.rfind(b"\n") + 1
-            return load_timeline(data if self.name.endswith(".json") or not end else data[:end])
+            if not end or _is_binary(data) or _is_json(data):
+                return load_timeline(data)
+            return load_timeline(data if self.name.endswith(".json") else data[:end])
         except InputError as error:
             if first:
                 raise InputError(f"{self.name}: {error}") from None

@@ -244,3 +244,17 @@ def test_an_event_whose_id_was_retracted_earlier_is_not_added():
     live.append(events=[ov.Event(786.0, "goal", "1-0")], ids=["g9"])
     live.append(events=[ov.Event(800.0, "goal", "1-0")], ids=["g10"])
     assert [event.time_s for event in live.snapshot().events] == [800.0]
+
+
+def test_another_label_in_a_document_that_is_read_again_withdraws_no_goal():
+    live = ov.LiveTimeline()
+    goals = [ov.Event(60.0, "goal", "1-0 Smith"), ov.Event(60.0, "goal", "2-0 Jones")]
+    live.replace(ov.Timeline("", 100.0, goals))
+    seen = live.revision
+    live.replace(ov.Timeline("", 100.0, [ov.Event(60.0, "goal", "1-0 A. Smith"), goals[1]]))
+    assert live.changes_since(seen) == ()
+    assert live.snapshot().events[0].label == "1-0 A. Smith"
+    live.replace(ov.Timeline("", 100.0, [ov.Event(60.0, "goal", "1-0 Smith (A.)")]))
+    assert [(one.action, one.event) for one in live.changes_since(seen)] == [
+        ("retracted", goals[1])
+    ]

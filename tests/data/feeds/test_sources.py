@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import gzip
 import io
 import itertools
+import json
 import os
 import random
 import threading
@@ -18,6 +21,7 @@ from overview_dsp.data.feeds import network_sources, sources
 from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.data.feeds.sources import LoudnessMonitor
+from overview_dsp.data.readers import native
 from overview_dsp.live.inputs.feeds import open_source
 from tests.data.feeds.feeds import lines_of
 from tests.data.feeds.servers import FeedServer, wait_until
@@ -289,6 +293,64 @@ def test_ten_thousand_events_per_second_are_read_in_bounded_memory(follow):
 def test_an_invalid_source_is_a_one_line_error(text, word):
     with pytest.raises(ov.InputError, match=word):
         open_source(text, io.BytesIO())
+
+
+def test_rows_with_a_key_event_a_one_line_document_and_binary_files_are_followed(
+    follow, match, crowd_file, tmp_path
+):
+    rows = "".join(json.dumps({"time_s": n * 60, "event": "foul"}) + "\n" for n in range(5))
+    document = json.dumps(json.loads(native.encode(match)))
+    contents = {
+        "rows.jsonl": rows.encode(),
+        "rows": rows.encode(),
+        "document.json": document.encode(),
+        "document": document.encode(),
+        "indented": json.dumps(json.loads(document), indent=1).encode(),
+        "rows.jsonl.gz": gzip.compress(rows.encode()),
+        "sound": crowd_file.read_bytes(),
+    }
+    for name, data in contents.items():
+        path = tmp_path / name
+        path.write_bytes(data)
+        one = follow(path)
+        read = ov.load_timeline(data)
+        assert wait_until(lambda one=one: one.live.revision > 0 or one.over), name
+        now = one.live.snapshot()
+        assert one.take_messages() == (), name
+        assert (now.events, now.intensity) == (read.events, read.intensity), name
+
+
+def test_a_server_sent_event_without_an_end_is_lost_in_one_line_and_in_bounded_memory(
+    follow, monkeypatch
+):
+    monkeypatch.setattr(network_sources, "MAX_MESSAGE_BYTES", 1 << 20)
+
+    class Endless(BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream")
+            self.end_headers()
+            with contextlib.suppress(OSError):
+                while True:
+                    self.wfile.write(b"data: x\n" * 1000)
+
+        def log_message(self, *_):
+            pass
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Endless)
+    server.daemon_threads = True
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        one = follow(f"http://127.0.0.1:{server.server_port}/")
+        assert wait_until(lambda: one.lost > 0)
+        (line,) = one.take_messages()
+        assert "more than 1 MB" in line
+        assert "empty line" in line
+        one.close()
+        assert wait_until(lambda: one.over)
+    finally:
+        server.shutdown()
+        server.server_close()
 
 
 def test_a_source_that_cannot_be_read_ends_with_a_message(follow, tmp_path):
