@@ -21,9 +21,9 @@ above which it is hardly a pulse wave."""
 
 _PULSE_NOISE = 0.25
 _MOST_PULSE_NOISE = 0.75
-_SURE_PULSE = 0.9
+_SURE_PULSE = 0.95
 """Minimum noise of a pulse wave that is searched as an ECG (the second one where sharp waves were
-found), and minimum likeness of its pulses (an ECG in noise: up to 0.86)."""
+found), and minimum median likeness of its pulses (an ECG in noise: up to 0.91)."""
 
 WINDOW_S = 8
 """Time over which the index is computed."""

@@ -166,7 +166,7 @@ def _kind(part: Floats, rate: float) -> str | None:
     signal, work_rate, _ = decimated(part, rate)
     band = band_passed(part, rate, 0.5, 8.0)
     _, alike = pulse_likeness(band, _pulses(band, rate), rate)
-    likeness = float(np.percentile(alike, 20)) if len(alike) > 2 else 0.0
+    likeness = float(np.median(alike)) if len(alike) > 2 else 0.0
     if is_ecg(signal, find_qrs(signal, work_rate), work_rate, likeness):
         return "ECG"
     doubt = _Part(part, rate, "pulse wave").doubt

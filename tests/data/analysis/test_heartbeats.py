@@ -68,6 +68,22 @@ def test_a_pulse_wave_is_distinguished_from_an_ecg_and_its_peaks_are_found(rate:
     assert min(agreement(found.beats / rate, beats)) >= 0.98
 
 
+def test_a_stretch_of_noise_in_a_pulse_wave_is_a_gap() -> None:
+    beats = beat_times(120.0)
+    samples = pulse_wave(beats, 120.0, 100.0)
+    noise = electrode_noise(40.0, 100.0, 1)[:4000]
+    samples[4000:8000] = np.median(samples) + 60.0 * noise
+    found = found_in(samples, 100.0)
+    assert found.what == "pulse wave"
+    lost = np.zeros(len(samples), bool)
+    for first, end in found.noisy:
+        lost[first:end] = True
+    assert lost[4000:8000].mean() > 0.9
+    assert lost[:2500].mean() + lost[9500:].mean() == 0.0
+    marks = np.rint(beats * 100.0).astype(np.int64)
+    assert min(agreement(found.beats / 100.0, beats[~lost[marks]])) >= 0.97
+
+
 def test_blocks_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
     beats = beat_times(300.0)
     samples = ecg(beats, 300.0, 250.0)
