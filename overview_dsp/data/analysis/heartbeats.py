@@ -1,19 +1,37 @@
 """Detection of heartbeats: QRS complexes (`qrs`), or pulse waves by Elgendi's method.
 
-A signal is an ECG if much of its power is in the band of QRS complexes (8 to 30 Hz), and a pulse
-wave (PPG, blood pressure) if nearly all of it is below.
+A signal is an ECG if its average beat has sharp waves (8 to 30 Hz), and a pulse wave (PPG, blood
+pressure) if its pulses resemble each other; otherwise it is neither. Stretches whose beats can't be
+trusted are noisy.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.analysis.beat_quality import (
+    LIMIT,
+    STRICT_LIMIT,
+    ecg_doubt,
+    is_ecg,
+    pulse_doubt,
+    pulse_likeness,
+)
 from overview_dsp.data.analysis.heart_signal import Signal, SilenceFinder, Spans, runs
-from overview_dsp.data.analysis.qrs import REFRACTORY_S, band_passed, find_qrs
+from overview_dsp.data.analysis.other_shapes import find_other_shapes
+from overview_dsp.data.analysis.qrs import (
+    REFRACTORY_S,
+    Floats,
+    band_passed,
+    decimated,
+    find_qrs,
+    noise_height,
+)
 
 BLOCK_S = 300.0
 MARGIN_S = 15.0
@@ -25,27 +43,19 @@ MIN_PART_S = 2.0
 MIN_RATE = 50.0
 """Minimum sample rate for the shape of a heartbeat, Hz."""
 
-_PULSE_BELOW = 0.1
-"""A pulse wave's power from 8 to 30 Hz over that from 0.7 to 8 Hz; measured: 0.0002 (PPG), 0.7 to
-1.9 (four ECGs)."""
+_AROUND_S = 1.5
+"""Time on either side of a noisy stretch that counts as noisy, too."""
 
-NOISY_ABOVE = 0.7
-"""Highest value between beats, relative to the height of a beat, above which beats can't be
-distinguished from noise."""
-
-_DOUBTFUL_ABOVE = 0.4
-"""Above this value, noise alone may look like beats: 1 in 100 stretches of ten seconds of noise is
-below. A heart is above it for ten seconds at 6 dB signal-to-noise ratio or less."""
-
-_DOUBTFUL_S = 12.0
-"""Minimum length of a stretch of mostly doubtful beats that counts: noise does not look like a
-heart for this long."""
-
-_LEAST_NOISY_S = 4.0
+_LEAST_NOISY_S = 2.0
 """Minimum length of a noisy stretch that becomes a gap."""
 
 _LEAST_CLEAN_S = 6.0
-"""Minimum length of a clean stretch between two noisy ones; a shorter one is joined with them."""
+"""Minimum length of a trusted stretch between two noisy ones; a shorter one is joined with them."""
+
+_HIDDEN_HEIGHT = 0.35
+_HIDDEN_RATIO = 1.25
+"""Height of a peak, relative to a beat and to the highest ones in the intervals around, from which
+an interval is not without a beat."""
 
 Indices = NDArray[np.int64]
 
@@ -65,7 +75,11 @@ class Detection:
     lost
         Number of missing samples outside of these, which were interpolated.
     what
-        `ECG` or `pulse wave`.
+        `ECG`, `pulse wave` or `neither`.
+    other : bool (n,)
+        Whether a beat has another shape than those around it.
+    hidden : bool (n,)
+        Whether the interval before a beat has a peak that may be one.
     """
 
     beats: Indices
@@ -73,6 +87,8 @@ class Detection:
     noisy: Spans
     lost: int
     what: str
+    other: NDArray[np.bool_]
+    hidden: NDArray[np.bool_]
 
 
 def find_beats(
@@ -89,7 +105,7 @@ def find_beats(
     signal
         Signal with a sample rate of at least `MIN_RATE`.
     what
-        `ECG` or `pulse wave`; None = detected from its spectrum.
+        `ECG` or `pulse wave`; None = detected from its beats.
     progress
         Called with the finished fraction, 0 to 1.
     gaps
@@ -102,32 +118,120 @@ def find_beats(
     """
     finder = SilenceFinder(signal.rate)
     block, margin = round(BLOCK_S * signal.rate), round(MARGIN_S * signal.rate)
-    found: list[int] = []
-    noisy: Spans = []
-    doubtful: Spans = []
+    found: list[tuple[int, bool, bool]] = []
+    doubtful: dict[float, Spans] = {LIMIT: [], STRICT_LIMIT: []}
     near = REFRACTORY_S * signal.rate
     for first in range(0, signal.length, block):
         end = min(first + block, signal.length)
         low, high = max(0, first - margin), min(end + margin, signal.length)
         samples = signal.read(low, high)
         finder.feed(samples[first - low : end - low])
-        for begin, stop in _clean_parts(samples, signal.rate):
-            part = _bridged(samples[begin:stop])
-            if what is None:
-                what = "ECG" if _is_ecg(part, signal.rate) else "pulse wave"
-            if what == "ECG":
-                beats, noise = find_qrs(part, signal.rate)
-                noisy += _shifted(runs(noise > NOISY_ABOVE), low + begin, first, end)
-                doubtful += _shifted(runs(noise > _DOUBTFUL_ABOVE), low + begin, first, end)
-            else:
-                beats = _pulses(part, signal.rate)
-            for beat in (beats + low + begin).tolist():
-                if first <= beat < end and (not found or beat - found[-1] >= near):
-                    found.append(beat)
+        parts = _clean_parts(samples, signal.rate)
+        # the longest part has the most beats to decide the kind by
+        for begin, stop in sorted(parts, key=lambda part: part[0] - part[1]):
+            what = what or _kind(_bridged(samples[begin:stop]), signal.rate)
+        for begin, stop in parts:
+            part = _Part(_bridged(samples[begin:stop]), signal.rate, what)
+            for limit, spans in doubtful.items():
+                spans += _shifted(part.doubtful(limit), low + begin, first, end)
+            for beat, other, hidden in part.beats():
+                at = beat + low + begin
+                if first <= at < end and (not found or at - found[-1][0] >= near):
+                    found.append((at, other, hidden))
         progress(end / signal.length)
-    noisy = _merged_noise(noisy, doubtful, signal.length, signal.rate) if gaps else []
-    clear = [beat for beat in found if not any(begin <= beat < stop for begin, stop in noisy)]
-    return Detection(np.array(clear, np.int64), finder.finish(), noisy, finder.lost, what or "ECG")
+    noisy: Spans = []
+    for limit in (LIMIT, STRICT_LIMIT) if gaps else ():
+        noisy = _merged_noise(doubtful[limit], signal.rate)
+        if 2 * sum(stop - begin for begin, stop in noisy) <= signal.length:
+            break
+    beats = np.array([at for at, _, _ in found], np.int64)
+    others = np.array([other for _, other, _ in found], np.bool_)
+    hiding = np.array([hidden for _, _, hidden in found], np.bool_)
+    clear = np.ones(len(beats), np.bool_)
+    for begin, stop in noisy:
+        clear[slice(*np.searchsorted(beats, (begin, stop)))] = False
+    return Detection(
+        beats[clear],
+        finder.finish(),
+        noisy,
+        finder.lost,
+        what or "neither",
+        others[clear],
+        hiding[clear],
+    )
+
+
+def _kind(part: Floats, rate: float) -> str | None:
+    """Return `ECG` or `pulse wave`; None if a part has no beats that can be trusted."""
+    signal, work_rate, _ = decimated(part, rate)
+    band = band_passed(part, rate, 0.5, 8.0)
+    _, alike = pulse_likeness(band, _pulses(band, rate), rate)
+    likeness = float(np.median(alike)) if len(alike) > 2 else 0.0
+    if is_ecg(signal, find_qrs(signal, work_rate), work_rate, likeness):
+        return "ECG"
+    doubt = _Part(part, rate, "pulse wave").doubt
+    return "pulse wave" if (doubt < 0.0).any() else None
+
+
+class _Part:
+    """Beats of a part without missing samples, and the doubt about them."""
+
+    def __init__(self, part: Floats, rate: float, what: str | None) -> None:
+        self._length, self._rate = len(part), rate
+        self._fewer = 1
+        self._other = self._hidden = np.zeros(0, np.bool_)
+        if what == "ECG":
+            signal, work_rate, self._fewer = decimated(part, rate)
+            search = find_qrs(signal, work_rate)
+            added, same, size = find_other_shapes(signal, search.beats, work_rate)
+            self._beats = np.concatenate([search.beats, added])
+            self._other = np.concatenate([same, np.ones(len(added), np.bool_)])
+            order = np.argsort(self._beats, kind="stable")
+            self._beats, self._other = self._beats[order], self._other[order]
+            noise = search.noise
+            if self._other.any():
+                noise = noise_height(search.height, self._beats, work_rate)
+            self.doubt = ecg_doubt(search, noise, self._beats[self._other], work_rate)
+            self._hidden = _hidden(size, self._beats, work_rate)
+        elif what == "pulse wave":
+            band = band_passed(part, rate, 0.5, 8.0)
+            self._beats = _pulses(band, rate)
+            self._other = self._hidden = np.zeros(len(self._beats), np.bool_)
+            self.doubt = pulse_doubt(band, self._beats, rate)
+        else:
+            self._beats = np.zeros(0, np.int64)
+            self.doubt = np.full(1, np.inf)
+
+    def doubtful(self, limit: float) -> Spans:
+        """Return the stretches, in samples, whose index is above a limit."""
+        if (self.doubt > limit).all():
+            return [(0, self._length)]
+        second, wider = round(self._rate), round(_AROUND_S * self._rate)
+        return [
+            (max(0, first * second - wider), min(self._length, end * second + wider))
+            for first, end in runs(self.doubt > limit)
+        ]
+
+    def beats(self) -> list[tuple[int, bool, bool]]:
+        """Return the position of each beat, whether it has another shape, and `hidden`."""
+        at = (self._beats * self._fewer).tolist()
+        return list(zip(at, self._other.tolist(), self._hidden.tolist(), strict=True))
+
+
+def _hidden(size: Floats, beats: Indices, rate: float) -> NDArray[np.bool_]:
+    """Return which intervals before a beat have a peak that may be a beat."""
+    reach = round(0.25 * rate)
+    highest = np.array(
+        [size[a + reach : b - reach].max(initial=0.0) for a, b in itertools.pairwise(beats)]
+    )
+    found = np.zeros(len(beats), np.bool_)
+    if len(highest) > 1:
+        padded = np.pad(highest, 1, mode="edge")
+        beside = np.maximum(padded[:-2], padded[2:])
+        found[1:] = (highest >= _HIDDEN_HEIGHT) | (highest >= _HIDDEN_RATIO * beside) & (
+            highest > 0.2
+        )
+    return found
 
 
 def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
@@ -136,17 +240,12 @@ def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
     return [(begin, stop) for begin, stop in moved if begin < stop]
 
 
-def _merged_noise(noisy: Spans, doubtful: Spans, length: int, rate: float) -> Spans:
-    """Return noisy stretches without short ones, merged where beats between them are doubtful."""
-    joined: Spans = [(0, 0)]
-    for begin, stop in [*noisy, (length, length)]:
-        clear = begin - joined[-1][1]
-        short = clear < _LEAST_CLEAN_S * rate and joined[-1][1] > 0 and begin < length
-        if not short and clear < _DOUBTFUL_S * rate:
-            unsure = _shifted(doubtful, 0, joined[-1][1], begin)
-            short = 2 * sum(last - at for at, last in unsure) > clear
-        if short:
-            joined[-1] = (joined[-1][0], stop)
+def _merged_noise(spans: Spans, rate: float) -> Spans:
+    """Return noisy stretches, merged where little lies between them, without short ones."""
+    joined: Spans = []
+    for begin, stop in sorted(spans):
+        if joined and begin - joined[-1][1] < _LEAST_CLEAN_S * rate:
+            joined[-1] = (joined[-1][0], max(stop, joined[-1][1]))
         else:
             joined.append((begin, stop))
     return [(begin, stop) for begin, stop in joined if stop - begin >= _LEAST_NOISY_S * rate]
@@ -184,22 +283,12 @@ def _bridged(part: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.interp(positions, positions[known], part[known])
 
 
-def _is_ecg(part: NDArray[np.float64], rate: float) -> bool:
-    from scipy.signal import welch
-
-    hz, power = welch(part - part.mean(), rate, nperseg=min(len(part), round(8.0 * rate)))
-    sharp = power[(hz > 8.0) & (hz < 30.0)].sum()
-    slow = power[(hz > 0.7) & (hz <= 8.0)].sum()
-    return bool(sharp > _PULSE_BELOW * slow)
-
-
-def _pulses(part: NDArray[np.float64], rate: float) -> Indices:
-    """Return the positions of the systolic peaks.
+def _pulses(band: Floats, rate: float) -> Indices:
+    """Return the positions of the systolic peaks in the band of a pulse wave.
 
     Elgendi et al., "Systolic peak detection in acceleration photoplethysmograms", PLoS ONE 8(10),
     2013: where the squared signal's mean over a peak (111 ms) exceeds that over a beat (667 ms).
     """
-    band = band_passed(part, rate, 0.5, 8.0)
     power = np.maximum(band, 0.0) ** 2
     peak, beat = (np.ones(round(s * rate) | 1) for s in (0.111, 0.667))
     over_peak = np.convolve(power, peak / len(peak), "same")[: len(power)]

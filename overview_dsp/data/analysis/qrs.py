@@ -15,7 +15,7 @@ Four passes over a part of a few minutes, each starting from the beats of the on
    tracking by dynamic programming", J. New Music Res. 36(1), 2007). The cost is small in
    a clean signal, so that arrhythmias are kept, and grows with the noise.
 
-Beats of another shape (ventricular ones) are then searched in pauses, where they exceed the noise.
+Beats of another shape (ventricular ones) are then searched beside them (`other_shapes`).
 `tools/measure_beats.py` compares this detector with others. The constants were chosen by a random
 search on other noise.
 """
@@ -23,6 +23,7 @@ search on other noise.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,14 +35,14 @@ _WORK_HZ = 500.0
 """Signals of at least twice this rate are decimated."""
 
 _BAND_HZ = (8.0, 30.0)
-_WIDE_HZ = (4.0, 30.0)
-"""Band of a QRS complex, including a ventricular one."""
-
 _WHITE_HZ = (4.0, 50.0)
 """Band of the whitened signal."""
 
 _BEAT_S = 0.1
 """Distance from a beat up to which the signal does not count as noise."""
+
+_FREE_S = 0.12
+"""Distance from a beat up to which its similarity to itself does not count as noise."""
 
 _SPECTRUM_S = 1.0
 _LEAST_POWER = 1e-6
@@ -72,76 +73,76 @@ _AROUND = 8
 _WINDOW_S = 2.0
 """Time in which even a slow heart beats once."""
 
-_PAUSE = 1.4
-"""Minimum length of a pause, as a multiple of the usual interval around it."""
-
-_LEAST_PART = 0.4
-_SURE_PART = 0.8
-_T_WAVE_S = 0.42
-"""Minimum height of a beat in a pause, relative to the usual height; the higher one applies in the
-time of a T wave."""
-
-_CLEAR_OF_NOISE = 1.8
+_SPLIT_WITHIN = 0.15
+_SPLIT_HEIGHT = 0.92
+_SPLIT_BELOW = 0.6
+_SPLIT_NOISE = 0.15
+"""A low beat that splits a usual interval in two and is lower than both neighbours is more likely a
+peak of the noise: it does not count as a beat in the estimates, and is dropped in noise."""
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-def find_qrs(part: Floats, rate: float) -> tuple[Indices, Floats]:
-    """Find the beats of a part without missing samples.
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Beats of a part without missing samples.
 
-    Parameters
+    Attributes
     ----------
-    part : (n,)
-        In any unit, pointing up or down.
-    rate
-        Sample rate, Hz.
-
-    Returns
-    -------
-    int64 (beats,)
+    beats : int64 (beats,)
         Positions of the R waves, in samples, ascending.
-    float64 (n,)
+    height : float64 (n,)
+        Similarity to a beat, relative to the usual height of a beat.
+    noise : float64 (n,)
         Highest value between beats, relative to the usual height of a beat.
     """
+
+    beats: Indices
+    height: Floats
+    noise: Floats
+
+
+def decimated(part: Floats, rate: float) -> tuple[Floats, float, int]:
+    """Return a part around its median at less than twice `_WORK_HZ`, its rate and the divisor."""
     from scipy.signal import resample_poly
 
     fewer = max(1, int(rate // _WORK_HZ))
     centred = part - np.median(part)
     if fewer > 1:
         centred = resample_poly(centred, 1, fewer)
-    beats, noise = _search(centred, rate / fewer)
-    return beats * fewer, np.repeat(noise, fewer)[: len(part)]
+    return centred, rate / fewer, fewer
 
 
-def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
-    """Return the beats and the height of the noise relative to theirs, shape (n,)."""
+def find_qrs(signal: Floats, rate: float) -> Search:
+    """Find the beats of a signal from `decimated`, pointing up or down."""
     from scipy.signal import find_peaks
 
     band = band_passed(signal, rate, *_BAND_HZ)
     half, on_r = max(1, round(_HALF_S * rate)), round(0.05 * rate)
-    norm = np.sqrt(np.maximum(_summed(band**2, half), 0.0))
+    norm = np.sqrt(np.maximum(summed(band**2, half), 0.0))
     beats = np.zeros(0, np.int64)
     height = _over_usual(norm, rate)
     for pass_number in range(_PASSES):
         peaks, _ = find_peaks(height, height=_LEAST_HEIGHT, distance=max(1, round(0.1 * rate)))
         if not len(peaks):
-            return beats, np.ones(len(signal))
+            return Search(beats, height, np.ones(len(signal)))
         noisy = np.ones(len(peaks))
         usual = np.full(len(peaks), np.nan)
         if len(beats) > 1:
-            noise = _noise_height(height, beats, rate, 0.12)
+            noise = noise_height(height, beats, rate)
             low, high = _NOISY_FROM
             noisy = np.clip((noise[peaks] - low) / (high - low), 0.0, 1.0)
-            usual = _usual_interval(beats, peaks)
+            usual = usual_interval(beats, peaks)
         gain = np.minimum(height[peaks], _MOST_HEIGHT) - _between(_THRESHOLD, noisy)
         beats = peaks[
             _best_sequence(peaks / rate, gain, usual / rate, _between(_INTERVAL_COST, noisy))
         ]
         if pass_number == _PASSES - 1:
             break
+        beats = beats[~_splitters(beats, height)]
         white = _whitened(signal, beats, rate)
-        norm = np.sqrt(np.maximum(_summed(white**2, half), 0.0))
+        norm = np.sqrt(np.maximum(summed(white**2, half), 0.0))
         template = _template(
             white, _on_peaks(beats, band, on_r) if pass_number == 0 else beats, half
         )
@@ -150,10 +151,25 @@ def _search(signal: Floats, rate: float) -> tuple[Indices, Floats]:
         likeness = np.correlate(white, template, "same") / np.maximum(norm, 1e-12)
         alike = _UNLIKE + (1.0 - _UNLIKE) * np.clip(likeness, 0.0, 1.0) ** _LIKENESS_POWER
         height = _over_usual(norm * alike, rate)
+    split = _splitters(beats, height)
+    noise = noise_height(height, beats[~split], rate)
+    beats = beats[~(split & (noise[beats] > _SPLIT_NOISE))]
     # move each beat to the largest sample of its wave
-    beats = _on_peaks(beats, band, max(1, round(0.02 * rate)))
-    beats = _with_other_shapes(beats, band_passed(signal, rate, *_WIDE_HZ), rate)
-    return beats, _noise_height(height, beats, rate, 0.12)
+    return Search(_on_peaks(beats, band, max(1, round(0.02 * rate))), height, noise)
+
+
+def _splitters(beats: Indices, height: Floats) -> NDArray[np.bool_]:
+    """Return which beats split a usual interval and are lower than their neighbours."""
+    found = np.zeros(len(beats), np.bool_)
+    if len(beats) < 4:
+        return found
+    both = (beats[2:] - beats[:-2]).astype(np.float64)
+    lower = np.minimum(height[beats[:-2]], height[beats[2:]])
+    low = height[beats[1:-1]] < np.minimum(_SPLIT_HEIGHT * lower, _SPLIT_BELOW)
+    for _ in range(2):  # the usual interval, then again without the splitters
+        usual = usual_interval(beats[~found], beats[1:-1])
+        found[1:-1] = low & (np.abs(both / usual - 1.0) < _SPLIT_WITHIN)
+    return found
 
 
 def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) -> Indices:
@@ -239,37 +255,10 @@ def _on_peaks(at: Indices, band: Floats, reach: int) -> Indices:
     return np.asarray(near[np.arange(len(at)), nearest], dtype=np.int64)
 
 
-def _with_other_shapes(beats: Indices, wide: Floats, rate: float) -> Indices:
-    """Return the beats, and high peaks in pauses between them."""
-    from scipy.ndimage import maximum_filter1d
-    from scipy.signal import find_peaks
-
-    if len(beats) < 4:
-        return beats
-    size = np.abs(wide)
-    tall = maximum_filter1d(size, 2 * round(0.06 * rate) + 1)[beats]
-    size /= np.maximum(np.interp(np.arange(len(size)), beats, around(tall, _AROUND, 50.0)), 1e-12)
-    noise = _noise_height(size, beats, rate, 0.35)  # without the T waves
-    usual = _usual_interval(beats, beats)
-    edges = np.concatenate([[0], beats, [len(size)]])
-    allowed = _PAUSE * np.minimum(np.append(usual[:1], usual), np.append(usual, usual[-1:]))
-    apart = round((REFRACTORY_S + 0.05) * rate)
-    added: list[int] = []
-    for low, high, limit in zip(edges[:-1].tolist(), edges[1:].tolist(), allowed, strict=True):
-        begin, end = low + apart if low else 0, high - apart if high < len(size) else high
-        if high - low <= limit or end - begin < 3:
-            continue
-        for peak in (find_peaks(size[begin:end], _LEAST_PART, distance=apart)[0] + begin).tolist():
-            a_t_wave = low > 0 and peak - low <= _T_WAVE_S * rate and size[peak] <= _SURE_PART
-            if not a_t_wave and size[peak] > _CLEAR_OF_NOISE * noise[peak]:
-                added.append(peak)
-    return np.sort(np.concatenate([beats, np.array(added, np.int64)]))
-
-
-def _noise_height(height: Floats, beats: Indices, rate: float, reach_s: float) -> Floats:
+def noise_height(height: Floats, beats: Indices, rate: float) -> Floats:
     """Return the height of the signal between beats, shape (n,): the usual maximum of 2 s."""
     rest = height.copy()
-    reach = round(reach_s * rate)
+    reach = round(_FREE_S * rate)
     near = beats[:, None] + np.arange(-reach, reach + 1)
     rest[np.clip(near, 0, len(rest) - 1)] = 0.0
     return _along(around(_highest(rest, rate), 2, 60.0), len(rest), rate)
@@ -296,7 +285,7 @@ def _along(of_windows: Floats, length: int, rate: float) -> Floats:
     return np.interp(np.arange(length), (np.arange(len(of_windows)) + 0.5) * size, of_windows)
 
 
-def _usual_interval(beats: Indices, at: Indices) -> Floats:
+def usual_interval(beats: Indices, at: Indices) -> Floats:
     """Return the median interval around each of the positions `at`, in samples."""
     usual = around(np.diff(beats).astype(np.float64), _AROUND, 50.0)
     return np.interp(at, (beats[1:] + beats[:-1]) / 2.0, usual)
@@ -313,7 +302,7 @@ def around(values: Floats, reach: int, percentile: float) -> Floats:
     return np.asarray(low + (high - low) * (place - below), dtype=np.float64)
 
 
-def _summed(values: Floats, half: int) -> Floats:
+def summed(values: Floats, half: int) -> Floats:
     """Return the sum over each value and `half` on either side."""
     total = np.concatenate([np.zeros(half + 1), np.cumsum(values), np.zeros(half)])
     total[len(total) - half :] = total[len(total) - half - 1]

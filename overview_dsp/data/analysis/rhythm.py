@@ -18,6 +18,7 @@ from overview_dsp.data.timeline.model import Intensity
 NORMAL = "beat"
 PREMATURE = "premature"
 MISSED = "missed_beat"
+OTHER_SHAPE = "other_shape"
 
 BEATS: dict[str, tuple[str, str]] = {
     "N": (NORMAL, ""),
@@ -69,10 +70,16 @@ VARIABILITY_BEATS = 30
 USUAL_BEATS = 8
 """The usual interval is the median over this number of beats on either side."""
 
-PREMATURE_BELOW = 0.8
-"""An interval below this fraction of the usual one ends with a premature beat."""
+PREMATURE_BELOW = 0.87
+TURNS_BELOW = 0.95
+"""An interval below this fraction of the usual one ends with a premature beat, if the next is not
+below the usual one; the second one applies where short and long intervals take turns."""
 
-MISSED_ABOVE = 1.5
+MOST_DRIFT = 0.1
+"""Maximum change of the usual interval for a premature beat, as a fraction: above, the rate itself
+changes."""
+
+MISSED_ABOVE = 1.6
 """An interval above this multiple of the usual one lacks a beat."""
 
 COMPENSATED = 2.5
@@ -101,12 +108,15 @@ class Beats:
     annotated
         Whether the kinds come from annotations; if not, premature beats are detected from the
         intervals.
+    hidden : bool (n,), optional
+        Whether the interval before a beat has a peak that may be a beat: no beat is missed there.
     """
 
     time_s: NDArray[np.float64]
     kind: tuple[str, ...]
     label: tuple[str, ...]
     annotated: bool
+    hidden: NDArray[np.bool_] | None = None
 
 
 def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
@@ -159,10 +169,18 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
     """Return an event for each beat and for each missed beat, by time, and notes."""
     usual = np.full(len(beats.time_s), np.nan)
     interval = np.full(len(beats.time_s), np.nan)  # the one that ends with the beat
+    early_beats = np.zeros(len(beats.time_s), np.bool_)
     for part in _unbroken(beats.time_s, gaps):
         index = int(np.searchsorted(beats.time_s, part[0]))
         interval[index + 1 : index + len(part)] = np.diff(part)
-        usual[index + 1 : index + len(part)] = _local_median(np.diff(part))
+        steps = np.diff(part)
+        # in bigeminy half the intervals are short: half of two in a row is the usual one
+        pairs = np.append(steps[:-1] + steps[1:], np.nan) / 2.0
+        pairs[-1] = pairs[-2] if len(pairs) > 1 else steps[-1]
+        both = np.maximum(_local_median(steps), 0.0), _local_median(pairs)
+        early_beats[index + 1 : index + len(part)] = _premature(steps, *both)
+        turns = _takes_turns(steps)
+        usual[index + 1 : index + len(part)] = np.where(turns, both[1], both[0])
     part_of_usual = interval / usual
 
     ordinary: list[Event] = []
@@ -171,7 +189,7 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
         ratio = float(part_of_usual[i])
         kind, label = beats.kind[i], beats.label[i]
         early = 1.0 - ratio if math.isfinite(ratio) else 0.0
-        if not beats.annotated and early > 1.0 - PREMATURE_BELOW and _is_early(part_of_usual, i):
+        if not beats.annotated and early_beats[i] and kind == NORMAL:
             kind, label = PREMATURE, "premature"
         if kind in ORDINARY:
             ordinary.append(Event(at, kind, label))
@@ -180,7 +198,8 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
                 label = f"{label}, {100.0 * early:.0f} % early"
             weight = max(MIN_WEIGHT, early / ORDINARY_EARLY)
             others.append(Event(at, kind, label, weight))
-        if _lacks_a_beat(part_of_usual, i):
+        hidden = beats.hidden is not None and bool(beats.hidden[i])
+        if not hidden and _lacks_a_beat(part_of_usual, i):
             expected = float(beats.time_s[i] - interval[i] + usual[i])
             others.append(
                 Event(
@@ -208,9 +227,30 @@ def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], t
     return sorted([*ordinary, *others], key=lambda event: event.time_s), notes
 
 
-def _is_early(part_of_usual: NDArray[np.float64], i: int) -> bool:
-    """Return whether a beat is premature and not one of several fast ones: a pause follows it."""
-    return i + 1 >= len(part_of_usual) or not part_of_usual[i + 1] < 0.9
+def _premature(
+    steps: NDArray[np.float64], median: NDArray[np.float64], of_pairs: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return which intervals end with a premature beat: shorter than usual, and no run of them."""
+    below = np.where(_takes_turns(steps), TURNS_BELOW, PREMATURE_BELOW)
+    following = np.append(steps[1:] / median[1:], 1.0)
+    padded = np.pad(of_pairs, USUAL_BEATS, mode="edge")
+    drift = np.abs(padded[2 * USUAL_BEATS :] / padded[: -2 * USUAL_BEATS] - 1.0)
+    short = (steps < below * of_pairs) & ((steps < below * median) | _takes_turns(steps))
+    late = following >= np.where(_takes_turns(steps), 0.95, 1.0)
+    return np.asarray(short & late & (drift <= MOST_DRIFT))
+
+
+def _takes_turns(steps: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return where short and long intervals take turns, over seven differences."""
+    if len(steps) < 7:
+        return np.zeros(len(steps), np.bool_)
+    change = np.diff(steps)
+    turning = (change[1:] * change[:-1] < 0.0) & (
+        np.minimum(np.abs(change[1:]), np.abs(change[:-1])) > 0.1 * (steps[1:-1] + steps[2:]) / 2.0
+    )
+    share = np.convolve(np.pad(turning.astype(float), 1, mode="edge"), np.ones(7) / 7.0, "same")
+    ends = np.convolve(np.ones(len(steps)), np.ones(7) / 7.0, "same")
+    return np.asarray(share / ends > 0.8)
 
 
 def _lacks_a_beat(part_of_usual: NDArray[np.float64], i: int) -> bool:

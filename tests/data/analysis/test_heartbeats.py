@@ -11,8 +11,16 @@ import pytest
 from overview_dsp.data.analysis import heartbeats
 from overview_dsp.data.analysis.heart_signal import Samples, SilenceFinder
 from overview_dsp.data.analysis.heartbeats import Detection, find_beats
-from tests.data.readers.make_cardiac import agreement, beat_times, ecg, pulse_wave
-from tests.data.readers.make_noise import electrode_noise, with_noise
+from overview_dsp.data.analysis.rhythm import MISSED, NORMAL, beat_events, mean_rate
+from overview_dsp.data.readers.cardiac.build import beats_of
+from tests.data.readers.make_cardiac import (
+    agreement,
+    beat_times,
+    ecg,
+    pulse_wave,
+    with_ectopic_beats,
+)
+from tests.data.readers.make_noise import RealNoise, electrode_noise, with_noise
 
 
 def found_in(samples: Any, rate: float, what: str | None = None) -> Detection:
@@ -58,6 +66,22 @@ def test_a_pulse_wave_is_distinguished_from_an_ecg_and_its_peaks_are_found(rate:
     found = found_in(pulse_wave(beats, 60.0, rate), rate)
     assert found.what == "pulse wave"
     assert min(agreement(found.beats / rate, beats)) >= 0.98
+
+
+def test_a_stretch_of_noise_in_a_pulse_wave_is_a_gap() -> None:
+    beats = beat_times(120.0)
+    samples = pulse_wave(beats, 120.0, 100.0)
+    noise = electrode_noise(40.0, 100.0, 1)[:4000]
+    samples[4000:8000] = np.median(samples) + 60.0 * noise
+    found = found_in(samples, 100.0)
+    assert found.what == "pulse wave"
+    lost = np.zeros(len(samples), bool)
+    for first, end in found.noisy:
+        lost[first:end] = True
+    assert lost[4000:8000].mean() > 0.9
+    assert lost[:2500].mean() + lost[9500:].mean() == 0.0
+    marks = np.rint(beats * 100.0).astype(np.int64)
+    assert min(agreement(found.beats / 100.0, beats[~lost[marks]])) >= 0.97
 
 
 def test_blocks_leave_no_seam(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -177,6 +201,68 @@ def test_what_is_too_noisy_is_left_out_and_the_rest_is_right(seed: int) -> None:
     assert not noisy[31_000:].any()
     assert not noisy[found.beats].any()
     assert min(agreement(found.beats / 250.0, beats[~noisy[marks]])) > 0.96
+
+
+@pytest.mark.parametrize(
+    ("snr_db", "most_gaps"),
+    [(12.0, 0.02), (9.0, 0.02), (6.0, 0.1), (4.0, 0.25), (2.0, 1.0), (0.0, 1.0)],
+)
+def test_what_is_no_gap_under_real_noise_is_right(
+    snr_db: float, most_gaps: float, data_folder: Path
+) -> None:
+    noise = RealNoise(data_folder)
+    true = named = right = 0.0
+    gaps, wrong_pulses = [], 0
+    for name, channel in (("118e24", 0), ("100", 0), ("100", 1)):
+        samples, rate, beats = annotated(data_folder, name, channel)
+        samples, beats = samples[:108_000], beats[beats < 300.0]
+        marks = np.rint(beats * rate).astype(np.int64)
+        for offset in (0, 3000, 7000):
+            found = found_in(noise.added(samples, marks, snr_db, offset), rate)
+            clear = np.ones(len(samples), bool)
+            for first, end in found.noisy:
+                clear[first:end] = False
+            gaps.append(1.0 - clear.mean())
+            kept = beats[clear[marks]]
+            if not len(found.beats):
+                continue
+            scores = agreement(found.beats / rate, kept, 0.15)
+            assert min(scores) >= 0.9
+            true, named = true + len(kept), named + len(found.beats)
+            right += scores[0] * len(kept)
+            spans = tuple((first / rate, end / rate) for first, end in found.noisy)
+            pulse, known = (mean_rate(at, spans) for at in (found.beats / rate, kept))
+            wrong_pulses += known is not None and abs((pulse or 0.0) / known - 1.0) > 0.05
+    assert min(right / true, right / named) >= 0.98
+    assert np.mean(gaps) <= most_gaps
+    assert wrong_pulses <= 1
+
+
+def test_real_noise_without_a_heart_is_a_gap(data_folder: Path) -> None:
+    loop = RealNoise(data_folder).loop
+    for offset in (0, 3000, 7000):
+        samples = np.resize(np.roll(loop, -offset), 36_000)
+        found = found_in(samples, 360.0)
+        assert sum(end - first for first, end in found.noisy) >= 0.89 * len(samples)
+
+
+@pytest.mark.parametrize("snr_db", [None, 18.0])
+@pytest.mark.parametrize("every", [2, 9])
+@pytest.mark.parametrize(("ventricular", "least"), [(True, 0.95), (False, 0.9)])
+def test_ectopic_beats_are_named(
+    ventricular: bool, least: float, every: int, snr_db: float | None
+) -> None:
+    samples, beats, early = with_ectopic_beats(every, ventricular)
+    if snr_db is not None:
+        marks = np.rint(beats * 250.0).astype(np.int64)
+        samples = with_noise(samples, 250.0, marks, snr_db, 3)
+    found = found_in(samples, 250.0)
+    events, _ = beat_events(beats_of(found, 250.0), ())
+    named = np.array([event.time_s for event in events if event.kind not in (NORMAL, MISSED)])
+    hit, right = agreement(named, early, 0.1)
+    assert hit >= least
+    assert right >= 0.93
+    assert sum(event.kind == MISSED for event in events) <= 1
 
 
 @pytest.mark.parametrize("seconds", [10.0, 40.0, 120.0])

@@ -43,6 +43,30 @@ def ecg(
     return found
 
 
+def with_ectopic_beats(
+    every: int, ventricular: bool, noise: float = 0.01, seed: int = 1
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """An ECG at 250 Hz whose every n-th beat comes early; times of all beats, and of early ones.
+
+    A ventricular one is wide and tall, with a full pause; an atrial one looks like the others.
+    """
+    random = np.random.default_rng(seed)
+    intervals = 0.85 * (1.0 + 0.02 * random.normal(size=148))
+    early = np.arange(1 if every == 2 else 7, 147, every)
+    intervals[early] = 0.85 * random.uniform(0.55, 0.72, len(early))
+    intervals[early + 1] = (
+        1.7 - intervals[early] if ventricular else 0.85 * random.uniform(1.05, 1.2, len(early))
+    )
+    beats = 0.5 + np.cumsum(intervals)
+    seconds = float(beats[-1]) + 1.0
+    found = ecg(np.delete(beats, early) if ventricular else beats, seconds, 250.0, noise, seed)
+    time = np.arange(len(found)) / 250.0
+    for beat in beats[early] if ventricular else ():
+        found += 1.5 * np.exp(-0.5 * ((time - beat) / 0.035) ** 2)
+        found -= 0.45 * np.exp(-0.5 * ((time - beat - 0.15) / 0.06) ** 2)
+    return found, beats, beats[early]
+
+
 def pulse_wave(beats: NDArray[np.float64], seconds: float, rate: float) -> NDArray[np.float64]:
     """A pulse wave whose peaks are at the beats, as a photoplethysmogram shows it."""
     time = np.arange(round(seconds * rate)) / rate

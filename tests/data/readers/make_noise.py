@@ -10,6 +10,8 @@ record 118e24 at 6 dB about what they do in the stress test itself: NeuroKit2's 
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfilt
@@ -83,3 +85,32 @@ def _usual(values: NDArray[np.float64]) -> float:
     ordered = np.sort(values)
     omitted = int(0.05 * len(ordered))
     return float(ordered[omitted : len(ordered) - omitted].mean())
+
+
+class RealNoise:
+    """The electrode noise of the stress test, from two recordings of record 118.
+
+    118e00 begins 20,000 samples after 118e24 and its first 40 s are clean. Their difference after
+    that is 24.4 s of the noise, which is repeated there and back.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        loud, quiet = (np.loadtxt(folder / "ecg" / f"118e{db}.csv") for db in ("00", "24"))
+        noise = ((loud[:23_200] - quiet[20_000:]) / (1.0 - 10.0**-1.2))[14_400:]
+        noise -= noise.mean()
+        self.loop = np.concatenate([noise, noise[::-1]])
+        beats = np.loadtxt(folder / "ecg" / "118e24_ann.csv").astype(np.int64)
+        self._height = usual_height(quiet, beats)
+
+    def added(
+        self, ecg: NDArray[np.float64], beats: NDArray[np.int64], snr_db: float, offset: int
+    ) -> NDArray[np.float64]:
+        """Add the noise to an ECG at 360 Hz, from an offset in samples on."""
+        noise = np.resize(np.roll(self.loop, -offset), len(ecg))
+        return ecg + noise * usual_height(ecg, beats) / self._height * 10.0 ** (-snr_db / 20.0)
+
+
+def usual_height(ecg: NDArray[np.float64], beats: NDArray[np.int64]) -> float:
+    """Return the median height of the QRS complexes at 360 Hz, from peak to peak."""
+    heights = [np.ptp(ecg[b - 18 : b + 18]) for b in beats if 18 <= b < len(ecg) - 18]
+    return float(np.median(heights))

@@ -9,7 +9,7 @@ from datetime import datetime
 from overview_dsp.data.analysis import rhythm
 from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
-from overview_dsp.data.analysis.rhythm import NORMAL, Beats
+from overview_dsp.data.analysis.rhythm import NORMAL, OTHER_SHAPE, Beats
 from overview_dsp.data.analysis.series_events import rules_of
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline.event import Event
@@ -46,8 +46,11 @@ def check_map(options: LoadOptions) -> None:
 
 def beats_of(detection: Detection, rate: float) -> Beats:
     """Return the detected beats, with times in s."""
-    count = len(detection.beats)
-    return Beats(detection.beats / rate, (NORMAL,) * count, ("",) * count, annotated=False)
+    kinds, labels = (
+        tuple(name if other else usual for other in detection.other.tolist())
+        for usual, name in ((NORMAL, OTHER_SHAPE), ("", "another shape"))
+    )
+    return Beats(detection.beats / rate, kinds, labels, False, detection.hidden)
 
 
 def find_gaps(
