@@ -2,7 +2,7 @@
 
 import { secondsAt } from "./angle_map.js";
 import {
-  eventAt, eventText, momentText, positionText, scoreAt, summaryText, valueAt,
+  eventAt, momentText, positionText, scoreAt, shortEvent, summaryText, valueAt,
 } from "./descriptions.js";
 
 /** @import { Info, View } from "../types" */
@@ -53,7 +53,7 @@ export class Slider {
       set(clock, "textContent", moment);
       clock.classList.toggle("long", moment.length > MOST);
       set(value, "textContent", valueAt(view, cursor, info) || scoreAt(view, cursor));
-      set(event, "textContent", here ? eventText(here, info) : "");
+      set(event, "textContent", here ? shortEvent(here, info) : "");
     }
   }
 }
