@@ -25,7 +25,8 @@
 ``data/points-N.json`` of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
 
 The future of a live timeline is drawn as a gap. Columns are evenly spaced and include both ends.
-Each has the mean level of its points and the largest resistance. `sound_data` has the sound of the windows.
+Each has the mean level of its points and the largest resistance. `sound_data` has the sound of the
+windows.
 
 The windows of each zoom level are a third as long as those of the level before and overlap by half.
 A page can only show these windows, since it can't build surfaces. Any time lies in the middle half

@@ -272,6 +272,7 @@ export interface Settings {
   volume: number;
   sweep: number;
   loop: boolean;
+  steps: string;
   name: string;
   contrast: boolean;
   still: boolean;

@@ -1,9 +1,9 @@
 """Data values of a series for the page's text and speech.
 
 ``data/points-0.json`` has all points of the curve, for all windows. A curve with more than
-`MAX_POINTS` is reduced to the points nearest to evenly spaced times and to events, and to the lowest
-and highest point of each of some equal spans, so that no extreme is lost. Its windows then have
-files of their own. The page only shows points of the data, never interpolated values.
+`MAX_POINTS` is reduced to the points nearest to evenly spaced times and to events, and to the
+lowest and highest point of each of some equal spans, so that no extreme is lost. Its windows then
+have files of their own. The page only shows points of the data, never interpolated values.
 """
 
 from __future__ import annotations
@@ -107,8 +107,8 @@ def drawn_curve(timeline: Timeline, angle_map: AngleMap, columns: int) -> dict[s
     """
     curve = timeline.intensity
     if curve is None or not has_values(timeline):
-        level = angle_map.at_even_positions(timeline.normalised_levels(columns - 1))
-        return {"level": _rounded(level), "band": None, "scale": list(timeline.scale)}
+        felt = angle_map.at_even_positions(timeline.normalised_levels(columns - 1))
+        return {"level": _rounded(felt), "band": None, "scale": list(timeline.scale)}
     low, high = curve.extremes_outside(timeline.gaps)
     span = high - low
     times = angle_map.time_at(np.linspace(0.0, 1.0, columns))

@@ -3,8 +3,8 @@
 import { positionAt, secondsAt } from "./angle_map.js";
 import { pointAt, rangeOf, valueText } from "./values.js";
 
-const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
-const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
+export const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
+export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 
@@ -127,10 +127,7 @@ export function eventAt(view, position) {
     if (away <= TOLERANCE && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
   }
   if (nearest === null || Math.abs(nearest.position - position) < EXACT) return nearest;
-  const point = pointAt(view, secondsAt(view, position));
-  const isPoint = point >= 0
-    && Math.abs(positionAt(view, view.points.time_s[point]) - position) < EXACT;
-  return isPoint && pointAt(view, nearest.time_s) !== point ? null : nearest;
+  return isAtPoint(view, position) ? null : nearest;
 }
 
 /**
@@ -147,28 +144,42 @@ export function eventPassed(view, from, to) {
 }
 
 /**
- * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak".
+ * Return whether a position is exactly that of a data point.
+ * @param {View} view
+ * @param {number} position
+ */
+export function isAtPoint(view, position) {
+  const point = pointAt(view, secondsAt(view, position));
+  return point >= 0 && Math.abs(positionAt(view, view.points.time_s[point]) - position) < EXACT;
+}
+
+/**
+ * @param {View} view
+ * @param {number} position
+ */
+const isInGap = (view, position) => view.gaps.some(([from, to]) => position > from && position < to);
+
+/**
+ * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak". Events at one
+ * position are all named. Without `withValue` an event that is not at a data point has no value.
  * @param {View} view
  * @param {number} position
  * @param {Info} info
  */
-export function positionText(view, position, info) {
-  const at = secondsAt(view, position);
+export function positionText(view, position, info, withValue = true) {
   const here = eventAt(view, position);
-  const isGap = view.gaps.some(([from, to]) => position > from && position < to);
-  const point = isGap && !here ? -1 : pointAt(view, here?.time_s ?? at);
-  if (point >= 0) {
-    const parts = [
-      valueText(view.points.value[point], info), spokenMoment(view.points.time_s[point], info),
-    ];
-    if (here) parts.push(shortEvent(here, info));
-    return parts.join(", ");
+  const at = here?.position ?? position;
+  const events = here ? view.events.filter((one) => Math.abs(one.position - at) < EXACT) : [];
+  const texts = events.map((one) => shortEvent(one, info));
+  const moment = here?.time_s ?? secondsAt(view, position);
+  const isGap = isInGap(view, at);
+  const point = isGap ? -1 : pointAt(view, moment);
+  if (point >= 0 && (withValue || isAtPoint(view, position))) {
+    const { time_s, value } = view.points;
+    return [valueText(value[point], info), spokenMoment(time_s[point], info), ...texts].join(", ");
   }
-  const moment = spokenMoment(at, info);
-  if (here) return `${moment}, ${eventText(here, info)}`;
-  if (isGap) return `${moment}, no data`;
-  const before = view.events.filter((event) => event.position < position).at(-1);
-  return before ? `${moment}, after ${eventText(before, info)}` : moment;
+  const state = isGap ? "no data" : texts.length === 0 && scoreAt(view, at);
+  return [spokenMoment(moment, info), state, ...texts].filter(Boolean).join(", ");
 }
 
 /**
@@ -178,7 +189,7 @@ export function positionText(view, position, info) {
  * @param {Info} info
  */
 export function valueAt(view, position, info) {
-  if (view.gaps.some(([from, to]) => position > from && position < to)) return "";
+  if (isInGap(view, position)) return "";
   const here = eventAt(view, position);
   const point = pointAt(view, here?.time_s ?? secondsAt(view, position));
   return point < 0 ? "" : valueText(view.points.value[point], info);
