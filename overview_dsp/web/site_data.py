@@ -15,16 +15,18 @@
 
     {"angle_map": {"time_s": [s of the timeline], "position": [...]}, linear between its points,
         or null where position is proportional to time,
-     "level": [COLUMNS numbers 0 to 1], "resistance": [COLUMNS numbers, N m s/rad],
+     "level": [COLUMNS numbers 0 to 1, null without data], "band": null or [minimum, maximum] of
+        the levels of each column, "resistance": [COLUMNS numbers, N m s/rad],
      "gaps": [[from, to], ...], "now": position up to which data are known, or null,
-     "events": [{"position", "time_s", "kind", "label"}, ...],
+     "events": [{"position", "time_s", "kind", "label", "value" of a series}, ...],
      "strike_events": [index in "events" of each strike number, or -1],
      "scale": [value at level 0, difference to the value at level 1]}
 
 ``data/points-N.json`` of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
 
 The future of a live timeline is drawn as a gap. Columns are evenly spaced and include both ends.
-Each has the nearest level and the largest resistance. `sound_data` has the sound of the windows.
+Each has the mean level of its points and the largest resistance. `sound_data` has the sound of the
+windows.
 
 The windows of each zoom level are a third as long as those of the level before and overlap by half.
 A page can only show these windows, since it can't build surfaces. Any time lies in the middle half
@@ -48,7 +50,7 @@ from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import vibration_pattern
-from overview_dsp.web.values import series_json
+from overview_dsp.web.values import drawn_curve, event_values, series_json
 
 RATIO = 3
 
@@ -165,7 +167,7 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
         "time_s": (start_s + angle_map.time_s).tolist(),
         "position": angle_map.position.tolist(),
     }
-    level = angle_map.at_even_positions(timeline.normalised_levels(COLUMNS - 1))
+    curve = drawn_curve(timeline, angle_map, COLUMNS)
     now = (
         None
         if timeline.known_until_s is None
@@ -173,7 +175,7 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
     )
     return {
         "angle_map": None if angle_map.is_linear else map_points,
-        "level": [round(one, 4) for one in level.tolist()],
+        **curve,
         "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
             *(angle_map.position_of(gap).tolist() for gap in timeline.gaps),
@@ -186,9 +188,11 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
                 "label": event.display_label,
+                **({} if value is None else {"value": value}),
             }
-            for position, event in zip(angle_map.events.tolist(), timeline.events, strict=True)
+            for position, event, value in zip(
+                angle_map.events.tolist(), timeline.events, event_values(timeline), strict=True
+            )
         ],
         "strike_events": event_numbers(surface),
-        "scale": list(timeline.scale),
     }

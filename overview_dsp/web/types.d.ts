@@ -8,6 +8,8 @@ export interface TimelineEvent {
   time_s: number;
   kind: string;
   label: string;
+  /** Value of a series at the event. */
+  value?: number;
 }
 
 /** An event kind: name, mark, number of events, and vibration pattern (ms on, off, ...). */
@@ -50,7 +52,10 @@ export interface AngleMap {
 export interface View extends Part {
   /** null where position is proportional to time. */
   angle_map: AngleMap | null;
-  level: number[];
+  /** null without data. */
+  level: (number | null)[];
+  /** Minimum and maximum of each column's levels; null if each column has one value. */
+  band: [(number | null)[], (number | null)[]] | null;
   resistance: number[];
   gaps: [number, number][];
   events: TimelineEvent[];
@@ -267,6 +272,7 @@ export interface Settings {
   volume: number;
   sweep: number;
   loop: boolean;
+  steps: string;
   name: string;
   contrast: boolean;
   still: boolean;

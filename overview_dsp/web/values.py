@@ -1,7 +1,8 @@
 """Data values of a series for the page's text and speech.
 
 ``data/points-0.json`` has all points of the curve, for all windows. A curve with more than
-`MAX_POINTS` is reduced to the points nearest to evenly spaced times and to events. Its windows then
+`MAX_POINTS` is reduced to the points nearest to evenly spaced times and to events, and to the
+lowest and highest point of each of some equal spans, so that no extreme is lost. Its windows then
 have files of their own. The page only shows points of the data, never interpolated values.
 """
 
@@ -14,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.gaps import in_gap
+from overview_dsp.signal.surface.angle_map import AngleMap
 
 MAX_POINTS = 16_384
 DERIVED_UNIT = "0..1"
@@ -59,18 +62,76 @@ def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, A
     if last <= first:  # between two points: use both
         first, last = max(0, first - 1), min(curve.count, first + 1)
     index = np.arange(first, last)
-    if last - first > MAX_POINTS:
-        at_events = [one.time_s for one in timeline.events if start_s <= one.time_s <= end_s]
-        at = np.union1d(np.linspace(start_s, end_s, MAX_POINTS), at_events)
-        index = np.unique(_nearest(timeline, at).clip(first, last - 1))
-    times = points.times_of(index)
-    is_data = np.ones(len(times), np.bool_)
-    for gap_start, gap_end in timeline.gaps:
-        is_data &= (times < gap_start) | (times > gap_end)
+    index = index[~in_gap(timeline.gaps, points.times_of(index))]
+    if len(index) > MAX_POINTS:
+        index = _thinned(timeline, index, start_s, end_s)
     return {
-        "time_s": [_number(one) for one in times[is_data]],
-        "value": [_number(one) for one in np.asarray(curve.value[index])[is_data]],
+        "time_s": [_number(one) for one in points.times_of(index)],
+        "value": [_number(one) for one in np.asarray(curve.value[index])],
     }
+
+
+def _thinned(
+    timeline: Timeline, index: NDArray[np.int64], start_s: float, end_s: float
+) -> NDArray[np.int64]:
+    """Return at most `MAX_POINTS` of the points `index`, and those nearest to events."""
+    curve = timeline.intensity
+    assert curve is not None
+    times = curve.points.times_of(index)
+    values = np.asarray(curve.value[index], dtype=np.float64)
+    edges = np.linspace(start_s, end_s, MAX_POINTS // 4 + 1)[:-1]
+    starts = np.unique(np.searchsorted(times, edges))
+    starts = np.append(0, starts[(starts > 0) & (starts < len(index))])
+    span = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(index)))
+    kept = []
+    for extreme in (np.minimum, np.maximum):
+        found = np.flatnonzero(values == extreme.reduceat(values, starts)[span])
+        kept.append(found[np.unique(span[found], return_index=True)[1]])
+    at_events = [one.time_s for one in timeline.events if start_s <= one.time_s <= end_s]
+    at = np.concatenate((np.linspace(start_s, end_s, MAX_POINTS // 2), at_events))
+    after = np.searchsorted(times, at).clip(1, len(times) - 1)
+    kept.append(np.where(at - times[after - 1] <= times[after] - at, after - 1, after))
+    return index[np.unique(np.concatenate(kept))]
+
+
+def drawn_curve(timeline: Timeline, angle_map: AngleMap, columns: int) -> dict[str, Any]:
+    """Return the picture's curve at evenly spaced positions.
+
+    Returns
+    -------
+    dict
+        ``level``, 0 to 1 or null without data; ``band``, minimum and maximum of the points of each
+        column, or null where each column has one value; ``scale``, the value at level 0 and the
+        difference to that at level 1. A series reaches from its lowest to its highest value outside
+        of gaps; a curve that a reader derived from events has the levels that are felt.
+    """
+    curve = timeline.intensity
+    if curve is None or not has_values(timeline):
+        felt = angle_map.at_even_positions(timeline.normalised_levels(columns - 1))
+        return {"level": _rounded(felt), "band": None, "scale": list(timeline.scale)}
+    low, high = curve.extremes_outside(timeline.gaps)
+    span = high - low
+    times = angle_map.time_at(np.linspace(0.0, 1.0, columns))
+    lows, level, highs = (
+        _rounded(np.clip((row - low) / (span or 1.0), 0.0, 1.0))
+        for row in curve.band(times, timeline.gaps)
+    )
+    band = None if lows == highs else [lows, highs]
+    return {"level": level, "band": band, "scale": [low, span]}
+
+
+def event_values(timeline: Timeline) -> list[float | int | None]:
+    """Return the value of a series at each event; None without data."""
+    if timeline.intensity is None or not has_values(timeline):
+        return [None] * len(timeline.events)
+    times = np.array([one.time_s for one in timeline.events], dtype=np.float64)
+    values = timeline.intensity.at(times).astype(np.asarray(timeline.intensity.value).dtype)
+    known = timeline.has_data(times)
+    return [_number(one) if is_known else None for one, is_known in zip(values, known, strict=True)]
+
+
+def _rounded(row: NDArray[np.float64]) -> list[float | None]:
+    return [None if math.isnan(one) else round(one, 4) for one in row.tolist()]
 
 
 def _has_times(timeline: Timeline) -> bool:
@@ -80,14 +141,6 @@ def _has_times(timeline: Timeline) -> bool:
     index = np.unique(np.linspace(0, curve.count - 1, _SAMPLE_SIZE).astype(np.int64))
     days = np.diff(curve.points.times_of(index)) / 86_400
     return bool((np.abs(days - np.round(days)) > 1e-3).any())
-
-
-def _nearest(timeline: Timeline, times: NDArray[np.float64]) -> NDArray[np.int64]:
-    curve = timeline.intensity
-    assert curve is not None
-    after = curve.points.first_from(times).clip(1, curve.count - 1)
-    before_s, after_s = (curve.points.times_of(one) for one in (after - 1, after))
-    return np.where(times - before_s <= after_s - times, after - 1, after)
 
 
 def _decimals(values: NDArray[np.generic]) -> int:

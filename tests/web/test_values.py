@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.gaps import in_gap
+from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web import values
 from overview_dsp.web.static_site import write_site
 from tests.web.driving import PHONE, until
@@ -135,7 +138,8 @@ def test_a_long_series_has_points_of_its_own_at_even_moments_and_events():
     events = (ov.Event(777.0, "note"), ov.Event(54_321.0, "note"))
     timeline = ov.Timeline("long", float(n), events, ov.Intensity(np.arange(n) * 1.0, signal))
     told = values.points_json(timeline, 0.0, float(n))
-    assert values.MAX_POINTS <= len(told["value"]) <= values.MAX_POINTS + 2
+    assert values.MAX_POINTS // 2 <= len(told["value"]) <= values.MAX_POINTS + 2
+    assert {float(signal.min()), float(signal.max())} <= set(told["value"])
     assert {777, 54_321} <= set(told["time_s"])
     assert np.array_equal(signal[np.array(told["time_s"])], told["value"])
     part = values.points_json(timeline, 1000.0, 1100.0)
@@ -154,6 +158,67 @@ def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
     assert decimals(0.0001234, 0.0004567) > 5
     match = ov.load_timeline("world-cup-final-2018")
     assert values.series_json(match) is None  # excitement that was made up is nobody's data
+
+
+def with_gaps(seed, count):
+    """Return a series with missing values and spikes of one point, some alone between two gaps."""
+    random = np.random.default_rng(seed)
+    value = np.cumsum(random.standard_normal(count))
+    value[random.integers(0, count, 8)] += random.choice([-1.0, 1.0], 8) * 50.0
+    for start in random.integers(1, count - 40, 6):
+        value[start : start + int(random.integers(1, 30))] = np.nan
+    alone = int(random.integers(50, count - 50))
+    value[alone - 3 : alone + 4] = np.nan
+    value[alone] = 99.0
+    value[[0, -1]] = 0.0
+    times = np.arange(count) * 86_400.0
+    builder = CurveBuilder()
+    builder.append(value, times)
+    curve = builder.finish()
+    known = np.isfinite(value)
+    return (
+        ov.Timeline("gaps", times[-1], intensity=curve, gaps=builder.gaps(times[-1])),
+        times[known],
+        value[known],
+    )
+
+
+@pytest.mark.parametrize("count", [300, 10_000, 5 * values.MAX_POINTS])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_gap_removes_only_what_is_missing_and_no_extreme_is_lost(seed, count):
+    timeline, times, value = with_gaps(seed, count)
+    random = np.random.default_rng(seed)
+    windows = np.sort(random.random((20, 2)) * timeline.duration_s)
+    for start_s, end_s in [(0.0, timeline.duration_s), *windows.tolist()]:
+        inside = (times >= start_s) & (times <= end_s)
+        if not inside.any():
+            continue
+        points = values.points_json(timeline, start_s, end_s)
+        assert min(points["value"]) == value[inside].min()
+        assert max(points["value"]) == value[inside].max()
+        if inside.sum() <= values.MAX_POINTS:
+            assert points["time_s"] == times[inside].tolist()
+
+
+@pytest.mark.parametrize("count", [300, 10_000, 5 * values.MAX_POINTS])
+def test_the_picture_spans_all_values_and_is_interrupted_only_in_gaps(count):
+    timeline, times, value = with_gaps(3, count)
+    angle_map = AngleMap.of(timeline, ov.load_preset("stocks"))
+    drawn = values.drawn_curve(timeline, angle_map, 1025)
+    low, span = drawn["scale"]
+    assert (low, low + span) == (value.min(), pytest.approx(value.max()))
+    lows, highs = drawn["band"] or [drawn["level"]] * 2
+    known = np.array([one is not None for one in lows])
+    columns = np.rint(times / timeline.duration_s * 1024).astype(int)
+    assert known[columns].all()  # no column with a point is empty
+    in_a_gap = in_gap(timeline.gaps, np.arange(1025) * timeline.duration_s / 1024)
+    assert (~known <= in_a_gap).all()
+    assert min(one for one in lows if one is not None) == 0.0
+    assert max(one for one in highs if one is not None) == 1.0
+    for edge in (value.argmin(), value.argmax()):
+        near = range(max(columns[edge] - 1, 0), min(columns[edge] + 2, 1025))
+        rows = highs if edge == value.argmax() else lows
+        assert any(rows[i] in (0.0, 1.0) for i in near)
 
 
 @pytest.mark.parametrize(

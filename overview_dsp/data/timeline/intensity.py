@@ -298,6 +298,29 @@ class Intensity:
         low, high = np.percentile(self._picked(index), self.percentiles)
         return (float(low), float(high)) if low < high else extremes
 
+    def extremes_outside(self, gaps: Gaps) -> tuple[float, float]:
+        """Return minimum and maximum of the points outside of gaps.
+
+        Parameters
+        ----------
+        gaps : tuple of (float, float)
+            Spans (start_s, end_s) whose inner points do not count, unless they contain all points.
+
+        Returns
+        -------
+        (float, float)
+            In the curve's unit.
+
+        Examples
+        --------
+        >>> curve = ov.Intensity(np.arange(4.0), np.array([1.0, -7.0, 3.0, 2.0]), "m/s")
+        >>> curve.extremes_outside(((0.0, 2.0),))
+        (1.0, 3.0)
+        """
+        if self.is_constant:
+            return float(self.value[0]), float(self.value[0])
+        return self.points.extremes(*self._known(gaps))
+
     def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
         return self.points.picked(index)
 
@@ -377,21 +400,24 @@ class Intensity:
         return felt
 
     def band(
-        self, times: NDArray[np.float64]
+        self, times: NDArray[np.float64], gaps: Gaps = ()
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return minimum, mean and maximum at evenly spaced times, for a picture.
+        """Return minimum, mean and maximum around each of some times, for a picture.
 
         Each time represents the points nearest to it; without any, all three are `at`.
 
         Parameters
         ----------
         times : float64 (n,)
-            Seconds, ascending.
+            Seconds, ascending; at least two.
+        gaps : tuple of (float, float)
+            Spans (start_s, end_s) whose inner points do not count.
 
         Returns
         -------
         tuple of float64 (n,)
-            Minimum, mean and maximum; NaN before the first point and after the last one.
+            Minimum, mean and maximum; NaN before the first point, after the last one, and inside a
+            gap at times that are nearest to no point.
 
         Examples
         --------
@@ -403,16 +429,45 @@ class Intensity:
         if self.is_constant:
             return (self.at(times),) * 3
         first, last = self._between
-        half = (times[1] - times[0]) / 2.0
-        borders = np.concatenate((times - half, [times[-1] + half])) + self._shift
+        middle = (times[:-1] + times[1:]) / 2.0
+        ends = 2.0 * times[[0, -1]] - middle[[0, -1]]
+        borders = np.concatenate((ends[:1], middle, ends[1:])) + self._shift
         edges = np.clip(self.points.first_from(borders), first, last)
-        mean, high = self.points.runs(edges)
-        low = self.points.lows(edges)
-        empty = np.flatnonzero(edges[1:] == edges[:-1])
+        low, mean, high = self._runs_outside(edges, gaps)
+        empty = np.isnan(mean)
         low[empty] = mean[empty] = high[empty] = self.at(times[empty])
-        outside = (times < self.first_s) | (times > self.last_s)
+        unknown = (times < self.first_s) | (times > self.last_s)
+        unknown |= empty & in_gap(gaps, times)
         for row in (low, mean, high):
-            row[outside] = np.nan
+            row[unknown] = np.nan
+        return low, mean, high
+
+    def _runs_outside(
+        self, edges: NDArray[np.int64], gaps: Gaps
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return minimum, mean and maximum of runs of points outside of gaps; NaN without any."""
+        starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
+        inside = np.clip(self.points.first_after(starts), edges[0], edges[-1])
+        behind = np.clip(self.points.first_from(ends), edges[0], edges[-1])
+        parts = np.unique(np.concatenate((edges, inside, behind)))
+        low, mean, high = np.full((3, len(edges) - 1), np.nan)
+        if len(parts) < 2:
+            return low, mean, high
+        means, highs = self.points.runs(parts)
+        lows = self.points.lows(parts)
+        sizes = np.diff(parts).astype(np.float64)
+        depth = np.zeros(len(parts))
+        np.add.at(depth, np.searchsorted(parts, inside), 1.0)
+        np.add.at(depth, np.searchsorted(parts, behind), -1.0)
+        known = np.cumsum(depth)[:-1] == 0.0
+        run = np.searchsorted(edges, parts[:-1], side="right") - 1
+        first = np.flatnonzero(np.diff(run[known], prepend=-1))
+        if len(first):
+            at = run[known][first]
+            low[at] = np.minimum.reduceat(lows[known], first)
+            high[at] = np.maximum.reduceat(highs[known], first)
+            total = np.add.reduceat((means * sizes)[known], first)
+            mean[at] = total / np.add.reduceat(sizes[known], first)
         return low, mean, high
 
     def cut(self, start: float, end: float) -> Intensity | None:
@@ -530,9 +585,13 @@ class CurveWindow(Intensity):
 
     def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
         """Return the values that become 0 and 1; the ends count as points."""
-        low, high = super().scale_outside(gaps)
         if self.percentiles != EXTREMES:
-            return low, high
+            return super().scale_outside(gaps)
+        return self.extremes_outside(gaps)
+
+    def extremes_outside(self, gaps: Gaps) -> tuple[float, float]:
+        """Return minimum and maximum outside of gaps; the ends count as points."""
+        low, high = super().extremes_outside(gaps)
         known = ~in_gap(gaps, np.array(self._ends_s))
         ends = self.points.interpolate(self._bounds)[known]
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))

@@ -197,7 +197,7 @@ class Timeline:
             low, high = curve.scale_outside(self.gaps)
         else:
             times = np.asarray(curve.time_s)
-            known = np.ones(1, np.bool_) if curve.is_constant else self._has_data(times)
+            known = np.ones(1, np.bool_) if curve.is_constant else self.has_data(times)
             low, high = curve.scale(known)
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
@@ -224,7 +224,7 @@ class Timeline:
         """
         at = validation.numbers(times, "times")
         flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
-        return np.where(self._has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
+        return np.where(self.has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
 
     def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
         """Evaluate the curve, scaled to 0 to 1.
@@ -256,7 +256,7 @@ class Timeline:
             return np.zeros(at.shape, dtype=np.float64)
         # clipped first, since division by a very small span could overflow
         scaled = np.clip(self._curve_at(flat) - low, 0.0, span) / span
-        return np.where(self._has_data(flat), scaled, 0.0).reshape(at.shape)
+        return np.where(self.has_data(flat), scaled, 0.0).reshape(at.shape)
 
     def normalised_levels(self, steps: int) -> NDArray[np.float64]:
         """Evaluate the curve, scaled to 0 to 1, at evenly spaced times from start to end.
@@ -295,8 +295,24 @@ class Timeline:
     def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
 
-    def _has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return whether the curve has data at each time, shape (n,)."""
+    def has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether the curve has data at each time.
+
+        Parameters
+        ----------
+        at : float64 (n,)
+            Seconds.
+
+        Returns
+        -------
+        bool (n,)
+            False before the first point, after the last one and inside gaps.
+
+        Examples
+        --------
+        >>> match.has_data(np.array([-1.0, 60.0]))
+        array([False,  True])
+        """
         if self.intensity is None:
             return np.zeros(at.shape, dtype=np.bool_)
         first, last = self.intensity.first_s, self.intensity.last_s

@@ -75,8 +75,7 @@ def _curve(timeline: Timeline) -> str:
             path.append(f"{'L' if down else 'M'}{x},{(1.0 - value) * (HEIGHT - 18) + 3:.1f}")
         down = known
     unit = html.escape(curve.unit)
-    lows, _, highs = curve.band(times)
-    low, high = (f"{v:.4g} {unit}".strip() for v in (np.nanmin(lows), np.nanmax(highs)))
+    low, high = (f"{v:.4g} {unit}".strip() for v in curve.extremes_outside(timeline.gaps))
     return (
         f'<path d="{"".join(path)}" fill="none" stroke="#333333"/>'
         f'<text x="2" y="10" fill="#555555">{low} to {high}</text>'

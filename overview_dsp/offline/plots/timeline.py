@@ -242,10 +242,7 @@ def _draw_curve(
                   linewidth=1.2, zorder=2)  # fmt: skip
         return
     times = axis.even_times(_STEPS)
-    low, mean, high = curve.band(times)
-    gone = in_gap(timeline.gaps, times)
-    for row in (low, mean, high):
-        row[gone] = np.nan  # interrupts the line at a gap
+    low, mean, high = curve.band(times, timeline.gaps)
     axes.fill_between(
         axis.x(times), low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
     )

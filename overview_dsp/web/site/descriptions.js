@@ -1,9 +1,10 @@
 // Texts for times, events and positions.
 
-import { secondsAt } from "./angle_map.js";
+import { positionAt, secondsAt } from "./angle_map.js";
 import { pointAt, rangeOf, valueText } from "./values.js";
 
-const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
+export const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
+export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 
@@ -67,19 +68,23 @@ export function tickText(seconds, info, step) {
  */
 export const spokenMoment = (seconds, info) => momentText(seconds, info, SPOKEN_DAYS);
 
-const LABEL_ALONE = new Set(["period", "crossing_up", "crossing_down"]);
+const CROSSINGS = ["crossing_up", "crossing_down"];
+const LABEL_ALONE = new Set(["period", ...CROSSINGS]);
+const CALENDAR = new Set(["century", "decade", "year", "month", "week", "day"]);
+// events that are found in a series: their labels repeat kind, value and date
+const FOUND = new Set([
+  "highest", "lowest", "record_high", "record_low", "largest_rise", "largest_fall", "peak", "trough",
+]);
 
 /**
- * Return kind and label of an event; the kind is left out if the label contains it.
- * @param {Pick<TimelineEvent, "kind" | "label">} event
+ * Return kind and label of an event, without its date; kind and value if it is a point of the data.
+ * @param {Pick<TimelineEvent, "kind" | "label" | "value">} event
  * @param {Info} info
  */
 export function eventText(event, info) {
-  const words = info.kinds[event.kind]?.name ?? event.kind;
-  if (!event.label) return words;
-  if (LABEL_ALONE.has(event.kind)) return plainLabel(event.label);
-  if (event.label.toLowerCase().includes(words.toLowerCase())) return event.label;
-  return `${words}, ${event.label}`;
+  const text = shortEvent(event, info);
+  const isPoint = FOUND.has(event.kind) || CROSSINGS.includes(event.kind);
+  return isPoint && event.value !== undefined ? `${text}, ${valueText(event.value, info)}` : text;
 }
 
 /**
@@ -91,20 +96,26 @@ function plainLabel(label) {
 }
 
 /**
- * Return a short text for an event of a series, without its value and date.
- * @param {TimelineEvent} event
+ * Return kind and label of an event, without value and date; the kind is left out if the label
+ * contains it.
+ * @param {Pick<TimelineEvent, "kind" | "label">} event
  * @param {Info} info
  */
-function shortEvent(event, info) {
-  const label = plainLabel(event.label);
-  const words = info.kinds[event.kind]?.name ?? event.kind;
-  if (LABEL_ALONE.has(event.kind)) return label || words;
-  const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
-  return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
+export function shortEvent({ kind, label }, info) {
+  const words = info.kinds[kind]?.name ?? kind;
+  if (info.start && CALENDAR.has(kind)) return `${words} begins`;
+  if (LABEL_ALONE.has(kind)) return plainLabel(label) || words;
+  if (FOUND.has(kind)) {
+    const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
+    return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
+  }
+  if (!label) return words;
+  return label.toLowerCase().includes(words.toLowerCase()) ? label : `${words}, ${label}`;
 }
 
 /**
- * Return the event at a position of a window, or null.
+ * Return the event at a position of a window, or null. A position that is exactly that of a data
+ * point, such as the highest, belongs to this point and not to an event beside it.
  * @param {View} view
  * @param {number} position
  * @returns {TimelineEvent | null}
@@ -115,7 +126,8 @@ export function eventAt(view, position) {
     const away = Math.abs(event.position - position);
     if (away <= TOLERANCE && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
   }
-  return nearest;
+  if (nearest === null || Math.abs(nearest.position - position) < EXACT) return nearest;
+  return isAtPoint(view, position) ? null : nearest;
 }
 
 /**
@@ -132,28 +144,42 @@ export function eventPassed(view, from, to) {
 }
 
 /**
- * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak".
+ * Return whether a position is exactly that of a data point.
+ * @param {View} view
+ * @param {number} position
+ */
+export function isAtPoint(view, position) {
+  const point = pointAt(view, secondsAt(view, position));
+  return point >= 0 && Math.abs(positionAt(view, view.points.time_s[point]) - position) < EXACT;
+}
+
+/**
+ * @param {View} view
+ * @param {number} position
+ */
+const isInGap = (view, position) => view.gaps.some(([from, to]) => position > from && position < to);
+
+/**
+ * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak". Events at one
+ * position are all named. Without `withValue` an event that is not at a data point has no value.
  * @param {View} view
  * @param {number} position
  * @param {Info} info
  */
-export function positionText(view, position, info) {
-  const at = secondsAt(view, position);
+export function positionText(view, position, info, withValue = true) {
   const here = eventAt(view, position);
-  const isGap = view.gaps.some(([from, to]) => position > from && position < to);
-  const point = isGap && !here ? -1 : pointAt(view, here?.time_s ?? at);
-  if (point >= 0) {
-    const parts = [
-      valueText(view.points.value[point], info), spokenMoment(view.points.time_s[point], info),
-    ];
-    if (here) parts.push(shortEvent(here, info));
-    return parts.join(", ");
+  const at = here?.position ?? position;
+  const events = here ? view.events.filter((one) => Math.abs(one.position - at) < EXACT) : [];
+  const texts = events.map((one) => shortEvent(one, info));
+  const moment = here?.time_s ?? secondsAt(view, position);
+  const isGap = isInGap(view, at);
+  const point = isGap ? -1 : pointAt(view, moment);
+  if (point >= 0 && (withValue || isAtPoint(view, position))) {
+    const { time_s, value } = view.points;
+    return [valueText(value[point], info), spokenMoment(time_s[point], info), ...texts].join(", ");
   }
-  const moment = spokenMoment(at, info);
-  if (here) return `${moment}, ${eventText(here, info)}`;
-  if (isGap) return `${moment}, no data`;
-  const before = view.events.filter((event) => event.position < position).at(-1);
-  return before ? `${moment}, after ${eventText(before, info)}` : moment;
+  const state = isGap ? "no data" : texts.length === 0 && scoreAt(view, at);
+  return [spokenMoment(moment, info), state, ...texts].filter(Boolean).join(", ");
 }
 
 /**
@@ -163,7 +189,7 @@ export function positionText(view, position, info) {
  * @param {Info} info
  */
 export function valueAt(view, position, info) {
-  if (view.gaps.some(([from, to]) => position > from && position < to)) return "";
+  if (isInGap(view, position)) return "";
   const here = eventAt(view, position);
   const point = pointAt(view, here?.time_s ?? secondsAt(view, position));
   return point < 0 ? "" : valueText(view.points.value[point], info);
@@ -201,7 +227,7 @@ export function summaryText(view, info) {
   const parts = [
     `${info.title}: ${spokenMoment(view.start_s, info)} to ${spokenMoment(view.end_s, info)}`,
   ];
-  if (view.points) {
+  if (view.points?.value.length) {
     const [lowest, highest] = rangeOf(view);
     parts.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
   }

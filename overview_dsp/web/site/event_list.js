@@ -26,8 +26,8 @@ export class EventList {
       const target = button.dataset.go;
       button.addEventListener("click", () => {
         byId("events").close();
-        byId("slider").focus();
         navigation[target]();
+        byId("slider").focus();
       });
     }
   }

@@ -3,12 +3,13 @@
 const STEP = 0.01;
 const PAGE = 0.1;
 
-/** @import { ViewState } from "./view_state.js" */
 /** @import { Navigation } from "./navigation.js" */
 
 export const HELP = [
-  ["Arrows, Page keys", "move, in small or large steps"],
+  ["Arrows", "previous and next value or event"],
+  ["Shift + arrows, Page keys", "move by a hundredth, by a tenth"],
   ["[ and ]", "previous and next event"],
+  [", and .", "previous and next value"],
   ["Home, End", "first, last"],
   ["X, N", "highest, lowest"],
   ["Space", "tap: touch and release"],
@@ -23,16 +24,16 @@ export const HELP = [
 /**
  * `open(name)` opens events, run, help or film; `onfirst()` is called before each key.
  * @param {HTMLElement} element
- * @param {{ navigation: Navigation, viewState: ViewState, open: (name: string) => void }} parts
+ * @param {{ navigation: Navigation, open: (name: string) => void }} parts
  * @param {() => void} onfirst
  */
-export function listenToKeys(element, { navigation, viewState, open }, onfirst) {
+export function listenToKeys(element, { navigation, open }, onfirst) {
   /** @type {Record<string, (event: KeyboardEvent) => unknown>} */
   const keys = {
-    ArrowRight: ({ shiftKey }) => navigation.move(shiftKey ? PAGE : STEP),
-    ArrowUp: ({ shiftKey }) => navigation.move(shiftKey ? PAGE : STEP),
-    ArrowLeft: ({ shiftKey }) => navigation.move(shiftKey ? -PAGE : -STEP),
-    ArrowDown: ({ shiftKey }) => navigation.move(shiftKey ? -PAGE : -STEP),
+    ArrowRight: ({ shiftKey }) => (shiftKey ? navigation.move(STEP) : navigation.step(1)),
+    ArrowUp: ({ shiftKey }) => (shiftKey ? navigation.move(STEP) : navigation.step(1)),
+    ArrowLeft: ({ shiftKey }) => (shiftKey ? navigation.move(-STEP) : navigation.step(-1)),
+    ArrowDown: ({ shiftKey }) => (shiftKey ? navigation.move(-STEP) : navigation.step(-1)),
     PageUp: () => navigation.move(PAGE),
     PageDown: () => navigation.move(-PAGE),
     Home: () => navigation.first(),
@@ -41,11 +42,13 @@ export function listenToKeys(element, { navigation, viewState, open }, onfirst) 
     n: () => navigation.lowest(),
     "[": () => navigation.toEvent(-1),
     "]": () => navigation.toEvent(1),
+    ",": () => navigation.toValue(-1),
+    ".": () => navigation.toValue(1),
     " ": ({ repeat }) => repeat || navigation.tap(),
     Escape: () => navigation.release(),
-    "+": () => viewState.zoom(1),
-    "=": () => viewState.zoom(1),
-    "-": () => viewState.zoom(-1),
+    "+": () => navigation.zoom(1),
+    "=": () => navigation.zoom(1),
+    "-": () => navigation.zoom(-1),
     e: () => open("events"),
     p: () => open("run"),
     h: () => open("help"),

@@ -92,12 +92,23 @@ function drawValues({ c, g, view, colours }) {
 }
 
 /**
- * Return the curve's level at a position, 0 to 1.
+ * Return the curve's level at a position, 0 to 1; null without data.
  * @param {View} view
  * @param {number} position
  */
 export function levelAt(view, position) {
   return view.level[Math.round(position * (view.level.length - 1))];
+}
+
+/**
+ * Return the level of an event's mark, 0 to 1.
+ * @param {View} view
+ * @param {TimelineEvent} event
+ */
+export function markLevel(view, event) {
+  const [low, span] = view.scale;
+  if (event.value === undefined || !(span > 0)) return levelAt(view, event.position) ?? 0;
+  return Math.min(Math.max((event.value - low) / span, 0), 1);
 }
 
 /**
@@ -109,19 +120,41 @@ export function resistanceAt(view, position) {
   return view.resistance[Math.round(position * (view.resistance.length - 1))];
 }
 
-/** @param {Scene} scene */
+/**
+ * Draw the curve, interrupted where there are no data; of many points per column the range.
+ * @param {Scene} scene
+ */
 function drawCurve({ c, g, view, colours }) {
   const last = view.level.length - 1;
-  const course = () => {
+  const [lows, highs] = view.band ?? [view.level, view.level];
+  /** @type {[number, number][][]} */
+  const runs = [[]];
+  for (let i = 0; i <= last; i += 1) {
+    const run = runs[runs.length - 1];
+    if (lows[i] === null) {
+      if (run.length > 0) runs.push([]);
+      continue;
+    }
+    const ends = [g.y(lows[i]), g.y(highs[i])];
+    // from the end that is nearer to the column before
+    if (run.length > 0 && run[run.length - 1][1] < (ends[0] + ends[1]) / 2) ends.reverse();
+    run.push([g.x(i / last), ends[0]]);
+    if (ends[1] !== ends[0]) run.push([g.x(i / last), ends[1]]);
+  }
+  for (const run of runs) {
+    if (run.length === 0) continue;
     c.beginPath();
-    view.level.forEach((level, i) => c.lineTo(g.x(i / last), g.y(level)));
-  };
-  course();
-  c.lineTo(g.right, g.bottom);
-  c.lineTo(g.left, g.bottom);
-  c.fillStyle = colours.fill;
-  c.fill();
-  course();
+    for (const point of run) c.lineTo(...point);
+    c.lineTo(run[run.length - 1][0], g.bottom);
+    c.lineTo(run[0][0], g.bottom);
+    c.fillStyle = colours.fill;
+    c.fill();
+  }
+  c.beginPath();
+  for (const run of runs) {
+    run.forEach((point, i) => (i === 0 ? c.moveTo(...point) : c.lineTo(...point)));
+    if (run.length === 1) c.arc(...run[0], 1.5, 0, 2 * Math.PI); // a point between two gaps
+  }
   c.strokeStyle = colours.curve;
   c.lineWidth = 1.75;
   c.stroke();
@@ -246,7 +279,7 @@ export function isDetail(info, kind) {
 function drawEvent({ c, g, view, info, colours }, event) {
   const { shape, colour } = info.kinds[event.kind];
   const x = g.x(event.position);
-  const y = g.y(levelAt(view, event.position));
+  const y = g.y(markLevel(view, event));
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   drawLine(c, [x, y], [x, g.bottom]);
@@ -270,7 +303,7 @@ function drawLabels({ c, g, view, colours }) {
     const half = c.measureText(text).width / 2;
     const x = Math.min(Math.max(g.x(event.position), half), g.width - half);
     if (!text || taken.some(([from, to]) => x + half + 6 > from && x - half - 6 < to)) continue;
-    c.fillText(text, x, Math.max(g.y(levelAt(view, event.position)) - 15, 13 * g.em));
+    c.fillText(text, x, Math.max(g.y(markLevel(view, event)) - 15, 13 * g.em));
     taken.push([x - half, x + half]);
   }
 }

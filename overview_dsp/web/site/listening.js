@@ -15,7 +15,8 @@ import { eventAt } from "./descriptions.js";
  * @param {Page} page
  */
 export function listen(page) {
-  const element = byId("slider");
+  const element = byId("stage");
+  const slider = byId("slider");
   const { input, viewState, navigation } = page;
   const onfirst = () => page.start();
   listenToTouch(element, input, {
@@ -26,8 +27,14 @@ export function listen(page) {
   });
   /** @type {((event: TimelineEvent) => void) | null} */
   const watch = page.film === null ? null : (event) => page.served.watch(event);
-  listenToKeys(element, { navigation, viewState, open: (name) => page.open(name) }, onfirst);
-  element.addEventListener("focus", () => navigation.speakSummary());
+  listenToKeys(slider, { navigation, open: (name) => page.open(name) }, onfirst);
+  slider.addEventListener("focus", () => navigation.speakSummary());
+  element.addEventListener("pointerdown", () => slider.focus({ preventScroll: true }));
+  // a screen reader changes the value by gestures
+  slider.addEventListener("input", () => {
+    page.start();
+    navigation.step(Math.sign(Number(slider.value) / 100 - page.position));
+  });
   element.addEventListener("wheel", (/** @type {WheelEvent} */ event) => {
     event.preventDefault();
     viewState.wheel(event);
@@ -41,16 +48,24 @@ export function listen(page) {
     page.start();
     act();
   });
-  click("previous", () => navigation.toEvent(-1));
-  click("next", () => navigation.toEvent(1));
+  /** @type {(direction: number) => unknown} */
+  const step = (direction) =>
+    (page.settings.steps === "values" && page.info.series
+      ? navigation.toValue(direction) : navigation.toEvent(direction));
+  click("previous", () => step(-1));
+  click("next", () => step(1));
   click("tap", () => navigation.tap());
   click("run", () => page.playback.toggle());
   click("list", () => page.open("events"));
   byId("twist").addEventListener("click", () => page.toggleTwist());
-  byId("in").addEventListener("click", () => viewState.zoom(1));
-  byId("out").addEventListener("click", () => viewState.zoom(-1));
-  byId("earlier").addEventListener("click", () => viewState.shift(-1));
-  byId("later").addEventListener("click", () => viewState.shift(1));
+  byId("in").addEventListener("click", () => navigation.zoom(1));
+  byId("out").addEventListener("click", () => navigation.zoom(-1));
+  byId("earlier").addEventListener("click", () => navigation.shift(-1));
+  byId("later").addEventListener("click", () => navigation.shift(1));
+  byId("all-values").addEventListener("click", () => {
+    byId("events").close();
+    page.openValues();
+  });
   byId("settings").addEventListener("click", () => byId("dialog").showModal());
   const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
   byId("keys").replaceChildren(...terms);

@@ -47,11 +47,13 @@ export class Moving {
    */
   show(g, view, { cursor, input, touching }, info) {
     const x = g.x(cursor);
-    const y = g.y(levelAt(view, cursor));
+    const level = levelAt(view, cursor);
+    const y = g.y(level ?? 0);
     const friction = Math.log10(Math.max(1, resistanceAt(view, cursor) / info.base_friction)) / 2;
     const grip = Math.min(friction, 1);
     this.put("cursor", `translateX(${x.toFixed(1)}px)`);
     this.put("dot", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`);
+    this.setVisible("dot", level !== null);
     // sized by the friction, in steps too small to see
     const size = Math.ceil(STEPS * grip) / STEPS;
     this.put("halo", `scale(${0.4 + 0.6 * size})`);

@@ -1,50 +1,128 @@
 // Movements by keys and buttons, between positions and events.
 
+import { positionAt } from "./angle_map.js";
+import { positionText, spokenMoment, summaryText } from "./descriptions.js";
+import { allStops, eventStops, nextStop, valueStops } from "./stops.js";
 import { extremeOf } from "./values.js";
-import { positionText, summaryText } from "./descriptions.js";
 
-const NEAR = 1e-6; // tolerance, in s or as a share of the window
-
-/** @import { Info, TimelineEvent } from "../types" */
+/** @import { Info, View } from "../types" */
+/** @import { Announcer } from "./announcer.js" */
 /** @import { CombinedInput } from "./combined_input.js" */
 /** @import { ViewState } from "./view_state.js" */
 /** @import { Speech } from "./speech.js" */
 
 export class Navigation {
   /**
-   * `viewState` is the visible window; `speech` speaks each new position.
+   * `viewState` is the visible window; `speech` and `announcer` report each new position.
    * @param {CombinedInput} input
    * @param {ViewState} viewState
    * @param {Speech} speech
+   * @param {Announcer} announcer
    * @param {Info} info
    */
-  constructor(input, viewState, speech, info) {
+  constructor(input, viewState, speech, announcer, info) {
     this.input = input;
     this.viewState = viewState;
     this.speech = speech;
+    this.announcer = announcer;
     this.info = info;
   }
 
-  /** @param {number} by */
-  move(by) {
+  /**
+   * Move by a share of the window.
+   * @param {number} by
+   */
+  async move(by) {
     const { position } = this.input;
     const target = position + by;
-    const side = Math.sign(by);
-    if ((target > 1 && position === 1) || (target < 0 && position === 0)) this.viewState.shift(side);
-    else {
-      this.input.moveTo("keys", target);
-      this.speakPosition();
+    if ((target > 1 && position === 1) || (target < 0 && position === 0)) {
+      if (!(await this.viewState.shift(Math.sign(by)))) this.reportEnd(by);
+      return;
     }
+    this.input.moveTo("keys", target);
+    this.reportPosition();
+  }
+
+  /**
+   * Move to the next (1) or previous (-1) value or event, in steps between them without values.
+   * @param {number} direction
+   */
+  step(direction) {
+    return this.toStop(allStops, direction, true);
+  }
+
+  /** @param {number} direction */
+  toValue(direction) {
+    return this.toStop(valueStops, direction);
+  }
+
+  /** @param {number} direction */
+  toEvent(direction) {
+    return this.toStop(eventStops, direction);
+  }
+
+  /**
+   * Move to the next (1) or previous (-1) of some stops, also beyond the window.
+   * @param {(view: View) => number[]} stopsOf
+   * @param {number} direction
+   * @param {boolean} isStep whether the disk is pulled on, and each value has a stop of its own
+   */
+  async toStop(stopsOf, direction, isStep = false) {
+    let next = nextStop(stopsOf(this.viewState.view), this.input.position, direction);
+    if (next === undefined) {
+      const now = this.viewState.moment;
+      if (await this.viewState.shift(direction)) {
+        const { view } = this.viewState;
+        await this.viewState.pointsLoaded;
+        next = nextStop(stopsOf(view), positionAt(view, now), direction);
+      }
+    }
+    if (next === undefined) {
+      this.reportEnd(direction);
+      return;
+    }
+    if (isStep) this.input.moveTo("keys", next);
+    else this.input.touchAgain("keys", next);
+    this.reportPosition(!isStep);
+  }
+
+  /**
+   * Zoom in (1) or out (-1), and report the new window.
+   * @param {number} direction
+   */
+  async zoom(direction) {
+    if (await this.viewState.zoom(direction)) this.reportWindow();
+    else this.announcer.say(direction > 0 ? "No more detail" : "The whole timeline");
+  }
+
+  /** @param {number} direction */
+  async shift(direction) {
+    if (await this.viewState.shift(direction)) this.reportWindow();
+    else this.reportEnd(direction);
+  }
+
+  reportWindow() {
+    const { start_s, end_s, events } = this.viewState.view;
+    const [from, to] = [start_s, end_s].map((one) => spokenMoment(one, this.info));
+    this.announcer.say(`${from} to ${to}, ${events.length === 1 ? "1 event" : `${events.length} events`}`);
+  }
+
+  /** @param {number} direction */
+  reportEnd(direction) {
+    const text = direction > 0 ? "Nothing after this" : "Nothing before this";
+    this.announcer.say(text);
+    this.speech.speak(text);
   }
 
   /** @param {number} position */
   to(position) {
     this.input.touchAgain("keys", position);
-    this.speakPosition();
+    this.reportPosition();
   }
 
   tap() {
     this.input.tap("keys", this.input.position);
+    this.announcer.say(`Tap at ${positionText(this.viewState.view, this.input.position, this.info)}`);
     this.speakPosition();
   }
 
@@ -73,20 +151,12 @@ export class Navigation {
     this.speech.speak(summaryText(this.viewState.view, this.info));
   }
 
-  /**
-   * Move to the next (1) or previous (-1) event, also beyond the window.
-   * @param {number} direction
-   */
-  async toEvent(direction) {
-    const after = (/** @type {TimelineEvent} */ event) => (event.position - this.input.position) * direction > NEAR;
-    let found = this.viewState.view.events.filter(after);
-    if (found.length === 0) {
-      const now = this.viewState.moment;
-      if (!(await this.viewState.shift(direction))) return;
-      found = this.viewState.view.events.filter((event) => (event.time_s - now) * direction > NEAR);
-    }
-    const next = direction > 0 ? found[0] : found.at(-1);
-    if (next) this.to(next.position);
+  /** Report the position to assistive technology and by speech. */
+  reportPosition(withValue = true) {
+    const { position } = this.input;
+    const text = positionText(this.viewState.view, position, this.info, withValue);
+    this.announcer.position(position, text);
+    this.speech.speak(text);
   }
 
   speakPosition() {

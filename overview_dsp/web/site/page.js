@@ -3,6 +3,7 @@
 import { showAbout } from "./about.js";
 import { readAddress } from "./address.js";
 import { positionAt } from "./angle_map.js";
+import { Announcer } from "./announcer.js";
 import { byId } from "./dom.js";
 import { Frames } from "./frames.js";
 import { CombinedInput } from "./combined_input.js";
@@ -24,6 +25,7 @@ import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./descriptions.js";
 
 /** @import { Info, Preset, Server, Settings, AudioBackend, TimelineEvent, DiskState, View } from "../types" */
+/** @import { AllValues } from "./all_values.js" */
 /** @import { Data } from "./data.js" */
 /** @import { Picture } from "./picture.js" */
 /** @import { Served } from "./served.js" */
@@ -50,6 +52,7 @@ export class Page {
     const ids = ["slider", "clock", "value", "event", "summary"];
     this.slider = new Slider(Object.fromEntries(ids.map((id) => [id, byId(id)])));
     this.speech = new Speech();
+    this.announcer = new Announcer(byId("announcement"), this.slider);
     this.motor = new Motor();
     this.twist = new Twist(this.input, this.settings.start);
     this.twist.onsilent = (line) => {
@@ -62,7 +65,7 @@ export class Page {
     });
     this.strip = new Strip(data, this.viewState);
     this.pinch = new Pinch(this.viewState, picture, () => this.strip.whole);
-    this.navigation = new Navigation(this.input, this.viewState, this.speech, this.info);
+    this.navigation = new Navigation(this.input, this.viewState, this.speech, this.announcer, this.info);
     this.frames = new Frames(sound, () => this.draw(), (meters) => this.update(meters));
     this.playback = new Playback(this);
     /** @type {Served | null} */
@@ -72,6 +75,8 @@ export class Page {
     this.cursor = 0;
     /** @type {TimelineEvent | null} */
     this.lastEvent = null; // last event that the disk met
+    /** @type {AllValues | null} */
+    this.allValues = null;
     this.isStarted = false;
     this.hasSounded = this.interrupted = false;
     sound.onstate = (isRunning) => this.onSoundState(isRunning);
@@ -148,9 +153,9 @@ export class Page {
    * @param {TimelineEvent | null} event
    */
   goTo(position, event) {
-    byId("slider").focus();
     this.lastEvent = event;
     this.navigation.to(position);
+    byId("slider").focus();
   }
 
   /**
@@ -162,6 +167,13 @@ export class Page {
     else if (name === "events") this.list.open(this.view);
     else if (name === "help") byId("help").showModal();
     else this.served?.watch(this.currentEvent);
+  }
+
+  /** Open the table of all values and events. */
+  async openValues() {
+    const { AllValues: Table } = await import("./all_values.js");
+    this.allValues ??= new Table(this.info);
+    this.allValues.open(this.view);
   }
 
   /** @param {string} message */
@@ -235,6 +247,7 @@ export class Page {
       }
     }
     byId("twist").setAttribute("aria-pressed", String(this.twist.on));
+    this.announcer.say(this.twist.on ? "Twist on: turn the phone" : "Twist off");
   }
 
   calibrate() {
@@ -257,7 +270,7 @@ export class Page {
   }
 
   apply() {
-    const { output, clicks, vibration, volume, speech, contrast, still } = this.settings;
+    const { output, clicks, vibration, volume, speech, contrast, still, steps } = this.settings;
     this.gain = 10 ** (volume / 20);
     this.sound.route(output);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
@@ -267,6 +280,10 @@ export class Page {
     this.speech.on = speech;
     if (!speech) this.speech.stop();
     document.documentElement.classList.toggle("contrast", contrast);
+    document.documentElement.classList.toggle("series", this.info.series !== null);
+    const stop = steps === "values" && this.info.series ? "value" : "event";
+    byId("previous").ariaLabel = `Previous ${stop}`;
+    byId("next").ariaLabel = `Next ${stop}`;
     this.picture.still = still;
     this.picture.resize();
     this.strip.draw();

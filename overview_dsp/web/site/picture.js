@@ -1,7 +1,7 @@
 // The picture: a static layer, moving parts over it, and the trace on its own canvas.
 
 import { geometryOf, isOnDisk, positionTurned } from "./geometry.js";
-import { drawLayer, isDetail, levelAt } from "./layer.js";
+import { drawLayer, isDetail, markLevel } from "./layer.js";
 import { Moving } from "./moving.js";
 import { SvgContext } from "./svg.js";
 import { Trace } from "./trace.js";
@@ -123,7 +123,7 @@ export class Picture {
     let least = FINGER_PX;
     for (const event of view.events) {
       if (isDetail(this.info, event.kind)) continue;
-      const up = geometry.y(levelAt(view, event.position));
+      const up = geometry.y(markLevel(view, event));
       const away = Math.hypot(geometry.x(event.position) - x, up - y);
       if (away < least) [nearest, least] = [event, away];
     }

@@ -18,8 +18,10 @@ export class Playback {
     this.page = page;
     /** @type {Gesture | null} */
     this.linkedGesture = null; // gesture of the URL, until it is played
-    this.player = new Player(page.input, (playing) => {
+    this.player = new Player(page.input, (playing, isEnd) => {
       byId("run").textContent = playing ? "Pause" : "Play";
+      const stopped = isEnd ? "Ended" : "Paused";
+      page.announcer.say(playing ? `Playing, ${this.player.gesture.seconds} seconds` : stopped);
       page.wake();
     });
     byId("start").addEventListener("click", () => this.toggle());

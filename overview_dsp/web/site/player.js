@@ -32,9 +32,9 @@ export const gestureText = ({ name, seconds, from, to, position }) => {
 
 export class Player {
   /**
-   * `onchange(playing)` is called at start and end.
+   * `onchange(playing, isEnd)` is called at start, pause and end.
    * @param {CombinedInput} input
-   * @param {(playing: boolean) => void} onchange
+   * @param {(playing: boolean, isEnd: boolean) => void} onchange
    */
   constructor(input, onchange) {
     this.input = input;
@@ -63,16 +63,16 @@ export class Player {
     this.playing = true;
     this.started = false;
     this.last = performance.now();
-    this.onchange(true);
+    this.onchange(true, false);
     requestAnimationFrame(() => this.step());
   }
 
-  pause() {
+  pause(isEnd = false) {
     clearTimeout(this.timer);
     if (!this.playing) return;
     this.playing = false;
     this.input.release("play");
-    this.onchange(false);
+    this.onchange(false, isEnd);
   }
 
   step() {
@@ -93,7 +93,7 @@ export class Player {
   }
 
   end() {
-    this.pause();
+    this.pause(true);
     this.done = 0;
     if (!this.loop || this.input.active !== null) return;
     this.timer = setTimeout(() => this.play(this.gesture), AGAIN_MS);

@@ -15,6 +15,7 @@ const DEFAULTS = {
   volume: 0, // dB
   sweep: 10, // duration of Play, s
   loop: false,
+  steps: "events", // stops of the buttons Previous and Next
   name: navigator.userAgent.match(/iPhone|iPad|Android|Windows|Macintosh|Linux/)?.[0] ?? "",
   contrast: matchMedia("(prefers-contrast: more)").matches,
   still: matchMedia("(prefers-reduced-motion: reduce)").matches,

@@ -2,7 +2,7 @@
 
 import { secondsAt } from "./angle_map.js";
 import {
-  eventAt, eventText, momentText, positionText, scoreAt, summaryText, valueAt,
+  eventAt, momentText, positionText, scoreAt, shortEvent, summaryText, valueAt,
 } from "./descriptions.js";
 
 /** @import { Info, View } from "../types" */
@@ -15,14 +15,26 @@ const MOST = 14; // characters in large type beside a value
 export class Slider {
   /**
    * `parts`: the elements slider, clock, value, event, summary.
-   * @param {Record<string, HTMLElement>} parts
+   * @param {Record<string, any>} parts
    */
   constructor(parts) {
     this.parts = parts;
     /** @type {any[]} */
     this.at = [];
+    this.position = NaN; // of the slider's text
     this.updatedAt = -Infinity;
     this.frames = 0; // since the last update
+  }
+
+  /**
+   * Set the slider's value for assistive technology.
+   * @param {number} position
+   * @param {string} text
+   */
+  setValue(position, text) {
+    this.position = position;
+    this.parts.slider.value = (100 * position).toFixed(1);
+    this.parts.slider.setAttribute("aria-valuetext", text);
   }
 
   /**
@@ -38,22 +50,19 @@ export class Slider {
     if (since < EVERY_MS || (since < LATE_MS && this.frames < EVERY_FRAMES)) return;
     this.updatedAt = now;
     this.frames = 0;
-    const { slider, clock, value, event } = this.parts;
-    const [oldView, oldPlace, oldCursor, oldPoints] = this.at;
+    const { clock, value, event } = this.parts;
+    const [oldView, oldCursor, oldPoints] = this.at;
     const other = view !== oldView || view.points !== oldPoints;
-    this.at = [view, position, cursor, view.points];
+    this.at = [view, cursor, view.points];
     if (other) this.parts.summary.textContent = summaryText(view, info);
-    if (other || position !== oldPlace) {
-      slider.setAttribute("aria-valuenow", (100 * position).toFixed(1));
-      slider.setAttribute("aria-valuetext", positionText(view, position, info));
-    }
+    if (other || position !== this.position) this.setValue(position, positionText(view, position, info));
     if (other || cursor !== oldCursor) {
       const here = eventAt(view, cursor);
       const moment = momentText(secondsAt(view, cursor), info);
       set(clock, "textContent", moment);
       clock.classList.toggle("long", moment.length > MOST);
       set(value, "textContent", valueAt(view, cursor, info) || scoreAt(view, cursor));
-      set(event, "textContent", here ? eventText(here, info) : "");
+      set(event, "textContent", here ? shortEvent(here, info) : "");
     }
   }
 }

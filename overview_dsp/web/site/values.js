@@ -42,7 +42,7 @@ export function extremeOf(view, direction) {
   const [values, first, last, positionOf] = within(view);
   let best = first;
   for (let i = first; i <= last; i += 1) {
-    if ((values[i] - values[best]) * direction > 0) best = i;
+    if (values[best] === null || (values[i] !== null && (values[i] - values[best]) * direction > 0)) best = i;
   }
   return Math.min(Math.max(positionOf(best), 0), 1);
 }
@@ -53,14 +53,14 @@ export function extremeOf(view, direction) {
  */
 export function rangeOf(view) {
   const [values, first, last] = within(view);
-  const some = values.slice(first, last + 1);
+  const some = values.slice(first, last + 1).filter((one) => one !== null);
   return [some.reduce((a, b) => Math.min(a, b)), some.reduce((a, b) => Math.max(a, b))];
 }
 
 /**
  * Return a window's values, the first and last index within it, and a function for their positions.
  * @param {View} view
- * @returns {[number[], number, number, (i: number) => number]}
+ * @returns {[(number | null)[], number, number, (i: number) => number]}
  */
 function within(view) {
   const { points, level, start_s, end_s } = view;

@@ -35,6 +35,8 @@ export class ViewState {
     /** @type {TimeRange | null} */
     this.soundingPart = null; // part whose surface is active
     this.isChanging = false;
+    /** Settled once the values of the view are loaded. */
+    this.pointsLoaded = Promise.resolve();
     /** @type {Part | null} */
     this.nextPart = null; // next part of `goToLatest`
     this.wheelDistance = 0;
@@ -148,7 +150,7 @@ export class ViewState {
     this.view = view;
     this.picture.show(view);
     this.onshow();
-    this.fetchPoints(view);
+    this.pointsLoaded = this.fetchPoints(view);
   }
 
   /**

@@ -141,7 +141,8 @@ def test_dense_data_are_their_mean_in_the_band_of_their_extremes():
     assert (heights.min(), heights.max()) == (-60.0, 50.0)
     x, mean = axes.lines[0].get_data()
     assert np.nanmax(mean) < 1.0
-    inside = (x > 5e4 / 3600.0) & (x < 6e4 / 3600.0)
+    column = x[1] - x[0]  # columns at the edges of the gap have known points
+    inside = (x > 5e4 / 3600.0 + column) & (x < 6e4 / 3600.0 - column)
     assert np.isnan(mean[inside]).all()
     assert np.nanmin(mean) == pytest.approx(-40.0)
 

@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { positionAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
+import { eventAt, eventText, positionText } from "../../../overview_dsp/web/site/descriptions.js";
 import { geometryOf, positionTurned } from "../../../overview_dsp/web/site/geometry.js";
-import { linesOf, pointAt, valueText } from "../../../overview_dsp/web/site/values.js";
+import { markLevel } from "../../../overview_dsp/web/site/layer.js";
+import { extremeOf, linesOf, pointAt, rangeOf, valueText } from "../../../overview_dsp/web/site/values.js";
 import {
   croppedTo, partBetween, neighbourPart, partNearest,
 } from "../../../overview_dsp/web/site/windows.js";
@@ -43,6 +45,44 @@ test("the nearest point is the one before or after, whichever is nearer", () => 
     assert.equal(pointAt(view, moment), point);
   }
   assert.equal(pointAt({ points: null }, 3), -1);
+});
+
+const SERIES = {
+  start: "2008-07-01T00:00:00", duration_s: 864000,
+  series: { decimals: 2, unit: "dollars", has_times: false },
+  kinds: { peak: { name: "peak" }, largest_fall: { name: "largest fall" }, month: { name: "month" } },
+};
+
+test("the highest point is announced as itself, also beside an event", () => {
+  const event = { kind: "peak", label: "peak 143.74, 2008-07-02", time_s: 86400, position: 0.1 };
+  const view = {
+    start_s: 0, end_s: 864000, angle_map: null, gaps: [], events: [event],
+    points: { time_s: [0, 86400, 87400, 864000], value: [1, 143.74, 145.31, 2] },
+  };
+  const highest = extremeOf(view, 1);
+  assert.equal(positionText(view, highest, SERIES), "145.31 dollars, 2 July 2008");
+  assert.equal(eventAt(view, 0.1), event);
+  assert.equal(eventAt(view, 0.1005), event, "a finger is rarely on a point exactly");
+  assert.equal(positionText(view, 0.1005, SERIES), "143.74 dollars, 2 July 2008, peak");
+});
+
+test("no date, value or kind occurs twice in the text of an event", () => {
+  /** @type {(kind: string, label: string, value?: number) => string} */
+  const text = (kind, label, value) => eventText({ kind, label, value, time_s: 0, position: 0 }, SERIES);
+  assert.equal(text("peak", "peak 143.74, 2008-07-02", 143.74), "peak, 143.74 dollars");
+  assert.equal(text("largest_fall", "-5.2 % to 90.1, 2008-07-02", 90.1),
+    "largest fall, \u22125.2 %, 90.10 dollars");
+  assert.equal(text("month", "August 2008", 1), "month begins");
+  assert.equal(text("launch", "the launch of A", 1), "the launch of A");
+});
+
+test("levels without data are neither extremes nor marks", () => {
+  const view = { level: [null, 0.4, null, 0.2, 0.9, null], points: null, scale: [10, 20] };
+  assert.equal(extremeOf(view, 1), 0.8);
+  assert.equal(extremeOf(view, -1), 0.6);
+  assert.deepEqual(rangeOf(view), [0.2, 0.9]);
+  assert.equal(markLevel(view, { position: 0.4 }), 0);
+  assert.equal(markLevel(view, { position: 0.4, value: 15 }), 0.25);
 });
 
 test("a value is told with its decimals and its unit", () => {

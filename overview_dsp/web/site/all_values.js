@@ -1,0 +1,136 @@
+// The table of all values and events of a window, sortable, and as a CSV file.
+
+import { byId } from "./dom.js";
+import { momentText, shortEvent } from "./descriptions.js";
+import { pointAt, valueText } from "./values.js";
+
+/** @import { Info, View } from "../types" */
+
+/**
+ * A row of the table: time (s), value (undefined in a gap or without values) and events.
+ * @typedef {{ time_s: number, value: number | undefined, events: string }} Row
+ */
+
+const ROWS = 500; // rows shown at a time
+
+/**
+ * Return the rows of a window by time: each value with its events, and the events without a value.
+ * @param {View} view
+ * @param {Info} info
+ * @returns {Row[]}
+ */
+export function rowsOf(view, info) {
+  const { time_s: times, value } = view.points ?? { time_s: [], value: [] };
+  /** @type {Map<number, string[]>} */
+  const atPoint = new Map();
+  /** @type {Row[]} */
+  const rows = [];
+  for (const event of view.events) {
+    const point = event.value === undefined ? -1 : pointAt(view, event.time_s);
+    const text = shortEvent(event, info);
+    if (point >= 0) atPoint.set(point, [...(atPoint.get(point) ?? []), text]);
+    else rows.push({ time_s: event.time_s, value: undefined, events: text });
+  }
+  times.forEach((time_s, i) => {
+    if (time_s < view.start_s || time_s > view.end_s) return;
+    rows.push({ time_s, value: value[i], events: (atPoint.get(i) ?? []).join("; ") });
+  });
+  return rows.sort((a, b) => a.time_s - b.time_s);
+}
+
+/**
+ * Return rows as CSV (RFC 4180): date and time of a calendar, else seconds.
+ * @param {Row[]} rows
+ * @param {Info} info
+ */
+export function csvOf(rows, { start, series }) {
+  const quoted = (/** @type {string} */ text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const zone = start?.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
+  const first = start ? Date.parse(`${start.slice(0, start.length - zone.length)}Z`) : 0;
+  const when = (/** @type {number} */ seconds) => (start
+    ? new Date(first + 1e3 * seconds).toISOString().replace(/(\.000)?Z$/, "") + zone : `${seconds}`);
+  const unit = series?.unit ? ` (${series.unit})` : "";
+  const head = [start ? "time" : "time_s", ...(series ? [`value${unit}`] : []), "events"];
+  const lines = rows.map(({ time_s, value, events }) =>
+    [when(time_s), ...(series ? [value ?? ""] : []), events].map((one) => quoted(`${one}`)).join(","));
+  return [head.map(quoted).join(","), ...lines, ""].join("\r\n");
+}
+
+export class AllValues {
+  /** @param {Info} info */
+  constructor(info) {
+    this.info = info;
+    /** @type {Row[]} */
+    this.rows = [];
+    this.shown = 0;
+    this.url = "";
+    /** @type {["time_s" | "value" | "events", number]} */
+    this.order = ["time_s", 1];
+    byId("values-more").addEventListener("click", () => this.showMore());
+    byId("values").addEventListener("close", () => URL.revokeObjectURL(this.url));
+  }
+
+  /** @param {View} view */
+  open(view) {
+    const { info } = this;
+    this.rows = rowsOf(view, info);
+    this.url = URL.createObjectURL(new Blob([csvOf(this.rows, info)], { type: "text/csv" }));
+    byId("values-download").href = this.url;
+    byId("values-download").download = `${info.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.csv`;
+    const isThinned = info.series !== null && !info.series.complete;
+    byId("values-note").textContent = `${this.rows.length} rows, `
+      + `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`
+      + (isThinned ? "; only some of the values, with all extremes: zoom in for more" : "");
+    this.sort("time_s", 1);
+    byId("values").showModal();
+    byId("values-title").focus();
+  }
+
+  /**
+   * @param {"time_s" | "value" | "events"} column
+   * @param {number} direction
+   */
+  sort(column, direction) {
+    this.order = [column, direction];
+    const key = (/** @type {Row} */ row) => row[column] ?? -Infinity;
+    this.rows.sort((a, b) => (key(a) < key(b) ? -direction : key(a) > key(b) ? direction : a.time_s - b.time_s));
+    const names = { time_s: "Time", value: "Value", events: "Events" };
+    const columns = /** @type {(keyof typeof names)[]} */ (
+      Object.keys(names).filter((name) => name !== "value" || this.info.series));
+    byId("values").querySelector("thead tr").replaceChildren(...columns.map((name) => {
+      const cell = document.createElement("th");
+      cell.scope = "col";
+      const isSorted = name === column;
+      cell.ariaSort = isSorted ? (direction > 0 ? "ascending" : "descending") : "none";
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = names[name];
+      button.addEventListener("click", () => {
+        this.sort(name, isSorted ? -direction : 1);
+        byId("values").querySelectorAll("th button")[columns.indexOf(name)].focus();
+      });
+      cell.append(button);
+      return cell;
+    }));
+    byId("values").querySelector("tbody").replaceChildren();
+    this.shown = 0;
+    this.showMore();
+  }
+
+  showMore() {
+    const { info } = this;
+    const body = byId("values").querySelector("tbody");
+    for (const { time_s, value, events } of this.rows.slice(this.shown, this.shown + ROWS)) {
+      const row = document.createElement("tr");
+      const texts = [momentText(time_s, info), ...(info.series ? [valueText(value, info)] : []), events];
+      for (const text of texts) {
+        const cell = document.createElement("td");
+        cell.textContent = text;
+        row.append(cell);
+      }
+      body.append(row);
+    }
+    this.shown = Math.min(this.shown + ROWS, this.rows.length);
+    byId("values-more").hidden = this.shown === this.rows.length;
+  }
+}
