@@ -76,9 +76,9 @@ def command(
     ),
     tail: str = TAIL,
     seed: int = SEED,
-    zoom_levels: int = option(
-        "Zoom levels of a page, each by 3. 0 to 5 levels of a match: 0.4, 1.5, 5, 10, 23, 60 MB.",
-        default=3,
+    zoom_levels: int | None = option(
+        "Zoom levels of a page, each by 3; by default up to 3, as far as the windows have 8 values "
+        "or events. 0 to 5 levels of a match: 0.4, 1.5, 5, 10, 23, 60 MB.",
         type=click.IntRange(0, 5),
     ),
     base_url: str | None = option(
@@ -216,7 +216,7 @@ def _base_url(text: str | None) -> str | None:
 def _site(
     timelines: list[tuple[Timeline, Preset]],
     out: str,
-    zooms: int,
+    zooms: int | None,
     seed: int,
     actuator: Actuator | None,
     address: str | None,

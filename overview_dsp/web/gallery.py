@@ -26,7 +26,7 @@ def write_gallery(
     items: Sequence[tuple[Timeline, Preset]],
     path: str | os.PathLike[str],
     *,
-    levels: int = 3,
+    levels: int | None = None,
     seed: int = 0,
     actuator: Actuator | None = None,
     address: str | None = None,

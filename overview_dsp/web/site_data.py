@@ -50,9 +50,11 @@ from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import vibration_pattern
-from overview_dsp.web.values import drawn_curve, event_values, series_json
+from overview_dsp.web.values import drawn_curve, event_values, has_values, series_json
 
 RATIO = 3
+LEAST_CONTENT = 8
+"""Minimum mean number of values or events in the windows of a default zoom level."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,13 @@ class Window:
     level: int
     start_s: float
     end_s: float
+
+
+def default_levels(timeline: Timeline) -> int:
+    """Return the zoom levels that show something new: up to 3, with 8 values or events a window."""
+    values = timeline.intensity.count if timeline.intensity and has_values(timeline) else 0
+    count = max(values, len(timeline.events) + len(timeline.details))
+    return next((n for n in (3, 2, 1) if count >= LEAST_CONTENT * RATIO**n), 0)
 
 
 def site_windows(timeline: Timeline, levels: int) -> list[Window]:

@@ -24,6 +24,7 @@ from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web.assets import START, folder_files
 from overview_dsp.web.site_content import SiteContent
+from overview_dsp.web.site_data import default_levels
 
 PICTURE = "preview.png"
 WIDTH, HEIGHT = 1200, 630
@@ -88,7 +89,7 @@ def write_site(
     preset: Preset,
     path: str | os.PathLike[str],
     *,
-    levels: int = 3,
+    levels: int | None = None,
     seed: int = 0,
     actuator: Actuator | None = None,
     progress: Callable[[float], None] | None = None,
@@ -102,7 +103,7 @@ def write_site(
     path
         A new or empty folder, or an earlier export.
     levels
-        Number of zoom levels; each is a third as long.
+        Number of zoom levels; each is a third as long. None: `default_levels`.
     actuator
         Actuator of the tactor's signal.
     live
@@ -115,6 +116,7 @@ def write_site(
     InputError
         The folder can't be written, contains other files, or a surface can't be built.
     """
+    levels = default_levels(timeline) if levels is None else levels
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
     with atomic_folder(path, MARK) as folder:

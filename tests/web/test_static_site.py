@@ -18,7 +18,7 @@ from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.offline.export.browser_memory import encode_change, encode_engine
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import folder_files, page_files
-from overview_dsp.web.site_data import site_windows
+from overview_dsp.web.site_data import default_levels, site_windows
 from overview_dsp.web.static_site import write_site
 from tools.bundle_page import BUILD_INFO, BUNDLE, build_info, bundle
 
@@ -32,6 +32,17 @@ def test_the_page_is_light_and_fetches_nothing_from_elsewhere():
             text = content.decode()
             assert "://" not in text, name
             assert not re.search("style=[\"']", text), name
+
+
+def test_a_small_table_is_a_small_folder(tmp_path, match):
+    curve = ov.Intensity(np.arange(12) * 86_400.0, np.arange(12.0) ** 2, "dollars")
+    small = ov.Timeline("twelve", 11 * 86_400.0, intensity=curve)
+    assert write_site(small, ov.load_preset("stocks"), tmp_path / "site") < 400_000
+    assert default_levels(small) == 0
+    long = ov.Intensity(np.arange(9000) * 60.0, np.arange(9000.0))
+    assert default_levels(ov.Timeline("long", 9e5, intensity=long)) == 3
+    assert default_levels(match) == 3
+    assert default_levels(ov.Timeline("few", 6000.0, match.events)) == 1
 
 
 def test_a_phone_gets_scripts_without_comments():
