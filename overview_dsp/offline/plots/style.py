@@ -64,7 +64,7 @@ KIND_STYLE: dict[str, Style] = {
     "premature": ("H", ORANGE, "premature beat"),
     "premature_atrial": ("p", SKY, "premature atrial"),
     "premature_ventricular": ("P", VERMILION, "premature ventricular"),
-    "other_shape": ("X", VERMILION, "beat of another shape"),
+    "other_shape": ((5, 2, 0), VERMILION, "beat of another shape"),
     "missed_beat": ((6, 2, 0), BLACK, "missed beat"),
     "rhythm": ("8", PURPLE, "rhythm"),
     # of crowds
