@@ -48,7 +48,10 @@ def require_package(module: str, purpose: str, extra: str) -> Any:
         return import_module(module)
     except ImportError as error:
         package = module.partition(".")[0]
-        raise InputError(f"{purpose} needs {package}: {install_command(extra)}") from error
+        command = install_command(extra)
+        raise InputError(
+            f"{purpose} needs the package {package} ({error}); install it: {command}"
+        ) from error
 
 
 def _source() -> Path | None:

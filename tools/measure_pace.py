@@ -1,4 +1,4 @@
-"""Measure whether events are easier to recognize if their level doesn't depend on the hand's pace.
+"""Measure whether events are easier to recognize if their level doesn't depend on the pace.
 
 A fast hand passes an event with more torque than a slow one. Here the level of both channels is
 multiplied by (pace / 0.33 timelines per second)^-alpha, at the events alone or everywhere. Then an
@@ -105,7 +105,7 @@ def balanced(
     modality: Modality,
     seed: int,
 ) -> tuple[float, float]:
-    """Return balanced recall of groups and of kinds, without the ends, where the hand rests."""
+    """Return balanced recall of groups and of kinds, without the ends of the timeline."""
     kinds = tuple(preset.kinds)
     rng = np.random.default_rng([seed, MODALITIES.index(modality)])
     forest, names = observing.train_observer(lessons, modality, kinds, rng)
@@ -142,7 +142,7 @@ def main() -> None:
                     rows.setdefault((who, modality, where, alpha), []).append(found)
         print(f"{repeat + 1} of {options.repeats}", flush=True)
     print(f"{preset.name}: balanced recall, %, {options.repeats} times {EVALUATED} timelines")
-    print("| the hand | sense | scaled | alpha | goal, card, minor | gain | kinds | gain |")
+    print("| movement | sense | scaled | alpha | goal, card, minor | gain | kinds | gain |")
     print("|---" * 8 + "|")
     for (who, modality, where, alpha), scores in rows.items():
         level = 100.0 * np.array(scores)

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import importlib
 import warnings
 from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
@@ -25,7 +24,6 @@ from typing import Any
 from overview_dsp.data.readers.data_file import DataFile, Format, LoadOptions
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, OverviewWarning
-from overview_dsp.installation import install_command
 
 GROUP = "overview_dsp.readers"
 
@@ -114,14 +112,3 @@ def _warn(package: str, what: str) -> None:
 
 def _error_text(error: Exception) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())[:200]
-
-
-def require_package(module: str, purpose: str, extra: str) -> Any:
-    """Import a module of an optional extra; InputError says how to install it."""
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise InputError(
-            f"{purpose} needs the package {module.partition('.')[0]} ({error}); install it: "
-            f"{install_command(extra)}"
-        ) from error

@@ -29,11 +29,11 @@ from overview_dsp.data.readers.cardiac.build import (
 from overview_dsp.data.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.data.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable_path
-from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
+from overview_dsp.installation import require_package
 
 _ANNOTATIONS = ".atr"
 

@@ -19,8 +19,8 @@ from overview_dsp.data.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
-from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.errors import InputError, shown
+from overview_dsp.installation import require_package
 
 MAX_SAMPLES = 1 << 31
 """Maximum number of samples of a signal: eight months at 100 Hz."""

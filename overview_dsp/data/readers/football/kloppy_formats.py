@@ -33,9 +33,9 @@ from overview_dsp.data.readers.football.match_timeline import (
     match_timeline,
     short_name,
 )
-from overview_dsp.data.readers.plugins import require_package
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
+from overview_dsp.installation import require_package
 
 MAX_BYTES = 16 * 2**20
 """Maximum file size without `max_mb`. A match has up to 5 MB; kloppy needs 20 times the memory."""
