@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Sequence
 
 from overview_dsp.data.readers.data_file import DataFile
@@ -28,12 +29,40 @@ _PACKED = {
     b"\x89PNG": "a picture: give the data it shows, as CSV",
     b"\xff\xd8\xff": "a picture: give the data it shows, as CSV",
 }
-_MARKUP = {
-    "<!doctype html": "a web page: save the file it links to, or its table as CSV",
-    "<html": "a web page: save the file it links to, or its table as CSV",
-    "<?xml": "XML: write the events as CSV with the columns time and event",
-}
+_AS_EVENTS = "write the events as CSV with the columns time and event"
+_XML = "<?xml"
+
+_PAGE = re.compile(r"<!doctype html|<html\b|<head\b|<body\b", re.I)
+_LOGIN = re.compile(r"type\s*=\s*[\"']?password", re.I)
+_FEED = re.compile(r"<(?:rss|feed|rdf:rdf)\b", re.I)
+_LYRICS = re.compile(r"\[(?:ti|ar|al|au|by|re|ve|offset|length):|\[\d{1,3}:\d\d\.\d{2,3}\]", re.I)
+_FIRST = 1000
+"""Number of characters in which the root element of XML begins, after comments."""
 _EVENT_LIST = "nearest: a table of events"
+
+
+def require_no_other_document(source: DataFile) -> None:
+    """Raise InputError for a web page, a login page, a news feed, lyrics and a blank file.
+
+    A reader of text would take them for a table or for broken JSON.
+    """
+    if source.head_text is None:
+        return
+    text = source.head_text.lstrip("\ufeff \r\n\t")
+    begin = text[:_FIRST]
+    what = None
+    if not text and source.size <= len(source.head):
+        what = "is blank; check how it was made, or get it again"
+    elif begin.startswith("<") and _FEED.search(begin):
+        what = f"is a news feed (RSS or Atom), not a timeline; {_AS_EVENTS}"
+    elif begin.startswith("<") and _PAGE.search(begin):
+        what = "is a web page; save the file it links to, or its table as CSV"
+        if _LOGIN.search(text):
+            what = "is a login page; sign in with a browser and save the file itself"
+    elif _LYRICS.match(begin):
+        what = "holds lyrics (LRC); write their lines as CSV with the columns time and label"
+    if what is not None:
+        raise InputError(f"{source.where}: {what}")
 
 
 def format_hint(source: DataFile) -> str:
@@ -45,12 +74,8 @@ def format_hint(source: DataFile) -> str:
     text = source.head_text
     if text is None:
         return "nearest: text (CSV, JSON), a recording, or a WFDB record"
-    begins = text.lstrip("\ufeff \r\n\t")[:20].lower()
-    for opening, words in _MARKUP.items():
-        if begins.startswith(opening):
-            return words
-    if not begins:
-        return f"{_EVENT_LIST}; its first row names the columns time and event"
+    if text.lstrip("\ufeff \r\n\t").lower().startswith(_XML):
+        return f"XML: {_AS_EVENTS}"
     if is_log(source):
         return "nearest: a log; its lines are counted with map='count' (--map count)"
     found = _json_table(source) if source.looks_like_json else _text_table(source)

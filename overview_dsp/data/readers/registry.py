@@ -150,6 +150,7 @@ def load_timeline(
     if times is not None:
         raise InputError("time names a column of a file; times themselves go with values in memory")
     with opened(data, options, _or_bundled()) as source:
+        format_hints.require_no_other_document(source)
         candidate = _format_of(source)
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
