@@ -52,7 +52,7 @@ def require_no_other_document(source: DataFile) -> None:
     begin = text[:_FIRST]
     what = None
     if not text and source.size <= len(source.head):
-        what = "is blank; check how it was made, or get it again"
+        what = "holds blanks only; check how it was made, or get it again"
     elif begin.startswith("<") and _FEED.search(begin):
         what = f"is a news feed (RSS or Atom), not a timeline; {_AS_EVENTS}"
     elif begin.startswith("<") and _PAGE.search(begin):

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from overview_dsp import installation
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.cardiac.wfdb_header import looks_like_header, parse_header
 from overview_dsp.data.timeline import Timeline
@@ -353,12 +354,10 @@ def test_a_record_of_noise_or_nothing_has_no_heartbeat(tmp_path: Path) -> None:
 
 
 def test_a_missing_package_is_one_line(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from overview_dsp.data.readers import plugins
-
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")
 
-    monkeypatch.setattr(plugins.importlib, "import_module", fail)
+    monkeypatch.setattr(installation, "import_module", fail)
     refused(record, r"reading a WFDB record needs the package wfdb .*\[ecg\]")
 
 

@@ -11,7 +11,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from overview_dsp.data.readers import load_timeline, plugins
+from overview_dsp import installation
+from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.football import wyscout
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
@@ -169,7 +170,7 @@ def test_a_missing_kloppy_is_one_line(tmp_path: Path, monkeypatch: pytest.Monkey
         raise ImportError(f"No module named '{name}'")
 
     path = copied(tmp_path, "wyscout v3")
-    monkeypatch.setattr(plugins.importlib, "import_module", fail)
+    monkeypatch.setattr(installation, "import_module", fail)
     with pytest.raises(
         InputError, match=r"reading Wyscout v3 .*kloppy .*pip install '[^']*\[football\]'"
     ):

@@ -23,7 +23,7 @@ DOCUMENTS = [
     ("xhtml.csv", '<?xml version="1.0"?><html><body>a</body></html>', "web page", "CSV"),
     ("data.csv", LOGIN, "login page", "sign in"),
     ("data.json", LOGIN.lower(), "login page", "sign in"),
-    ("blank.csv", " \r\n\t\n", "blank", "get it again"),
+    ("blank.csv", " \r\n\t\n", "blanks only", "get it again"),
     ("empty.json", "", "empty", "get it again"),
 ]
 
