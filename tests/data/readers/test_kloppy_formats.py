@@ -165,6 +165,17 @@ def test_of_several_beside_it_the_one_called_alike_is_taken(tmp_path: Path) -> N
         load_timeline(tmp_path / "events.xml")
 
 
+def test_a_name_that_is_no_text_is_one_line(tmp_path: Path) -> None:
+    path = copied(tmp_path, "wyscout v3")
+    document = json.loads(path.read_text())
+    for player in document["players"].values():
+        for one in player:
+            one["player"]["lastName"] = True
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"name of a player is True, not text"):
+        load_timeline(path)
+
+
 def test_a_missing_kloppy_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")

@@ -34,7 +34,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
 )
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, shown
 from overview_dsp.installation import require_package
 
 MAX_BYTES = 16 * 2**20
@@ -274,7 +274,7 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
     metadata = dataset.metadata
     date = metadata.date
     return match_timeline(
-        [team.name or f"team {team.team_id}" for team in metadata.teams],
+        [_name(team.name or f"team {team.team_id}", "team") for team in metadata.teams],
         begins,
         end_s,
         match_events,
@@ -344,7 +344,15 @@ def _result(event: Any) -> str:
 
 def _player(event: Any) -> str:
     player = event.player
-    return short_name(player.last_name or player.name or "") if player is not None else ""
+    if player is None:
+        return ""
+    return short_name(_name(player.last_name or player.name or "", "player"))
+
+
+def _name(value: object, of: str) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"the name of a {of} is {shown(value)}, not text; correct it in the file")
+    return value
 
 
 def _team(event: Any) -> int | None:
