@@ -8,6 +8,7 @@ have files of their own. The page only shows points of the data, never interpola
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -24,6 +25,7 @@ DERIVED_UNIT = "0..1"
 
 _MAX_DIGITS = 4
 _SAMPLE_SIZE = 1000
+_CHUNK = 1 << 20
 
 
 def has_values(timeline: Timeline) -> bool:
@@ -61,10 +63,13 @@ def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, A
     last = int(points.first_after(np.array([end_s]))[0])
     if last <= first:  # between two points: use both
         first, last = max(0, first - 1), min(curve.count, first + 1)
-    index = np.arange(first, last)
-    index = index[~in_gap(timeline.gaps, points.times_of(index))]
-    if len(index) > MAX_POINTS:
-        index = _thinned(timeline, index, start_s, end_s)
+    gap_starts, gap_ends = np.array(timeline.gaps, dtype=np.float64).reshape(-1, 2).T
+    firsts = np.append(first, points.first_from(gap_ends).clip(first, last))
+    stops = np.append(points.first_after(gap_starts).clip(first, last), last)
+    if (stops - firsts).sum() > MAX_POINTS:
+        index = _thinned(timeline, first, last, start_s, end_s)
+    else:
+        index = np.concatenate([np.arange(*run) for run in zip(firsts, stops, strict=True)])
     return {
         "time_s": [_number(one) for one in points.times_of(index)],
         "value": [_number(one) for one in np.asarray(curve.value[index])],
@@ -72,26 +77,34 @@ def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, A
 
 
 def _thinned(
-    timeline: Timeline, index: NDArray[np.int64], start_s: float, end_s: float
+    timeline: Timeline, first: int, last: int, start_s: float, end_s: float
 ) -> NDArray[np.int64]:
-    """Return at most `MAX_POINTS` of the points `index`, and those nearest to events."""
+    """Return about `MAX_POINTS` known points of a window, in which `last` - `first` points lie.
+
+    Points are read in chunks, since a series may be larger than the memory.
+    """
     curve = timeline.intensity
     assert curve is not None
-    times = curve.points.times_of(index)
-    values = np.asarray(curve.value[index], dtype=np.float64)
-    edges = np.linspace(start_s, end_s, MAX_POINTS // 4 + 1)[:-1]
-    starts = np.unique(np.searchsorted(times, edges))
-    starts = np.append(0, starts[(starts > 0) & (starts < len(index))])
-    span = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(index)))
+    points = curve.points
+    spans = points.first_from(np.linspace(start_s, end_s, MAX_POINTS // 4 + 1)[1:-1])
+    edges = np.unique([*spans.clip(first, last), *range(first, last, _CHUNK), last])
     kept = []
-    for extreme in (np.minimum, np.maximum):
-        found = np.flatnonzero(values == extreme.reduceat(values, starts)[span])
-        kept.append(found[np.unique(span[found], return_index=True)[1]])
+    for start, stop in itertools.pairwise(edges.tolist()):
+        index = np.arange(start, stop)
+        index = index[~in_gap(timeline.gaps, points.times_of(index))]
+        if len(index) > 0:
+            values = np.asarray(curve.value[index])
+            kept += [index[values.argmin()], index[values.argmax()]]
     at_events = [one.time_s for one in timeline.events if start_s <= one.time_s <= end_s]
     at = np.concatenate((np.linspace(start_s, end_s, MAX_POINTS // 2), at_events))
-    after = np.searchsorted(times, at).clip(1, len(times) - 1)
-    kept.append(np.where(at - times[after - 1] <= times[after] - at, after - 1, after))
-    return index[np.unique(np.concatenate(kept))]
+    for start_s, end_s in timeline.gaps:  # the nearest points are those at its ends
+        inside = (at > start_s) & (at < end_s)
+        at[inside] = np.where(at[inside] - start_s <= end_s - at[inside], start_s, end_s)
+    after = points.first_from(at).clip(first + 1, last - 1)
+    left, right = points.times_of(after - 1), points.times_of(after)
+    nearest = np.where(at - left <= right - at, after - 1, after)
+    nearest = nearest[~in_gap(timeline.gaps, points.times_of(nearest))]
+    return np.unique([*kept, *nearest])
 
 
 def drawn_curve(timeline: Timeline, angle_map: AngleMap, columns: int) -> dict[str, Any]:
@@ -125,7 +138,7 @@ def event_values(timeline: Timeline) -> list[float | int | None]:
     if timeline.intensity is None or not has_values(timeline):
         return [None] * len(timeline.events)
     times = np.array([one.time_s for one in timeline.events], dtype=np.float64)
-    values = timeline.intensity.at(times).astype(np.asarray(timeline.intensity.value).dtype)
+    values = timeline.intensity.at(times).astype(timeline.intensity.points.value.dtype)
     known = timeline.has_data(times)
     return [_number(one) if is_known else None for one, is_known in zip(values, known, strict=True)]
 

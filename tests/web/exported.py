@@ -11,7 +11,10 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import overview_dsp as ov
 from overview_dsp.web.assets import WEB
+from overview_dsp.web.static_site import write_site
+from tests.web.driving import PHONE, until
 
 POLICY = "; ".join(
     [
@@ -88,3 +91,19 @@ def opened_host(folder: Path) -> Iterator[Host]:
         yield host
     finally:
         host.close()
+
+
+@contextlib.contextmanager
+def opened_page(
+    chromium: Any, timeline: ov.Timeline, preset: str, folder: Path, levels: int = 0
+) -> Iterator[Any]:
+    """Export a timeline into a folder, and open the page on a phone; no fault may be shown."""
+    write_site(timeline, ov.load_preset(preset), folder, levels=levels)
+    with opened_host(folder) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.view && p.isStarted === false && (!p.info.series || p.view.points)")
+        yield page
+        assert page.text_content("#fault") == ""
+        context.close()

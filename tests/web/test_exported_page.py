@@ -429,9 +429,10 @@ def test_a_twist_holds_on_where_nobody_looks_and_keeps_the_screen_from_locking(o
         Object.defineProperty(navigator, "wakeLock", { value: { request } });
     }""")
     page.click("#twist")
-    page.evaluate("""() => dispatchEvent(
+    # a phone reports its orientation all the time
+    page.evaluate("""() => setInterval(() => dispatchEvent(
         new DeviceOrientationEvent("deviceorientation", { alpha: 0, beta: 0, gamma: 60 })
-    )""")
+    ), 50)""")
     until(page, "p.input.active === 'twist' && Math.abs(p.cursor - 1 / 3) < 0.02")
     until(page, "window.locks === 1")
     hide(page)

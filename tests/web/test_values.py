@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
+import tracemalloc
 from dataclasses import replace
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -13,12 +13,12 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
+from overview_dsp.data.timeline.curve_points import RegularTimes
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web import values
-from overview_dsp.web.static_site import write_site
-from tests.web.driving import PHONE, until
-from tests.web.exported import opened_host
+from tests.web.driving import until
+from tests.web.exported import opened_page
 
 AT = 0.004  # of a window: as near is at an event
 
@@ -29,19 +29,6 @@ SAID_AT = """(position) => {
     p.draw();
     return document.getElementById("slider").getAttribute("aria-valuetext");
 }"""
-
-
-@contextlib.contextmanager
-def page_of(chromium, timeline, preset, folder):
-    write_site(timeline, ov.load_preset(preset), folder, levels=0)
-    with opened_host(folder) as host:
-        context = chromium.new_context(viewport=PHONE)
-        page = context.new_page()
-        page.goto(host.url)
-        until(page, "p.view && (!p.info.series || p.view.points)")
-        yield page
-        assert page.text_content("#fault") == ""
-        context.close()
 
 
 def shared(name, **given):
@@ -63,7 +50,7 @@ def test_the_value_text_is_the_datas_own_at_every_position(
 ):
     timeline = shared(name, **given)
     times = np.asarray(timeline.intensity.time_s)
-    with page_of(chromium, timeline, preset, tmp_path / "site") as page:
+    with opened_page(chromium, timeline, preset, tmp_path / "site") as page:
         for position in np.random.default_rng(1).random(60):
             moment = position * timeline.duration_s
             event = min(timeline.events, key=lambda one: abs(one.time_s - moment))
@@ -84,7 +71,7 @@ def test_highest_lowest_first_and_last_by_key_and_by_button(chromium, tmp_path):
     curve = timeline.intensity
     timeline = replace(timeline, intensity=ov.Intensity(curve.time_s, curve.value, "dollars"))
     value = np.asarray(curve.value)
-    with page_of(chromium, timeline, "stocks", tmp_path / "site") as page:
+    with opened_page(chromium, timeline, "stocks", tmp_path / "site") as page:
 
         def says():
             page.wait_for_timeout(150)
@@ -120,7 +107,7 @@ def test_the_highest_of_a_part_is_that_parts(chromium, tmp_path):
     page_values = (
         "async ([view, way]) => (await import('./modules/values.js')).extremeOf(view, way)"
     )
-    with page_of(
+    with opened_page(
         chromium, ov.load_timeline("world-cup-final-2018"), "football", tmp_path / "s"
     ) as p:
         points = {"time_s": [0, 10, 20, 30, 40], "value": [9, 2, 5, 1, -3]}
@@ -145,6 +132,19 @@ def test_a_long_series_has_points_of_its_own_at_even_moments_and_events():
     part = values.points_json(timeline, 1000.0, 1100.0)
     assert part["time_s"] == list(range(1000, 1101))
     assert values.series_json(timeline)["complete"] is False
+
+
+def test_a_series_larger_than_the_memory_is_read_in_parts():
+    n = 4_000_000
+    curve = ov.Intensity(RegularTimes(n, 1.0), np.sin(np.arange(n) / 1e4))
+    timeline = ov.Timeline("long", float(n), (ov.Event(7.0, "note"),), curve, gaps=((50.0, 90.0),))
+    curve.points  # noqa: B018 - made once for all windows
+    tracemalloc.start()
+    points = values.points_json(timeline, 0.0, float(n))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(points["value"]) > values.MAX_POINTS // 2
+    assert peak < n  # bytes: an array of all points has 8 n
 
 
 def test_decimals_are_the_datas_but_no_more_than_can_be_heard():
@@ -232,7 +232,7 @@ def test_the_hour_is_told_where_a_date_alone_doesnt_say_which(
     times = np.arange(int(20 * 86_400 / interval_s)) * interval_s
     curve = ov.Intensity(times, np.sin(times / 1e5))
     timeline = ov.Timeline("t", times[-1], intensity=curve, start=datetime(2024, 3, 1))
-    with page_of(chromium, timeline, "stocks", tmp_path / "site") as page:
+    with opened_page(chromium, timeline, "stocks", tmp_path / "site") as page:
         labels = page.locator("#canvas text").all_text_contents()
         assert any(ticks in label for label in labels)
         assert all(":" not in label for label in labels)  # a day apart, or more

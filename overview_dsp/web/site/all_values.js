@@ -2,7 +2,7 @@
 
 import { byId } from "./dom.js";
 import { momentText, shortEvent } from "./descriptions.js";
-import { pointAt, valueText } from "./values.js";
+import { valueText } from "./values.js";
 
 /** @import { Info, View } from "../types" */
 
@@ -14,27 +14,25 @@ import { pointAt, valueText } from "./values.js";
 const ROWS = 500; // rows shown at a time
 
 /**
- * Return the rows of a window by time: each value with its events, and the events without a value.
+ * Return the rows of a window by time: each value, with the events at its time, and each other event.
  * @param {View} view
  * @param {Info} info
  * @returns {Row[]}
  */
 export function rowsOf(view, info) {
-  const { time_s: times, value } = view.points ?? { time_s: [], value: [] };
-  /** @type {Map<number, string[]>} */
-  const atPoint = new Map();
+  const { time_s: times, value: values } = view.points ?? { time_s: [], value: [] };
   /** @type {Row[]} */
-  const rows = [];
+  const rows = times.map((time_s, i) => ({ time_s, value: values[i], events: "" }))
+    .filter(({ time_s }) => time_s >= view.start_s && time_s <= view.end_s);
+  const microseconds = (/** @type {number} */ seconds) => Math.round(1e6 * seconds);
+  const atTime = new Map(rows.map((row) => [microseconds(row.time_s), row]));
   for (const event of view.events) {
-    const point = event.value === undefined ? -1 : pointAt(view, event.time_s);
+    const { time_s } = event;
     const text = shortEvent(event, info);
-    if (point >= 0) atPoint.set(point, [...(atPoint.get(point) ?? []), text]);
-    else rows.push({ time_s: event.time_s, value: undefined, events: text });
+    const row = atTime.get(microseconds(time_s));
+    if (row) row.events += row.events ? `; ${text}` : text;
+    else rows.push({ time_s, value: undefined, events: text });
   }
-  times.forEach((time_s, i) => {
-    if (time_s < view.start_s || time_s > view.end_s) return;
-    rows.push({ time_s, value: value[i], events: (atPoint.get(i) ?? []).join("; ") });
-  });
   return rows.sort((a, b) => a.time_s - b.time_s);
 }
 

@@ -83,6 +83,12 @@ test("the table has each value once, and quotes what a comma would split", () =>
   assert.ok(lines.some((line) => line.includes('a ""quoted"", label')));
   const times = rows.map(({ time_s }) => time_s);
   assert.deepEqual(times, times.toSorted((a, b) => a - b));
+  // an event is at its own time, and never moved to that of a value
+  for (const { label, time_s } of view.events) {
+    const [row, ...more] = rows.filter(({ events }) => events.includes(label));
+    assert.equal(more.length, 0, label);
+    assert.ok(Math.abs(row.time_s - time_s) < 1e-6, label);
+  }
   const days = { ...INFO, start: "2024-02-28T00:00:00+01:00" };
   assert.ok(csvOf([{ time_s: 172800, value: 3, events: "" }], days).includes("2024-03-01T00:00:00+01:00,3,"));
 });
