@@ -62,6 +62,8 @@ export interface View extends Part {
   strike_events: number[];
   scale: [number, number];
   points: Points | null;
+  /** Distance (0 to 1) at which a position is at an event; `ViewState` sets it for the picture. */
+  tolerance?: number;
   /** Position up to which a live timeline is known. */
   now?: number;
 }

@@ -487,6 +487,7 @@ def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, sp
         marks = np.concatenate(([0.0], surface.angle_map.events, [1.0]))
         widest = int(np.diff(marks).argmax())  # near an event its own moment counts
         position = float(marks[widest : widest + 2].mean())
+        page.evaluate("overview.view.tolerance = 1e-6")
         page.evaluate("(position) => overview.navigation.to(position)", position)
         minutes, seconds = divmod(round(start + float(surface.time_at(position))), 60)
         assert page.evaluate("overview.moment") == pytest.approx(start + surface.time_at(position))
@@ -695,6 +696,8 @@ def test_no_time_before_zero_is_ever_shown(opened):
     page.mouse.move(*at(page, 0.1))
     page.mouse.down()
     until(page, "p.cursor > 0.09")
+    page.mouse.move(0, at(page, 0)[1], steps=20)
+    until(page, "document.getElementById('clock').textContent === '0:00'")
     page.mouse.up()
     until(page, "p.cursor < 0.0005")
     page.evaluate(

@@ -6,6 +6,7 @@ import contextlib
 import time
 import wave
 
+import numpy as np
 import pytest
 
 import overview_dsp as ov
@@ -258,6 +259,68 @@ def test_what_was_felt_last_is_watched_after_the_finger_is_lifted(
         until(tab, "p.cursor < 0.001")  # it has run back over all the others
         tab.click("#play")
         watched(tab)
+
+
+def test_the_place_of_the_finger_is_read_and_watched_after_a_short_drag(
+    match, springy_file, chromium, tmp_path
+):
+    surface = ov.build_surface(MATCH, ov.load_preset(str(springy_file)))
+    events = surface.angle_map.events
+    goals = [i for i, event in enumerate(MATCH.events) if "goal" in event.kind]
+    between = float(events[np.diff(events).argmax()] + np.diff(events).max() / 2)
+    with with_film(match, springy_file, chromium, tmp_path) as tab:
+        tab.evaluate("overview.served.film.play = async (...told) => { window.watched = told; }")
+        for position, event in [*((events[i], MATCH.events[i]) for i in goals), (between, None)]:
+            x, y = at(tab, float(position))
+            tab.mouse.move(*at(tab, max(float(position) - 0.2, 0.0)))
+            tab.mouse.down()
+            for step in range(1, 13):  # 0.6 s: the disk trails the finger
+                tab.mouse.move(x + (step - 12) * 6.0, y)
+                tab.wait_for_timeout(50)
+            tab.mouse.up()
+            tab.click("#play")
+            until(tab, "window.watched")
+            moment, title = tab.evaluate("watched")
+            tab.evaluate("delete window.watched")
+            clock, name = tab.text_content("#clock"), tab.text_content("#event")
+            if event is None:
+                assert moment == pytest.approx(float(surface.time_at(position)), abs=20.0)
+                assert (title, name) == (clock, "")
+            else:
+                assert moment == event.time_s
+                assert event.label in title
+                assert title == name
+            # finger, number and picture show one moment
+            until(tab, "p.cursor < 0.001")
+            line = tab.evaluate("new DOMMatrix(getComputedStyle(cursor).transform).e")
+            assert line == pytest.approx(x - tab.locator("#canvas").bounding_box()["x"], abs=3.0)
+
+
+def test_a_shared_link_lets_its_receiver_in_if_the_user_says_so(match, chromium):
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
+        until(tab, "p.view")
+        tab.evaluate("""() => {
+            window.shared = [];
+            navigator.share = async (what) => { shared.push(what); };
+        }""")
+        tab.click("#settings")
+        tab.click("#share")
+        until(tab, "shared.length === 1")
+        tab.check("#share-access input")
+        tab.click("#share")
+        until(tab, "shared.length === 2")
+        without, access = tab.evaluate("shared.map(({ url }) => url)")
+        assert server.access.token not in without
+        says(tab, "share", "for this computer only")
+        for link, opens in ((without, False), (access, True)):
+            context = chromium.new_context(viewport=PHONE)
+            other = context.new_page()
+            other.goto(link)
+            if opens:
+                until(other, "p.view")
+            else:
+                other.locator("#fault:not(:empty)").wait_for()
+            context.close()
 
 
 def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(

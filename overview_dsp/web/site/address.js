@@ -1,4 +1,5 @@
-// Page state in the URL fragment: #at=goal:5&play=sweep:10&window=1200:3000&preset=stadium.
+// Page state in the URL fragment: #at=goal:5&play=sweep:10&window=1200:3000&preset=stadium. Times and
+// numbers of events count on the whole timeline.
 
 /** Return at, play, window and preset of the fragment; each is a string or null. */
 export function readAddress() {
@@ -14,21 +15,20 @@ export function readAddress() {
 export function linkTo(state) {
   const address = new URL(location.href);
   const parameters = Object.entries(state).filter(([, value]) => value);
-  address.hash = parameters.map(([key, value]) => `${key}=${encodeURI(value)}`).join("&");
+  address.hash = parameters.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%3A", ":")}`).join("&");
   return address.href;
 }
 
 /**
  * Return the time (s) of an event ("goal:5": the fifth), of seconds, or of 67:30; null if unknown.
- * @param {string | null} at
- * @param {{ kind: string, time_s: number }[]} events
+ * @param {string} at
+ * @param {{ kind: string, time_s: number }[]} events of the whole timeline
  */
 export function momentAt(at, events) {
-  if (at === null) return null;
   const clock = at.match(/^(?:(\d+):)?(\d+):(\d+(?:\.\d+)?)$/);
   if (clock) return 3600 * Number(clock[1] ?? 0) + 60 * Number(clock[2]) + Number(clock[3]);
   if (/^\d+(\.\d+)?$/.test(at)) return Number(at);
-  const [kind, number = "1"] = at.split(":");
+  const [, kind, number = "1"] = at.match(/^(.*?)(?::(\d+))?$/);
   return events.filter((event) => event.kind === kind)[Number(number) - 1]?.time_s ?? null;
 }
 

@@ -75,6 +75,17 @@ export class CombinedInput {
   }
 
   /**
+   * Move the position after a change of the window: of keys, or of a released input.
+   * @param {number} position
+   */
+  stayAt(position) {
+    const target = Math.min(Math.max(position, 0), 1);
+    if (Math.abs(target - this.position) < 1e-9) return;
+    if (this.active === "keys") this.touchAgain("keys", target);
+    else if (this.active === null) this.position = target;
+  }
+
+  /**
    * Release a source; another source that touches becomes active.
    * @param {Source} source
    */

@@ -3,10 +3,13 @@
 import { positionAt, secondsAt } from "./angle_map.js";
 import { pointAt, rangeOf, valueText } from "./values.js";
 
-export const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event
+const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
 export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
 
 /** @import { Info, TimelineEvent, View } from "../types" */
+
+/** Return the distance (0 to 1) at which a position is at an event. @param {View} view */
+export const toleranceOf = (view) => view.tolerance ?? TOLERANCE;
 
 // created once: each takes longer than the rest of a frame
 const DAYS = new Intl.DateTimeFormat("en-GB", {
@@ -124,7 +127,7 @@ export function eventAt(view, position) {
   let nearest = null;
   for (const event of view.events) {
     const away = Math.abs(event.position - position);
-    if (away <= TOLERANCE && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
+    if (away <= toleranceOf(view) && (!nearest || away < Math.abs(nearest.position - position))) nearest = event;
   }
   if (nearest === null || Math.abs(nearest.position - position) < EXACT) return nearest;
   return isAtPoint(view, position) ? null : nearest;
@@ -215,7 +218,7 @@ export function scoresOf(view) {
  * @param {number} position
  */
 export function scoreAt(view, position) {
-  return scoresOf(view).slice(1).filter((one) => one.position <= position + TOLERANCE).at(-1)?.text ?? "";
+  return scoresOf(view).slice(1).filter((one) => one.position <= position + toleranceOf(view)).at(-1)?.text ?? "";
 }
 
 /**

@@ -5,7 +5,6 @@ import { EventList } from "./event_list.js";
 import { HELP, listenToKeys } from "./keys.js";
 import { bindSettings } from "./settings.js";
 import { listenToTouch } from "./touch.js";
-import { eventAt } from "./descriptions.js";
 
 /** @import { TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
@@ -33,16 +32,13 @@ export function listen(page) {
   // a screen reader changes the value by gestures
   slider.addEventListener("input", () => {
     page.start();
-    navigation.step(Math.sign(Number(slider.value) / 100 - page.position));
+    navigation.step(Math.sign(Number(slider.value) / 100 - page.reading));
   });
   element.addEventListener("wheel", (/** @type {WheelEvent} */ event) => {
     event.preventDefault();
     viewState.wheel(event);
   }, { passive: false });
-  input.onchange = () => {
-    if (input.active === "keys") page.lastEvent = eventAt(page.view, page.position) ?? page.lastEvent;
-    page.wake();
-  };
+  input.onchange = () => page.wake();
   /** @type {(id: string, act: () => void) => void} */
   const click = (id, act) => byId(id).addEventListener("click", () => {
     page.start();
@@ -78,6 +74,7 @@ export function listen(page) {
   window.addEventListener("pagehide", () => page.pause());
   new ResizeObserver(() => {
     page.picture.resize();
+    viewState.resize();
     page.wake();
   }).observe(byId("canvas"));
   // with large text the page may scroll before a touch
@@ -88,7 +85,7 @@ export function listen(page) {
     page.showAbout();
     page.wake();
   });
-  return new EventList(page.info, navigation, (event) => page.goTo(event.position, event), watch);
+  return new EventList(page.info, navigation, (event) => page.goTo(event.position), watch);
 }
 
 /**

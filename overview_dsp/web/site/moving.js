@@ -1,4 +1,4 @@
-// Moving parts of the picture: cursor, finger, and the disk's needle. They are elements that the
+// Moving parts of the picture: line and dot of the finger, ring and needle of the disk. They are elements that the
 // browser's compositor moves without painting.
 
 import { byId } from "./dom.js";
@@ -7,7 +7,7 @@ import { levelAt, resistanceAt } from "./layer.js";
 
 /** @import { Geometry, Info, View } from "../types" */
 
-const NAMES = ["cursor", "dot", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
+const NAMES = ["cursor", "dot", "ring", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
 const STEPS = 20; // size steps of the friction marks
 
 /** @param {number} position */
@@ -39,7 +39,7 @@ export class Moving {
   }
 
   /**
-   * `state` has cursor and input (0 to 1) and touching.
+   * `cursor` is the disk's position (0 to 1), `input` that which is read out.
    * @param {Geometry} g
    * @param {View} view
    * @param {{ cursor: number, input: number, touching: boolean }} state
@@ -47,20 +47,25 @@ export class Moving {
    */
   show(g, view, { cursor, input, touching }, info) {
     const x = g.x(cursor);
-    const level = levelAt(view, cursor);
-    const y = g.y(level ?? 0);
+    const to = g.x(input);
+    const [level, inputLevel] = [levelAt(view, cursor), levelAt(view, input)];
     const friction = Math.log10(Math.max(1, resistanceAt(view, cursor) / info.base_friction)) / 2;
     const grip = Math.min(friction, 1);
-    this.put("cursor", `translateX(${x.toFixed(1)}px)`);
-    this.put("dot", `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`);
-    this.setVisible("dot", level !== null);
+    this.put("cursor", `translateX(${to.toFixed(1)}px)`);
+    this.put("dot", `translate(${to.toFixed(1)}px, ${g.y(inputLevel ?? 0).toFixed(1)}px)`);
+    this.setVisible("dot", inputLevel !== null);
+    this.put("ring", `translate(${x.toFixed(1)}px, ${g.y(level ?? 0).toFixed(1)}px)`);
+    this.setVisible("ring", level !== null);
     // sized by the friction, in steps too small to see
     const size = Math.ceil(STEPS * grip) / STEPS;
     this.put("halo", `scale(${0.4 + 0.6 * size})`);
+    if (this.set.get("touching") !== touching) {
+      this.set.set("touching", touching);
+      byId("stage").classList.toggle("released", !touching);
+    }
     this.setVisible("finger", touching);
     this.setVisible("pull", touching);
     if (touching) {
-      const to = g.x(input);
       this.put("finger", `translateX(${to.toFixed(1)}px)`);
       const width = Math.abs(to - x).toFixed(1);
       this.put("pull", `translateX(${Math.min(x, to).toFixed(1)}px) scaleX(${width})`);

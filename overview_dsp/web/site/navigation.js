@@ -68,7 +68,7 @@ export class Navigation {
    * @param {boolean} isStep whether the disk is pulled on, and each value has a stop of its own
    */
   async toStop(stopsOf, direction, isStep = false) {
-    let next = nextStop(stopsOf(this.viewState.view), this.input.position, direction);
+    let next = nextStop(stopsOf(this.viewState.view), this.viewState.reading, direction);
     if (next === undefined) {
       const now = this.viewState.moment;
       if (await this.viewState.shift(direction)) {

@@ -73,8 +73,6 @@ export class Page {
     /** @type {DiskState | null} */
     this.meters = null;
     this.cursor = 0;
-    /** @type {TimelineEvent | null} */
-    this.lastEvent = null; // last event that the disk met
     /** @type {AllValues | null} */
     this.allValues = null;
     this.isStarted = false;
@@ -107,6 +105,7 @@ export class Page {
       this.live = new Live(this, this.info.live);
     }
     await this.playback.follow(readAddress());
+    window.addEventListener("hashchange", () => this.playback.followChange());
     this.wake();
   }
 
@@ -130,14 +129,14 @@ export class Page {
     return this.served?.editor ?? null;
   }
 
-  /** The event at the touched disk, or else the last one that the disk met. */
+  /** The event at which the input is, or was released. */
   get currentEvent() {
-    return this.input.active === null ? this.lastEvent : eventAt(this.view, this.userPosition);
+    return eventAt(this.view, this.position);
   }
 
-  /** The position that the user feels; keys move the input first. */
-  get userPosition() {
-    return this.input.active === "keys" ? this.position : this.cursor;
+  /** The position that is read out; where others move a host's disk, the disk's. */
+  get reading() {
+    return this.atHost && this.input.active === null ? this.cursor : this.viewState.reading;
   }
 
   /**
@@ -148,12 +147,8 @@ export class Page {
     return positionAt(this.view, moment);
   }
 
-  /**
-   * @param {number} position
-   * @param {TimelineEvent | null} event
-   */
-  goTo(position, event) {
-    this.lastEvent = event;
+  /** @param {number} position */
+  goTo(position) {
     this.navigation.to(position);
     byId("slider").focus();
   }
@@ -190,9 +185,7 @@ export class Page {
    */
   onTap(x, y) {
     const event = this.film === null ? null : this.picture.markAt(x, y);
-    if (event === null) return;
-    this.lastEvent = event;
-    this.served.watch(event);
+    if (event !== null) this.served.watch(event);
   }
 
   /** Start the sound; browsers allow that only in a touch, a key press or a click. */
@@ -318,7 +311,6 @@ export class Page {
     this.cursor = Math.min(Math.max(state.cursor, 0), 1);
     this.picture.trace.push(state.torque, state.newStrikes);
     this.frames.setAtRest(this.input.active === null && state.cursor < 1e-4 && state.envelope < 1e-4);
-    if (this.input.active !== null) this.lastEvent = eventAt(this.view, this.userPosition) ?? this.lastEvent;
     const { events, strike_events: strikeEvents } = this.view;
     const passed = this.atHost
       ? [eventPassed(this.view, before, this.cursor)]
@@ -338,14 +330,13 @@ export class Page {
       this.motor.play(patterns, peak / this.gain, performance.now());
     }
     const last = passed.at(-1);
-    if (last && ![null, "keys"].includes(this.input.active)) this.lastEvent = last;
     if (last && this.input.active !== "keys") this.speech.speak(eventText(last, this.info));
   }
 
   draw() {
     const touching = this.input.active !== null;
-    this.picture.draw({ cursor: this.cursor, input: this.position, touching });
-    this.slider.show(this.view, this.position, this.cursor, this.info);
+    this.picture.draw({ cursor: this.cursor, input: this.reading, touching });
+    this.slider.show(this.view, this.reading, this.info);
   }
 }
 

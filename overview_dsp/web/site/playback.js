@@ -1,14 +1,16 @@
 // Play, Share, and the actions of the URL.
 
-import { linkTo, momentAt, eventName } from "./address.js";
+import { eventName, linkTo, momentAt, readAddress } from "./address.js";
 import { byId } from "./dom.js";
 import { gestureOf, Player, gestureText } from "./player.js";
-import { partAround, partBetween } from "./windows.js";
-import { eventAt } from "./descriptions.js";
+import { partBetween, partContaining } from "./windows.js";
+import { momentText } from "./descriptions.js";
+import { accessToken, openSession } from "./session.js";
 
-/** @import { Gesture } from "../types" */
+/** @import { Gesture, Part } from "../types" */
 /** @import { Page } from "./page.js" */
 
+const LOOPBACK = /^(localhost|127\..*|\[::1\])$/;
 const SHARED_MS = 3000;
 const SILENT_MS = 2000; // longer than a working sound output needs to start
 
@@ -63,55 +65,138 @@ export class Playback {
   }
 
   /**
-   * Apply the fields of the URL; its gesture waits for a touch.
+   * Apply the fields of the URL; its gesture waits for a touch. Each field works without the others.
    * @param {Record<string, string | null>} address
    */
   async follow({ at, play, window, preset }) {
-    const { page } = this;
-    const { windows, duration_s, server } = page.info;
+    /** @type {string[]} */
+    const faults = [];
+    const steps = [
+      preset && (() => this.usePreset(preset)), window && (() => this.showWindow(window)),
+      at && (() => this.goTo(at, window)), () => this.offer(play),
+    ];
+    for (const step of steps) {
+      try {
+        if (step) await step();
+      } catch (error) {
+        faults.push(error.message);
+      }
+    }
+    if (faults.length > 0) this.page.fault(faults.join("; "));
+  }
+
+  /** Follow another link that was opened in this page. */
+  async followChange() {
     try {
-      if (preset && server) await page.served.editor.use(preset);
-      const range = /** @type {[number, number]} */ (window?.split(":").map(Number));
-      if (range && range[0] >= 0 && range[1] > range[0] && range[1] <= duration_s) {
-        const part = partBetween(windows, range);
-        await page.viewState.go(part.number >= 0 || server
-          ? part : partAround(windows, part.zoom, (range[0] + range[1]) / 2));
-      }
-      const moment = momentAt(at, page.view.events);
-      if (at && moment === null) throw new Error(`unknown position ${at}; use goal:5, 67:30 or seconds`);
-      if (moment !== null) {
-        const position = page.positionAt(moment);
-        page.goTo(position, eventAt(page.view, position));
-      }
-      this.linkedGesture = gestureOf(play);
-      if (play && this.linkedGesture === null) {
-        throw new Error(`unknown gesture ${play}; use sweep:10 or tap:0.5`);
+      await openSession();
+    } catch (error) {
+      this.page.fault(error.message);
+      return;
+    }
+    this.page.fault("");
+    await this.follow(readAddress());
+  }
+
+  /** @param {string} preset */
+  async usePreset(preset) {
+    const { info, served } = this.page;
+    if (info.server) await served.editor.use(preset);
+    else if (preset !== info.preset) {
+      throw new Error(`this page has no preset ${preset}, only ${info.preset}; a page of overview serve has all`);
+    }
+  }
+
+  /** @param {string} text START:END in s */
+  async showWindow(text) {
+    const { windows, duration_s, server } = this.page.info;
+    const fields = text.split(":");
+    const [start, end] = fields.map(Number);
+    if (fields.length !== 2 || fields.includes("") || !(start >= 0 && end > start && end <= duration_s)) {
+      throw new Error(`unknown window ${text}; use START:END in seconds, 0 to ${Math.floor(duration_s)}`);
+    }
+    const part = partBetween(windows, [start, end]);
+    await this.show(part.number >= 0 || server ? part : partContaining(windows, [start, end]));
+  }
+
+  /**
+   * Show a part, after a change that is under way.
+   * @param {Part} part
+   */
+  async show(part) {
+    const { viewState } = this.page;
+    await viewState.change;
+    await viewState.go(part);
+  }
+
+  /**
+   * Go to a position; without a `window` of the link, show the whole timeline if that has it.
+   * @param {string} at
+   * @param {string | null} window
+   */
+  async goTo(at, window) {
+    const { page } = this;
+    const { windows, duration_s } = page.info;
+    const whole = partBetween(windows, [0, duration_s]);
+    const moment = momentAt(at, await this.allEvents());
+    if (moment === null) throw new Error(`unknown position ${at}; use goal:5, 67:30 or seconds`);
+    const text = momentText(moment, page.info);
+    if (moment > duration_s) {
+      throw new Error(`position ${at} (${text}) is after the end, ${momentText(duration_s, page.info)}`);
+    }
+    const isOutside = () => moment < page.view.start_s || moment > page.view.end_s;
+    if (isOutside() && !window) await this.show(whole);
+    if (isOutside()) {
+      const { start_s, end_s } = page.view;
+      const ends = [start_s, end_s].map((one) => momentText(one, page.info)).join(" to ");
+      throw new Error(`position ${at} (${text}) is outside of the window, ${ends}`);
+    }
+    page.goTo(page.positionAt(moment));
+  }
+
+  /** Return the events of the whole timeline, without those that only a zoomed window has. */
+  async allEvents() {
+    const { view, data, info } = this.page;
+    return (view.zoom === 0 ? view : await data.view(partBetween(info.windows, [0, info.duration_s]))).events;
+  }
+
+  /**
+   * Offer the gesture of the URL.
+   * @param {string | null} play
+   */
+  offer(play) {
+    this.linkedGesture = gestureOf(play);
+    byId("start").hidden = this.linkedGesture === null;
+    byId("share-play").checked = this.linkedGesture !== null;
+    byId("share-access").hidden = accessToken() === "";
+    if (play && this.linkedGesture === null) {
+      throw new Error(`unknown gesture ${play}; use sweep:10 or tap:0.5`);
+    }
+  }
+
+  /** Share a link to this position and window; with the gesture and the server's token if chosen. */
+  async share() {
+    const { page } = this;
+    const { view, info, currentEvent, moment } = page;
+    const button = byId("share");
+    try {
+      const address = linkTo({
+        at: currentEvent ? eventName(currentEvent, await this.allEvents()) : String(Math.round(moment)),
+        window: view.zoom > 0 ? `${view.start_s}:${view.end_s}` : null,
+        preset: info.server ? page.editor?.playing?.name : null,
+        play: byId("share-play").checked ? gestureText(this.gesture) : null,
+        token: byId("share-access").querySelector("input").checked ? accessToken() : null,
+      });
+      try {
+        if (navigator.share) await navigator.share({ title: info.title, url: address });
+        else await navigator.clipboard.writeText(address);
+        button.textContent = navigator.share ? "Shared" : "Link copied";
+        if (LOOPBACK.test(location.hostname)) button.textContent += ", for this computer only";
+      } catch (error) {
+        if (error.name !== "AbortError") page.fault(`this browser can't share; copy the link: ${address}`);
       }
     } catch (error) {
       page.fault(error.message);
     }
-    byId("start").hidden = this.linkedGesture === null;
-  }
-
-  /** Share a link to this position, window and gesture. */
-  async share() {
-    const { page } = this;
-    const { view, info } = page;
-    const { currentEvent } = page;
-    const address = linkTo({
-      at: currentEvent && eventName(currentEvent, view.events),
-      window: view.zoom > 0 ? `${Math.round(view.start_s)}:${Math.round(view.end_s)}` : null,
-      preset: info.server ? page.editor?.playing?.name : null,
-      play: gestureText(this.gesture),
-    });
-    try {
-      if (navigator.share) await navigator.share({ title: info.title, url: address });
-      else await navigator.clipboard.writeText(address);
-      byId("share").textContent = navigator.share ? "Shared" : "Link copied";
-    } catch (error) {
-      if (error.name === "AbortError") return; // cancelled by the user
-      page.fault(`this browser can't share; copy the link: ${address}`);
-    }
-    setTimeout(() => (byId("share").textContent = "Share"), SHARED_MS);
+    setTimeout(() => (button.textContent = "Share"), SHARED_MS);
   }
 }

@@ -75,14 +75,14 @@ export class Served {
   }
 
   /**
-   * Play the film from a little before an event or the cursor.
+   * Play the film from a little before an event, or before the position that is read out.
    * @param {TimelineEvent | null} event
    */
   watch(event) {
     const { film, page } = this;
     if (film === null) return;
-    const { view, info, cursor } = page;
-    const moment = event?.time_s ?? secondsAt(view, cursor);
+    const { view, info, reading } = page;
+    const moment = event?.time_s ?? secondsAt(view, reading);
     const title = event ? eventText(event, info) : momentText(moment, info);
     page.pause();
     film.play(moment, title).catch((error) => page.fault(error.message));

@@ -1,9 +1,15 @@
 // Requests to the server. The token of the URL is exchanged for a cookie and removed from the URL.
 
+let token = ""; // of the URL that opened this page
+
+/** Return the token that opened this page; "" without one, or after a reload. */
+export const accessToken = () => token;
+
 export async function openSession() {
   const fields = location.hash.slice(1).split("&");
-  const token = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (!token) return;
+  const given = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (!given) return;
+  token = given;
   await request("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
   const rest = fields.filter((one) => !one.startsWith("token=")).join("&");
   history.replaceState(null, "", location.pathname + (rest ? `#${rest}` : ""));

@@ -38,30 +38,29 @@ export class Slider {
   }
 
   /**
-   * Update the texts for an input at `position` and a disk at `cursor`.
+   * Update the texts for the position that is read out.
    * @param {View} view
    * @param {number} position
-   * @param {number} cursor
    * @param {Info} info
    */
-  show(view, position, cursor, info, now = performance.now()) {
+  show(view, position, info, now = performance.now()) {
     this.frames += 1;
     const since = now - this.updatedAt;
     if (since < EVERY_MS || (since < LATE_MS && this.frames < EVERY_FRAMES)) return;
     this.updatedAt = now;
     this.frames = 0;
     const { clock, value, event } = this.parts;
-    const [oldView, oldCursor, oldPoints] = this.at;
+    const [oldView, oldPosition, oldPoints] = this.at;
     const other = view !== oldView || view.points !== oldPoints;
-    this.at = [view, cursor, view.points];
+    this.at = [view, position, view.points];
     if (other) this.parts.summary.textContent = summaryText(view, info);
     if (other || position !== this.position) this.setValue(position, positionText(view, position, info));
-    if (other || cursor !== oldCursor) {
-      const here = eventAt(view, cursor);
-      const moment = momentText(secondsAt(view, cursor), info);
+    if (other || position !== oldPosition) {
+      const here = eventAt(view, position);
+      const moment = momentText(here?.time_s ?? secondsAt(view, position), info);
       set(clock, "textContent", moment);
       clock.classList.toggle("long", moment.length > MOST);
-      set(value, "textContent", valueAt(view, cursor, info) || scoreAt(view, cursor));
+      set(value, "textContent", valueAt(view, position, info) || scoreAt(view, position));
       set(event, "textContent", here ? shortEvent(here, info) : "");
     }
   }

@@ -1,7 +1,7 @@
 // Positions of a window at which keys and buttons stop: each value and each event exactly once.
 
 import { positionAt } from "./angle_map.js";
-import { EXACT, TOLERANCE } from "./descriptions.js";
+import { EXACT, toleranceOf } from "./descriptions.js";
 
 /** @import { View } from "../types" */
 
@@ -31,7 +31,7 @@ export function allStops(view) {
   const events = eventStops(view);
   if (values.length > 0) return distinct([...values, ...events]);
   const steps = Array.from({ length: GRID + 1 }, (_, i) => i / GRID)
-    .filter((step) => events.every((position) => Math.abs(position - step) > TOLERANCE));
+    .filter((step) => events.every((position) => Math.abs(position - step) > toleranceOf(view)));
   return distinct([...events, ...steps]);
 }
 

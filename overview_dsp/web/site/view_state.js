@@ -3,13 +3,14 @@
 import { positionAt, secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
 import { levels, partAround, neighbourPart, partBetween } from "./windows.js";
-import { momentText } from "./descriptions.js";
+import { eventAt, momentText } from "./descriptions.js";
 
 /** @import { TimeRange, Part, AudioBackend, View } from "../types" */
 /** @import { Data } from "./data.js" */
 /** @import { CombinedInput } from "./combined_input.js" */
 /** @import { Picture } from "./picture.js" */
 
+const EVENT_PX = 3; // distance at which a position is at an event
 const WHEEL_PX = 60; // per step
 const WHEEL_REST_MS = 250; // pause that ends a turn of the wheel
 const REST_MS = 250; // pause of a slider before the picture is drawn
@@ -35,6 +36,7 @@ export class ViewState {
     /** @type {TimeRange | null} */
     this.soundingPart = null; // part whose surface is active
     this.isChanging = false;
+    this.change = Promise.resolve(true); // the latest change, settled once its view is shown
     /** Settled once the values of the view are loaded. */
     this.pointsLoaded = Promise.resolve();
     /** @type {Part | null} */
@@ -55,9 +57,21 @@ export class ViewState {
     if (!isSame(view, soundingPart)) (await this.sound.show(view))();
   }
 
-  /** The time (s) at the input's position. */
+  /** The position that is read out and drawn: the input's, or that of an event close to it. */
+  get reading() {
+    const { position } = this.input;
+    return eventAt(this.view, position)?.position ?? position;
+  }
+
+  /** The time (s) that is read out. */
   get moment() {
-    return secondsAt(this.view, this.input.position);
+    return secondsAt(this.view, this.reading);
+  }
+
+  /** Update what depends on the picture's size. */
+  resize() {
+    const { left, right } = this.picture.geometry;
+    this.view.tolerance = EVENT_PX / Math.max(right - left, 1);
   }
 
   /** @param {number} direction */
@@ -117,23 +131,25 @@ export class ViewState {
   }
 
   /**
-   * Show a part and activate its surface; keys keep their time.
+   * Show a part and activate its surface; keys and a released input keep their time.
    * @param {Part} part
    */
-  async go(part) {
-    if (this.isChanging || isSame(part, this.view)) return false;
+  go(part) {
+    if (this.isChanging || isSame(part, this.view)) return Promise.resolve(false);
     this.isChanging = true;
+    this.change = this.changeTo(part);
+    return this.change;
+  }
+
+  /** @param {Part} part */
+  async changeTo(part) {
     try {
       const [view, apply] = await Promise.all([
         this.data.view(part), isSame(part, this.soundingPart) ? null : this.sound.show(part),
       ]);
-      const moment = this.view === null ? 0 : this.moment;
       apply?.();
       this.soundingPart = part;
       this.setView(view);
-      if (this.input.active === "keys") {
-        this.input.touchAgain("keys", positionAt(view, moment));
-      }
       this.updateControls();
       this.onfault("");
       return true;
@@ -147,8 +163,11 @@ export class ViewState {
 
   /** @param {View} view */
   setView(view) {
+    const moment = this.view === null ? view.start_s : this.moment;
     this.view = view;
     this.picture.show(view);
+    this.resize();
+    this.input.stayAt(positionAt(view, moment));
     this.onshow();
     this.pointsLoaded = this.fetchPoints(view);
   }

@@ -36,6 +36,18 @@ export function partBetween(windows, [start, end]) {
   return { number, zoom, start_s: start, end_s: end };
 }
 
+/**
+ * Return the shortest listed part that contains a window (s).
+ * @param {Window[]} windows
+ * @param {[number, number]} ends
+ */
+export function partContaining(windows, [start, end]) {
+  /** @param {number} i */
+  const length = (i) => windows[i].end_s - windows[i].start_s;
+  const holding = [...windows.keys()].filter((i) => windows[i].start_s <= start && windows[i].end_s >= end);
+  return partOf(windows, holding.reduce((a, b) => (length(b) < length(a) ? b : a), 0));
+}
+
 /** @type {(window: Window) => boolean} */
 const anyWindow = () => true;
 
