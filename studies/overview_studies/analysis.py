@@ -90,6 +90,7 @@ class Analysis:
         return {
             "study": study["name"],
             "title": study["title"],
+            "simulated": self.answers.simulated,
             "design_sha256": study["design_sha256"],
             "program": study["program"],
             "participants": len(self.answers.sessions),

@@ -19,6 +19,11 @@ from overview_studies.store import Session, Store
 OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
 """Required columns of an offline page's CSV."""
 
+MARK = "SIMULATED"
+"""Mark of names, titles and rows made from simulated answers."""
+SIMULATED = "simulated observer"
+"""Source of simulated answers."""
+
 _HEAD = (
     "participant",
     "session",
@@ -62,6 +67,7 @@ COLUMN_DESCRIPTIONS = {
     "rt_ms": "time from the first possible answer to the answer, ms",
     "presentations": "number of presentations of the stimulus",
     "source": "input that moved the disk: touch, twist or keys",
+    "simulated": "SIMULATED: no person gave this answer",
     "started_utc": "start of the trial by the page's clock, ISO 8601",
     "received_utc": "time when the answer was stored, ISO 8601",
     "sample_rate": "sample rate of the page's audio, Hz",
@@ -85,17 +91,35 @@ class Answers:
     lists : dict
         Lists by number.
     sessions : list of Session
+    simulated : bool
+        Whether no person took part. Title and name of the study are then marked, and all tables
+        have a column ``simulated``.
     """
 
     study: dict[str, Any]
     lists: dict[int, dict[str, Any]]
     sessions: Sequence[Session]
+    simulated: bool = False
+
+    def __post_init__(self) -> None:
+        if self.simulated and not self.study["title"].startswith(MARK):
+            title, name = f"{MARK}: {self.study['title']}", f"{MARK}-{self.study['name']}"
+            object.__setattr__(self, "study", {**self.study, "title": title, "name": name})
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of `rows`."""
         factors = (name for name in self.study["factors"] if name not in (*_HEAD, *_TAIL))
-        return (*_HEAD, *factors, *_TAIL)
+        return (*self.mark, *_HEAD, *factors, *_TAIL)
+
+    @property
+    def mark(self) -> dict[str, str]:
+        """Column and value that mark each row of simulated answers; empty for those of people."""
+        return {"simulated": MARK} if self.simulated else {}
+
+    def marked(self, name: str) -> str:
+        """Return a file name, which begins with `MARK` for simulated answers."""
+        return f"{MARK}-{name}" if self.simulated else name
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield one row per answered trial, in order; forms are not included."""
@@ -133,6 +157,7 @@ class Answers:
         device = answer.get("device") or {}
         takes = [one for one in (answer.get("take"), *(answer.get("takes") or [])) if one]
         return {
+            **self.mark,
             "participant": session.participant,
             "session": session.id,
             "list": session.number,
@@ -180,6 +205,7 @@ class Answers:
                 response = answer.get("response")
                 for item, value in (response if isinstance(response, dict) else {}).items():
                     yield {
+                        **self.mark,
                         "participant": session.participant,
                         "session": session.id,
                         "list": session.number,
@@ -201,9 +227,11 @@ def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None
     Raises
     ------
     InputError
-        A file has neither format, the answers belong to different studies, or there are no answers.
+        A file has neither format, the answers belong to different studies, simulated answers are
+        among those of people, or there are no answers.
     """
     study, lists, sessions = None, {}, []
+    kinds: dict[bool, Path] = {}
     if folder is not None:
         study, listed = read_study(folder)
         lists = {one["list"]: one for one in listed}
@@ -211,7 +239,10 @@ def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None
         if source.suffix == ".csv":
             if study is None:
                 raise InputError(f"{source}: an offline CSV requires its study; add --study FOLDER")
-            sessions += _offline(source, lists)
+            offline = _offline(source, lists)
+            sessions += offline
+            rows = [row for one in offline for _, _, row in one.trials]
+            kinds[any(row.get("source") == SIMULATED for row in rows)] = source
             continue
         store = Store(source)
         try:
@@ -220,15 +251,21 @@ def read_answers(sources: Iterable[str | Path], folder: str | Path | None = None
             study = study or store.study
             lists = lists or store.lists()
             sessions += [one for one in store.sessions() if not one.abandoned]
+            kinds[store.simulated] = source
         finally:
             store.close()
+    if len(kinds) == 2:
+        raise InputError(
+            f"{kinds[True]} has simulated answers and {kinds[False]} those of people; analyse and "
+            "export them apart"
+        )
     if study is None or not sessions:
         raise InputError("the files contain no answers")
     codes = [one.participant for one in sessions]
     twice = {code for code in codes if codes.count(code) > 1}
     if twice:
         raise InputError(f"participant {sorted(twice)[0]} has two sessions; remove one of them")
-    return Answers(study, lists, sessions)
+    return Answers(study, lists, sessions, True in kinds)
 
 
 def _offline(path: Path, lists: dict[int, dict[str, Any]]) -> list[Session]:

@@ -49,12 +49,12 @@ def export_answers(answers: Answers, to: str, path: str | Path) -> list[str]:
 
 
 def _tidy(answers: Answers) -> Files:
-    yield "responses.csv", responses_csv(answers)
-    yield "forms.csv", forms_csv(answers)
+    yield answers.marked("responses.csv"), responses_csv(answers)
+    yield answers.marked("forms.csv"), forms_csv(answers)
 
 
 def _r(answers: Answers) -> Files:
-    yield R_SCRIPT, r_script(answers)
+    yield answers.marked(R_SCRIPT), r_script(answers)
     yield from _tidy(answers)
 
 
@@ -69,7 +69,7 @@ def _labels(answers: Answers) -> dict[str, str]:
     """Return each participant's code with letters and digits only, without duplicates."""
     found: dict[str, str] = {}
     for number, session in enumerate(answers.sessions, 1):
-        plain = re.sub(r"[^A-Za-z0-9]", "", session.participant) or f"s{number}"
+        plain = re.sub(r"[^A-Za-z0-9]", "", answers.marked(session.participant)) or f"s{number}"
         found[session.participant] = plain if plain not in found.values() else f"{plain}x{number}"
     return found
 
@@ -84,8 +84,9 @@ def _by_participant(answers: Answers) -> Iterator[tuple[str, list[dict[str, Any]
 
 def _about(answers: Answers) -> str:
     study = answers.study
+    who = "simulated observers, not of people," if answers.simulated else "participants"
     return (
-        f"Answers of {len(answers.sessions)} participants to the study {study['title']!r}; "
+        f"Answers of {len(answers.sessions)} {who} to the study {study['title']!r}; "
         f"made with overview-dsp {study['program']}, study file SHA-256 {study['design_sha256']}."
     )
 
@@ -135,14 +136,14 @@ def _bids(answers: Answers) -> Files:
     yield README, f"# {study['title']}\n\n{_about(answers)}\n"
     labels = _labels(answers)
     participants = (
-        {"participant_id": f"sub-{labels[one.participant]}", "list": one.number,
+        {"participant_id": f"sub-{labels[one.participant]}", "list": one.number, **answers.mark,
          **answers.lists[one.number]["factors"]}
         for one in answers.sessions
     )  # fmt: skip
     between = [n for n, factor in study["factors"].items() if factor["kind"] == "between"]
-    yield "participants.tsv", _tsv(["participant_id", "list", *between], participants)
-    sidecar = {"list": {"Description": _meaning(answers, "list")}}
-    sidecar |= {name: {"Description": _meaning(answers, name)} for name in between}
+    more = ["list", *answers.mark, *between]
+    yield "participants.tsv", _tsv(["participant_id", *more], participants)
+    sidecar = {name: {"Description": _meaning(answers, name)} for name in more}
     yield "participants.json", _json(sidecar)
     yield f"task-{task}_beh.json", _json({"TaskName": task, **about})
     for label, rows in _by_participant(answers):
@@ -187,10 +188,11 @@ def _psignifit(answers: Answers) -> Files:
             counted = ((level, *both) for level, both in sorted(counts.items()))  # type: ignore[assignment]
         for level, right, trials in counted:
             table.append(
-                {"participant": who, **dict(condition), "level": float(level),
+                {**answers.mark, "participant": who, **dict(condition), "level": float(level),
                  "right": int(right), "trials": int(trials)}
             )  # fmt: skip
-    yield "psignifit.csv", csv_text(["participant", *names, "level", "right", "trials"], table)
+    columns = [*answers.mark, "participant", *names, "level", "right", "trials"]
+    yield answers.marked("psignifit.csv"), csv_text(columns, table)
 
 
 FORMATS: dict[str, Callable[[Answers], Files]] = {

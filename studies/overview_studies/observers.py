@@ -27,17 +27,16 @@ import numpy as np
 from scipy.special import ndtr
 
 from overview_studies.adaptive import Run
-from overview_studies.answers import Answers
+from overview_studies.answers import SIMULATED, Answers
 from overview_studies.file_model import Level
 from overview_studies.forms import TLX
-from overview_studies.store import Session, Store
+from overview_studies.store import SIMULATED_REQUEST, Session, Store
 
 MIN_D_PRIME = 0.05
 """Minimum d' of an observer, so that adaptive runs end."""
 
 RT_MS, RT_SPREAD = 1500.0, 0.35
 SIMULATED_UTC = "2000-01-01T00:00:00.000Z"
-SIMULATED = "simulated observer"
 
 
 @dataclass(frozen=True)
@@ -87,13 +86,13 @@ def simulate_answers(
         sessions.append(
             Session(code, "", number, code, SIMULATED_UTC, SIMULATED_UTC, False, trials)
         )
-    return Answers(study, dict(lists), sessions)
+    return Answers(study, dict(lists), sessions, simulated=True)
 
 
 def store_simulated(store: Store, answers: Answers) -> None:
     """Store simulated sessions, each with the next free list."""
     for one in answers.sessions:
-        session, _ = store.begin(f"simulated-{one.id}-00000000", one.participant)
+        session, _ = store.begin(f"{SIMULATED_REQUEST}{one.id}-00000000", one.participant)
         rows = [(trial, json.dumps(row)) for trial, _, row in one.trials]
         store.put_all(session.id, rows)
         store.finish(session.id)

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.cli.extensions import atomic_folder, save_figure
+from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import Analysis, MeasureEstimate, condition_text
+from overview_studies.answers import MARK
 from overview_studies.figures import MAIN_MEASURES, figures_of
-from overview_studies.observers import SIMULATED
 from overview_studies.tables import R_SCRIPT, forms_csv, r_script, responses_csv
 
 RESULTS = "results.json"
@@ -26,15 +27,23 @@ def write_report(analysis: Analysis, path: str | Path) -> list[str]:
     InputError, OutputError
         The folder cannot be written, or contains other files.
     """
-    with atomic_folder(path, RESULTS) as folder:
-        text = json.dumps(analysis.as_json(), indent=2, ensure_ascii=False, allow_nan=False)
-        (folder / RESULTS).write_text(text + "\n", encoding="utf-8")
-        (folder / "methods.txt").write_text(methods_text(analysis), encoding="utf-8")
-        (folder / "responses.csv").write_text(responses_csv(analysis.answers), encoding="utf-8")
-        (folder / "forms.csv").write_text(forms_csv(analysis.answers), encoding="utf-8")
-        (folder / R_SCRIPT).write_text(r_script(analysis.answers), encoding="utf-8")
+    answers = analysis.answers
+    results = json.dumps(analysis.as_json(), indent=2, ensure_ascii=False, allow_nan=False)
+    texts = {
+        RESULTS: f"{results}\n",
+        "methods.txt": methods_text(analysis),
+        "responses.csv": responses_csv(answers),
+        "forms.csv": forms_csv(answers),
+        R_SCRIPT: r_script(answers),
+    }
+    with atomic_folder(path, answers.marked(RESULTS)) as folder:
+        for name, text in texts.items():
+            (folder / answers.marked(name)).write_text(text, encoding="utf-8")
         for name, figure in figures_of(analysis).items():
-            save_figure(figure, folder / name)
+            if answers.simulated:
+                figure.text(0.5, 0.5, MARK, fontsize=36, rotation=20, alpha=0.5,
+                            color=style.VERMILION, ha="center", va="center", zorder=10)  # fmt: skip
+            save_figure(figure, folder / answers.marked(name))
         return sorted(file.name for file in folder.iterdir())
 
 
@@ -67,13 +76,14 @@ def methods_text(analysis: Analysis) -> str:
 def _participants(analysis: Analysis) -> str:
     answers, study = analysis.answers, analysis.answers.study
     count = len(answers.sessions)
-    rows = list(answers.rows())
     parts = []
-    if rows and all(row["source"] == SIMULATED for row in rows):
+    who = "participants took part in"
+    if answers.simulated:
         parts.append("SIMULATED DATA: no person took part; observers of known ability answered.")
+        who = "simulated observers answered"
     excluded = [f"{code} ({why})" for code, why in analysis.excluded.items()]
     parts.append(
-        f"{count} participants took part in the study {study['title']!r} (planned: "
+        f"{count} {who} the study {study['title']!r} (planned: "
         f"{study['participants']}). "
         + (
             f"Excluded by rules set beforehand: {', '.join(excluded)}."
@@ -192,7 +202,8 @@ def summary(analysis: Analysis) -> list[str]:
     """Return one text line for each estimate and difference of the main measure."""
     main: Any = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
     kept = [line for line in analysis.estimates if line.measure == main]
-    lines = [f"{main}, {condition_text(line.condition)}: {estimate_text(line)}" for line in kept]
+    lines = [f"{MARK}: no person took part"] if analysis.answers.simulated else []
+    lines += [f"{main}, {condition_text(line.condition)}: {estimate_text(line)}" for line in kept]
     lines += [
         f"{main}, {condition_text(line.condition)}: {estimate_text(line)}"
         for line in analysis.differences

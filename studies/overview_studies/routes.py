@@ -19,7 +19,13 @@ from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endp
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
 from overview_studies.steps import find_step, missing_steps
-from overview_studies.store import RESUME_KEYS, NoListLeftError, Session, Store
+from overview_studies.store import (
+    RESUME_KEYS,
+    SIMULATED_REQUEST,
+    NoListLeftError,
+    Session,
+    Store,
+)
 
 SESSIONS = "/study/sessions"
 REQUEST = re.compile(r"[A-Za-z0-9-]{16,64}")
@@ -61,6 +67,8 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
         number, code = fields.get("request"), fields.get("participant")
         if not isinstance(number, str) or not REQUEST.fullmatch(number):
             raise InputError("request must be 16 to 64 letters, digits or -")
+        if number.startswith(SIMULATED_REQUEST):
+            raise InputError(f"request must not start with {SIMULATED_REQUEST}")
         if code is not None and not (isinstance(code, str) and CODE.fullmatch(code)):
             raise InputError("participant must be 1 to 32 letters, digits, - or _")
         try:

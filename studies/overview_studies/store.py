@@ -38,6 +38,8 @@ CREATE TABLE IF NOT EXISTS trial(
   row TEXT NOT NULL CHECK(json_valid(row)), PRIMARY KEY(session, trial)) STRICT;
 """
 WAIT_S = 10.0
+SIMULATED_REQUEST = "simulated-"
+"""Start of the request of each simulated session; pages cannot send it."""
 RESUME_KEYS = ("response", "correct", "stimulus", "level")
 """Keys of an answer that a reloaded page receives."""
 
@@ -88,11 +90,14 @@ class Store:
         A new file, or a file of the same study.
     study, lists
         Results of `read_study`; not needed for an existing file.
+    simulated
+        Whether the answers are simulated. A file never has both kinds of answers.
 
     Raises
     ------
     InputError
-        The file does not exist, is not an SQLite file, or belongs to another study.
+        The file does not exist, is not an SQLite file, belongs to another study, or has answers of
+        the other kind.
     OutputError
         The file cannot be written.
     """
@@ -102,6 +107,8 @@ class Store:
         path: str | Path,
         study: dict[str, Any] | None = None,
         lists: Sequence[dict[str, Any]] = (),
+        *,
+        simulated: bool = False,
     ) -> None:
         self.path = Path(path)
         self._lock = threading.Lock()
@@ -126,24 +133,40 @@ class Store:
                 raise InputError(
                     f"{path}: contains no study; create it with `overview study serve`"
                 )
-            self._begin_study(study, lists)
+            self._begin_study(study, lists, simulated)
             stored = json.dumps(study)
         self.study: dict[str, Any] = json.loads(stored)
         if study is not None and study["design_sha256"] != self.study["design_sha256"]:
             raise InputError(
                 f"{path}: contains answers to another version of this study; choose another file"
             )
+        self.simulated = self._is_simulated()
+        if study is not None and simulated != self.simulated:
+            kind = "simulated answers" if self.simulated else "the answers of people"
+            raise InputError(
+                f"{path}: stores {kind}; simulated answers need a file of their own; choose another"
+            )
+
+    def _is_simulated(self) -> bool:
+        # files of version 0.2.0 and earlier have no field
+        sent = f"{SIMULATED_REQUEST}%"
+        query = "SELECT 1 FROM session WHERE request LIKE ?"
+        return bool(self._value("simulated") or self._db.execute(query, (sent,)).fetchone())
 
     def _value(self, key: str) -> str | None:
         found = self._db.execute("SELECT value FROM study WHERE key = ?", (key,)).fetchone()
         return None if found is None else str(found[0])
 
-    def _begin_study(self, study: dict[str, Any], lists: Sequence[dict[str, Any]]) -> None:
+    def _begin_study(
+        self, study: dict[str, Any], lists: Sequence[dict[str, Any]], simulated: bool
+    ) -> None:
         with self._transaction():
             self._db.executemany(
                 "INSERT INTO list VALUES(?, ?)", [(o["list"], json.dumps(o)) for o in lists]
             )
             self._db.execute("INSERT INTO study VALUES('study', ?)", (json.dumps(study),))
+            if simulated:
+                self._db.execute("INSERT INTO study VALUES('simulated', 'yes')")
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:

@@ -48,11 +48,13 @@ def responses_csv(answers: Answers) -> str:
 def forms_csv(answers: Answers) -> str:
     """Return a table with one row per item of a form."""
     columns = ["participant", "session", "list", "block", *answers.study["factors"]]
-    return csv_text([*columns, "form", "item", "value", "received_utc"], answers.forms())
+    columns = [*answers.mark, *columns, "form", "item", "value", "received_utc"]
+    return csv_text(columns, answers.forms())
 
 
-def r_script(answers: Answers, table: str = "responses.csv") -> str:
-    """Return an R script that fits a mixed model."""
+def r_script(answers: Answers) -> str:
+    """Return an R script that fits a mixed model to the table of responses."""
+    table = answers.marked("responses.csv")
     task = answers.study["task"]["name"]
     names = conditions_of(answers.study)
     fixed = " * ".join(names) or "1"

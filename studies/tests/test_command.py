@@ -19,9 +19,15 @@ def said(*arguments):
     return outcome.out
 
 
-def rows_of(path):
+NAMED_BY_THE_FORMAT = {
+    "dataset_description.json", "README.md", "CHANGES.md", "participants.tsv", "participants.json",
+    "task-identify_beh.json",
+}  # fmt: skip
+
+
+def rows_of(path, delimiter=","):
     with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        return list(csv.DictReader(file, delimiter=delimiter))
 
 
 def test_check_says_what_a_study_makes_and_whether_it_is_balanced(tmp_path):
@@ -67,20 +73,71 @@ def test_a_report_says_what_was_simulated_and_that_it_was(built, tmp_path):
     assert outcome.code == 0, outcome.err
     assert "d_prime, mapping static - friction: -" in outcome.out
     names = {path.name for path in (tmp_path / "report").iterdir()}
-    assert {"results.json", "methods.txt", "responses.csv", "forms.csv", "analysis.R",
-            "confusion.png", "d_prime.svg", "tlx.png", "rt.png"} <= names  # fmt: skip
-    text = (tmp_path / "report" / "methods.txt").read_text()
+    made = {"results.json", "methods.txt", "responses.csv", "forms.csv", "analysis.R",
+            "confusion.png", "d_prime.svg", "tlx.png", "rt.png"}  # fmt: skip
+    assert {f"SIMULATED-{name}" for name in made} <= names
+    text = (tmp_path / "report" / "SIMULATED-methods.txt").read_text()
     assert text.startswith("SIMULATED DATA: no person took part")
-    for words in ("12 participants", "Williams square", "seed 7", "static condition", "Hautus",
-                  "SHA-256", "above chance", "difference mapping static - friction"):  # fmt: skip
+    for words in ("12 simulated observers", "Williams square", "seed 7", "static condition",
+                  "Hautus", "SHA-256", "above chance",
+                  "difference mapping static - friction"):  # fmt: skip
         assert words in text, words
-    results = json.loads((tmp_path / "report" / "results.json").read_text())
+    results = json.loads((tmp_path / "report" / "SIMULATED-results.json").read_text())
     changes = {(one["measure"], *one["condition"].items()): one for one in results["differences"]}
     # two d' less of three: as each choice is told from the others
     assert changes["d_prime", ("mapping", "static - friction")]["high"] < -0.5
-    rows = rows_of(tmp_path / "report" / "responses.csv")
+    rows = rows_of(tmp_path / "report" / "SIMULATED-responses.csv")
     assert len(rows) == 12 * (24 + 8 + 8 + 2)
     assert all(len(row["stimulus_sha256"]) == 64 for row in rows)
+
+
+def test_all_that_is_made_of_simulated_answers_says_so(built, tmp_path):
+    assert said("analyse", built.answers, "-o", tmp_path / "report").startswith("SIMULATED")
+    for to in ("psych-ds", "bids", "csv", "r"):
+        said("export", built.answers, "--to", to, "-o", tmp_path / to)
+    title = "SIMULATED: Touch against twist"
+    assert json.loads((tmp_path / "psych-ds/dataset_description.json").read_text())["name"] == title
+    assert json.loads((tmp_path / "bids/dataset_description.json").read_text())["Name"] == title
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(files) > 40
+    for path in files:
+        if path.suffix in (".csv", ".tsv"):
+            rows = rows_of(path, "\t" if path.suffix == ".tsv" else ",")
+            assert {row["simulated"] for row in rows} == {"SIMULATED"}, path
+        if path.suffix in (".txt", ".md", ".R", ".svg") and path.name != "CHANGES.md":
+            assert "SIMULATED" in path.read_text(), path  # pictures, too, have it as text
+        if path.name not in NAMED_BY_THE_FORMAT:
+            assert "SIMULATED" in path.name, path
+
+
+def test_simulated_answers_are_neither_served_nor_mixed(built, tmp_path):
+    from overview_studies.folder import read_study
+    from overview_studies.store import Store
+
+    refused(overview("study", "serve", built.folder, "--db", built.answers), "simulated answers")
+    people = tmp_path / "people.sqlite"
+    study, lists = read_study(built.folder)
+    Store(people, study, lists).close()  # as a server leaves it that nobody has come to
+    refused(overview("study", "simulate", built.folder, "-o", people), "the answers of people")
+    store = Store(people)
+    session, _ = store.begin("a" * 20, "anna")
+    store.put(session.id, lists[0]["steps"][1]["id"], '{"response": "goal"}')
+    store.close()
+    for command in ("analyse", "export"):
+        out = ("-o", tmp_path / command)
+        outcome = overview("study", command, people, built.answers, *out)
+        refused(outcome, "people.sqlite", "simulated.sqlite", "apart")
+        assert not (tmp_path / command).exists()
+    said("export", people, "--to", "csv", "-o", tmp_path / "csv")
+    assert "SIMULATED" not in (tmp_path / "csv" / "responses.csv").read_text()
+    # a file of an earlier version, which has no field that says what it is
+    old = tmp_path / "old.sqlite"
+    shutil.copy(built.answers, old)
+    store = Store(old)
+    with store._transaction():
+        store._db.execute("DELETE FROM study WHERE key = 'simulated'")
+    store.close()
+    refused(overview("study", "serve", built.folder, "--db", old), "simulated answers")
 
 
 def test_offline_csvs_give_the_same_as_the_server(built, tmp_path):

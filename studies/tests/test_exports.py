@@ -65,6 +65,7 @@ def test_bids_has_participants_and_a_table_each_with_described_columns(built, tm
         assert re.fullmatch(r"sub-[A-Za-z0-9]+", label)
         rows = table(out / label / "beh" / f"{label}_task-identify_beh.tsv", "\t")
         assert rows[0][:4] == ["trial_type", "response_time", "response", "stim_file"]
+        assert rows[0][4] == "simulated"
         assert set(rows[0]) <= about.keys()
         times = [float(row[1]) for row in rows[1:]]
         assert 0.1 < np.median(times) < 10.0  # s, not ms
@@ -88,12 +89,12 @@ def test_psychopy_gets_a_conditions_file_a_list_with_its_sounds(tmp_path):
 def test_psignifit_gets_levels_right_answers_and_trials(tmp_path):
     study, lists = study_of(tmp_path, varying("compare"))
     path = tmp_path / "r.sqlite"
-    store = Store(path, study, list(lists.values()))
+    store = Store(path, study, list(lists.values()), simulated=True)
     store_simulated(store, simulate_answers(study, lists, Observers(), 2, 0))
     store.close()
-    rows = table(exported("psignifit", path, out=tmp_path / "d") / "psignifit.csv")
-    assert rows[0] == ["participant", "level", "right", "trials"]
-    everybody = np.array([row[1:] for row in rows[1:] if row[0] == "all"], dtype=float)
+    rows = table(exported("psignifit", path, out=tmp_path / "d") / "SIMULATED-psignifit.csv")
+    assert rows[0] == ["simulated", "participant", "level", "right", "trials"]
+    everybody = np.array([row[2:] for row in rows[1:] if row[1] == "all"], dtype=float)
     assert everybody[:, 0].tolist() == [2.0, 4.0, 16.0, 32.0]
     assert everybody[:, 2].tolist() == [8.0] * 4
     assert (everybody[:, 1] <= everybody[:, 2]).all()

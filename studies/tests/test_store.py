@@ -141,6 +141,7 @@ def test_what_is_wrong_is_refused_with_one_line(page_of):
     assert page.ask("POST", "/study/sessions", {"request": "short"})[0] == 400
     assert page.ask("POST", "/study/sessions", {"request": "a" * 20}, token="wrong")[0] == 401
     assert page.ask("POST", "/study/sessions", {"request": "a" * 20, "x": 1})[0] == 400
+    assert page.ask("POST", "/study/sessions", {"request": "simulated-" + "a" * 20})[0] == 400
     assert page.ask("POST", "/study/sessions",
                     {"request": "a" * 20, "participant": "Ann Smith"})[0] == 400  # fmt: skip
     page.begin()

@@ -58,7 +58,7 @@ def test_psignifit_fits_the_table(tmp_path):
     from studies.tests.files import study_of
 
     study, lists = study_of(tmp_path, varying("compare").replace("repeats = 4", "repeats = 40"))
-    store = Store(tmp_path / "r.sqlite", study, list(lists.values()))
+    store = Store(tmp_path / "r.sqlite", study, list(lists.values()), simulated=True)
     store_simulated(store, simulate_answers(study, lists, Observers(1.0), 2, 0))
     store.close()
     exported(tmp_path / "r.sqlite", "--to", "psignifit", "-o", tmp_path / "p")
@@ -69,7 +69,7 @@ def test_psignifit_fits_the_table(tmp_path):
         " for r in csv.DictReader(open(sys.argv[1])) if r['participant'] == 'all']\n"
         "fit = psignifit.psignifit(numpy.array(rows), experiment_type='yes/no')\n"
         "print(json.dumps(float(fit.threshold(0.5, return_ci=False))))",
-        tmp_path / "p" / "psignifit.csv",
+        tmp_path / "p" / "SIMULATED-psignifit.csv",
     )
     # between the neighbours of the standard, 8
     assert 4.0 < middle < 16.0

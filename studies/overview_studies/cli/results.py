@@ -59,7 +59,11 @@ def simulate(
     power: int | None,
     as_json: bool,
 ) -> None:
-    """Simulate observers of known ability in the study in FOLDER (of `overview study build`)."""
+    """Simulate observers of known ability in the study in FOLDER (of `overview study build`).
+
+    Their answers have a file of their own, which cannot be served, and all that is made from it is
+    marked SIMULATED.
+    """
     from overview_dsp.errors import InputError
     from overview_studies.analysis import analyse as analysed
     from overview_studies.folder import read_study
@@ -90,7 +94,7 @@ def simulate(
             raise InputError(
                 f"-n {participants}: must be at most {len(lists)}, the number of lists"
             )
-        store = Store(out, study, listed)
+        store = Store(out, study, listed, simulated=True)
         try:
             store_simulated(store, answers)
         finally:
