@@ -16,7 +16,7 @@ from scipy.special import ndtr, xlogy
 
 LAPSES = (0.0, 0.02, 0.05)
 SLOPES = (0.5, 1.0, 2.0)
-"""Widths of the psychometric function, in level steps."""
+"""Widths of the psychometric function, in mean steps of the scale."""
 
 
 @dataclass
@@ -83,8 +83,8 @@ class Run:
 
     @property
     def posterior_mean(self) -> float:
-        """Mean threshold of the QUEST+ hypotheses, as a level index."""
-        return float(self._q @ hypothesis_thresholds(len(self.step["levels"])))
+        """Mean threshold of the QUEST+ hypotheses, in steps from the first level."""
+        return float(self._q @ hypothesis_thresholds(len(self._p)))
 
     @property
     def catch(self) -> bool:
@@ -140,23 +140,23 @@ def update_posterior(
     return found / found.sum()  # type: ignore[no-any-return]
 
 
-def quest_table(levels: int, guess: float) -> dict[str, Any]:
-    """Return the QUEST+ hypotheses over level indexes, with equal prior probabilities.
+def quest_table(steps: NDArray[np.float64], guess: float) -> dict[str, Any]:
+    """Return the QUEST+ hypotheses with equal prior probabilities.
 
-    A hypothesis is a threshold, a slope and a lapse rate. The result has the keys `p` (levels,
+    `steps` are the positions of the levels on their scale, in mean steps from the first. A
+    hypothesis is a threshold, a slope and a lapse rate. The result has the keys `p` (levels,
     hypotheses), rounded to 6 decimals, and `prior`.
     """
-    index = np.arange(levels, dtype=np.float64)
     rows = []
-    for threshold, slope, lapse in _hypotheses(levels):
-        rise = ndtr((index - threshold) / slope)
+    for threshold, slope, lapse in _hypotheses(len(steps)):
+        rise = ndtr((steps - threshold) / slope)
         rows.append(guess + (1.0 - guess - lapse) * rise)
     p = np.round(np.clip(np.array(rows).T, 0.001, 0.999), 6)
     return {"p": p.tolist(), "prior": np.full(p.shape[1], 1.0 / p.shape[1]).tolist()}
 
 
 def hypothesis_thresholds(levels: int) -> NDArray[np.float64]:
-    """Return the threshold of each hypothesis, as a level index."""
+    """Return the threshold of each hypothesis, in steps from the first level."""
     return np.array([threshold for threshold, _, _ in _hypotheses(levels)])
 
 

@@ -15,13 +15,17 @@ from scipy.stats import binomtest
 from overview_dsp.errors import InputError
 from overview_studies.answers import Answers
 from overview_studies.measures import (
+    DISTANCES,
+    LEVELS,
     UNITS,
     Condition,
+    Missing,
     compute_measures,
     condition_of,
     conditions_of,
     confusion,
 )
+from overview_studies.scales import Scale, scale_of
 from overview_studies.statistics import (
     Estimate,
     difference_interval,
@@ -30,6 +34,8 @@ from overview_studies.statistics import (
 )
 
 ALPHA = 0.05
+MOST_MISSING = 0.2
+"""Largest share of participants without a level for a mean of the others."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,7 @@ class MeasureEstimate:
     measure: str
     condition: Condition
     estimate: Estimate
+    unit: str
 
     def as_json(self) -> dict[str, Any]:
         """Return the entry for results.json; unknown values are null."""
@@ -46,8 +53,8 @@ class MeasureEstimate:
             key: None if isinstance(value, float) and math.isnan(value) else value
             for key, value in asdict(self.estimate).items()
         }
-        unit = UNITS.get(self.measure.partition(".")[0], "bits")
-        return {"measure": self.measure, "condition": dict(self.condition), "unit": unit, **plain}
+        head = {"measure": self.measure, "condition": dict(self.condition), "unit": self.unit}
+        return {**head, **plain}
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +75,8 @@ class Analysis:
         Confusion matrix of each condition, summed over participants.
     above_chance : dict
         For each condition, the number of participants above chance level and the number tested.
+    missing : list of Missing
+        Participants without a threshold or point of equality, each with the reason.
     """
 
     answers: Answers
@@ -76,6 +85,7 @@ class Analysis:
     differences: list[MeasureEstimate]
     matrices: dict[Condition, NDArray[np.float64]]
     above_chance: dict[Condition, tuple[int, int]]
+    missing: list[Missing]
 
     def line(self, measure: str, **condition: Any) -> MeasureEstimate:
         """Return the estimate of a measure in the condition; KeyError if there is none."""
@@ -95,6 +105,7 @@ class Analysis:
             "program": study["program"],
             "participants": len(self.answers.sessions),
             "excluded": self.excluded,
+            "missing": [{**asdict(one), "condition": dict(one.condition)} for one in self.missing],
             "estimates": [line.as_json() for line in self.estimates],
             "differences": [line.as_json() for line in self.differences],
             "confusion": [
@@ -119,9 +130,10 @@ def analyse(answers: Answers) -> Analysis:
     answers, excluded = _apply_exclusions(answers)
     if not answers.sessions:
         raise InputError("no session is left after [exclude]; change its rules or add answers")
-    values = compute_measures(answers)
+    values, missing = compute_measures(answers)
+    scale = scale_of(answers.study)
     estimates = [
-        MeasureEstimate(name, condition, mean_interval(list(by.values())))
+        _estimate(scale, name, condition, _mean_of(list(by.values()), name))
         for (name, condition), by in values.items()
     ]
     matrices: dict[Condition, NDArray[np.float64]] = {}
@@ -129,11 +141,35 @@ def analyse(answers: Answers) -> Analysis:
     if answers.study["task"]["name"] == "identify":
         for condition, counts in _matrices(answers).items():
             matrices[condition] = counts.sum(axis=0)
-            estimates.append(
-                MeasureEstimate("information", condition, information_interval(counts))
-            )
+            information = information_interval(counts)
+            estimates.append(MeasureEstimate("information", condition, information, "bits"))
             above[condition] = _above_chance(counts)
-    return Analysis(answers, excluded, estimates, _differences(answers, values), matrices, above)
+    differences = _differences(scale, answers, values)
+    return Analysis(answers, excluded, estimates, differences, matrices, above, missing)
+
+
+def _mean_of(values: Sequence[float], measure: str) -> Estimate:
+    """Return the mean with its interval; none of levels that too many participants lack.
+
+    Those at a limit of the levels are not a random part of all: a mean without them would be wrong.
+    """
+    lacking = sum(math.isnan(value) for value in values)
+    if measure in LEVELS | DISTANCES and lacking > MOST_MISSING * len(values):
+        return Estimate(math.nan, math.nan, math.nan, len(values) - lacking)
+    return mean_interval(values)
+
+
+def _estimate(
+    scale: Scale, name: str, condition: Condition, found: Estimate, is_difference: bool = False
+) -> MeasureEstimate:
+    """Return an estimate in levels, or as a ratio of levels for distances on a log scale."""
+    unit = UNITS.get(name.partition(".")[0], "bits")
+    if name in LEVELS | DISTANCES and scale.kind == "log":
+        if is_difference or name in DISTANCES:
+            unit = UNITS["ratio"]
+        mean, low, high = (scale.level(one) for one in (found.mean, found.low, found.high))
+        found = Estimate(mean, low, high, found.participants)
+    return MeasureEstimate(name, condition, found, unit)
 
 
 def _apply_exclusions(answers: Answers) -> tuple[Answers, dict[str, str]]:
@@ -180,9 +216,9 @@ def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
 
 
 def _differences(
-    answers: Answers, values: dict[tuple[str, Condition], dict[str, float]]
+    scale: Scale, answers: Answers, values: dict[tuple[str, Condition], dict[str, float]]
 ) -> list[MeasureEstimate]:
-    """Return each later level of a factor minus its first.
+    """Return each later level of a factor minus its first, on a log scale their ratio.
 
     Differences are within participants where the factor is.
     """
@@ -196,12 +232,12 @@ def _differences(
                 first = groups[0]
                 both = [code for code in first if code in group]
                 if factor["kind"] == "within":
-                    estimate = mean_interval([group[code] - first[code] for code in both])
+                    estimate = _mean_of([group[code] - first[code] for code in both], measure)
                 else:
                     estimate = difference_interval(list(first.values()), list(group.values()))
                 if estimate.participants:
                     condition = ((name, f"{level} - {factor['levels'][0]}"),)
-                    estimates.append(MeasureEstimate(measure, condition, estimate))
+                    estimates.append(_estimate(scale, measure, condition, estimate, True))
     return estimates
 
 

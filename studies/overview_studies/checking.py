@@ -66,6 +66,7 @@ def summarize_design(design: Design, levels: bool = False) -> dict[str, Any]:
         "orders": len(orders),
         "round": design.lists_per_round,
         "balanced": len(lists) % design.lists_per_round == 0,
+        "consent": "consent" in design.file.questionnaires.start,
     }
     if levels:
         found["felt_db"] = [_strongest_levels(by[key], "static" in used[key]) for key in used]
@@ -87,6 +88,8 @@ def summary_lines(found: dict[str, Any]) -> list[str]:
             f"NOT balanced: each round has {found['round']} lists; set participants to a multiple "
             "of that"
         )
+    if not found["consent"]:
+        lines.append('NO consent form: add "consent" to questionnaires.start')
     for one in found.get("felt_db", ()):
         levels_text = ", ".join(
             f"{name} {one[name]:.1f} dB" for name in ("friction", "static") if one[name] is not None

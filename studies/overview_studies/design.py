@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -40,6 +41,20 @@ NONE = "none"
 PAIRED = ("compare", "adjust", "staircase", "quest")
 ADAPTIVE = ("staircase", "quest")
 MAX_CONDITIONS = 12
+_REASONS = {
+    "int_type": "must be a whole number, without quotes",
+    "float_type": "must be a number, without quotes",
+    "string_type": "must be text in quotes",
+    "bool_type": "must be true or false",
+    "list_type": "must be a list in brackets",
+    "greater_than_equal": "must be at least {}",
+    "less_than_equal": "must be at most {}",
+    "too_short": "must have at least {} entries",
+    "too_long": "must have at most {} entries",
+    "string_too_short": "must not be empty",
+}
+"""What a value must be, by the type of an error of pydantic."""
+
 _NO_KEYS = ("out", "sample_rate", "format", "subtype")
 STIMULI_KEYS = ("made", *(key for key in KEYS if key not in _NO_KEYS))
 _OUTPUT_LEVELS = {
@@ -149,6 +164,7 @@ def load_design(path: str | Path) -> Design:
     digest = hashlib.sha256(text.replace("\r\n", "\n").encode()).hexdigest()
     design = Design(file, name, path, digest, grid, answers)
     with faults_at_their_line(text, str(path)):
+        _check_kinds(design, synthetic)
         _check_factors(design)
         _check_task(design)
         _check_forms(design)
@@ -171,8 +187,16 @@ def _checked(data: dict[str, Any]) -> StudyFile:
             raise InputError(f"{name}: unknown key{near}{more}") from None
         if fault["type"] == "missing":
             raise InputError(f"{name} is missing{more}") from None
-        reason = fault["msg"].replace("Input should be", "must be")
-        raise InputError(f"{name} = {shown(fault['input'])}: {reason}{more}") from None
+        raise InputError(f"{name} = {shown(fault['input'])}: {_reason(fault)}{more}") from None
+
+
+def _reason(fault: Any) -> str:
+    """Return what a value must be."""
+    reason = _REASONS.get(fault["type"])
+    allowed = re.findall(r"-?\d+(?:\.\d+)?", fault["msg"])
+    if reason is None:
+        return str(fault["msg"]).replace("Input should be", "must be")
+    return reason.format(allowed[0] if allowed else "")
 
 
 def _keys_of(path: list[str]) -> list[str]:
@@ -217,6 +241,18 @@ def _kind_of(timeline: Timeline) -> str | None:
     return kinds.pop() if len(kinds) == 1 else None
 
 
+def _check_kinds(design: Design, synthetic: SyntheticTimelines | None) -> None:
+    kinds = [] if synthetic is None else synthetic.kinds
+    target = [] if design.file.task.target is None else [design.file.task.target]
+    for name, preset in design.grid.presets.items():
+        known = [*preset.kinds, *(a for members in preset.kinds.values() for a in members.aliases)]
+        for key, wanted in (("stimuli.made", kinds), ("task.target", target)):
+            for kind in wanted:
+                if kind not in known:
+                    near = did_you_mean(kind, known)
+                    raise InputError(f"{key}: preset {name} has no kind {kind!r}{near}")
+
+
 def _check_factors(design: Design) -> None:
     file = design.file
     orders = {f.order for f in design.factors("blocked").values()}
@@ -236,6 +272,17 @@ def _check_factors(design: Design) -> None:
                 f"{key}: cannot change between trials; allowed: mapping, channel, input or a "
                 'dimension of the stimuli; for other factors set order = "williams"'
             )
+        if name == "input" and FREE not in design.grid.gestures:
+            raise InputError(
+                f"{key}: has no effect, since the gestures are played; set stimuli.gestures = "
+                f'["{FREE}"], or remove the factor'
+            )
+        for level in [] if known else factor.levels:
+            if f"{name}.{level}" not in file.text.conditions:
+                raise InputError(
+                    f"{key}: nothing tells participants of {name} {level}; add "
+                    f'"{name}.{level}" = "..." to text.conditions'
+                )
         if len(orders) > 1 and factor.order in orders:
             raise InputError(f"{key}.order: blocked factors must share one order; found {orders}")
     conditions = math.prod(len(f.levels) for f in design.factors("blocked").values())
@@ -264,6 +311,8 @@ def _check_task(design: Design) -> None:
             f"task.vary is missing; set it to the stimulus dimension of the {task.name} task"
         )
     levels = design.dimension(task.vary)
+    if task.scale == "log" and not all(isinstance(o, int | float) and o > 0 for o in levels):
+        raise InputError('task.scale = "log": each level must be a number above 0')
     if len(levels) < 2:
         raise InputError(
             f"task.vary = {task.vary!r}: the stimuli have {len(levels)} levels; at least 2 required"

@@ -19,8 +19,8 @@ from overview_studies.measures import (
     chosen_counts,
     condition_of,
     conditions_of,
-    level_order,
 )
+from overview_studies.scales import scale_of
 from overview_studies.tables import R_SCRIPT, csv_text, forms_csv, r_script, responses_csv
 
 BIDS_VERSION = "1.10.0"
@@ -169,7 +169,7 @@ def _psignifit(answers: Answers) -> Files:
         raise InputError(
             "psignifit requires answers by level; allowed tasks: compare, staircase and quest"
         )
-    names, order = conditions_of(study), level_order(study)
+    names, scale = conditions_of(study), scale_of(study)
     parts: dict[tuple[str, Any], list[dict[str, Any]]] = defaultdict(list)
     for row in answers.rows():
         if row["phase"] == "main":
@@ -183,12 +183,13 @@ def _psignifit(answers: Answers) -> Files:
         else:
             counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
             for row in own:
-                counts[order[row["level"]]][0] += row["correct"]
-                counts[order[row["level"]]][1] += 1
+                counts[scale.position(row["level"])][0] += row["correct"]
+                counts[scale.position(row["level"])][1] += 1
             counted = ((level, *both) for level, both in sorted(counts.items()))  # type: ignore[assignment]
         for level, right, trials in counted:
             table.append(
-                {**answers.mark, "participant": who, **dict(condition), "level": float(level),
+                {**answers.mark, "participant": who, **dict(condition),
+                 "level": round(scale.level(float(level)), 9),
                  "right": int(right), "trials": int(trials)}
             )  # fmt: skip
     columns = [*answers.mark, "participant", *names, "level", "right", "trials"]

@@ -10,13 +10,14 @@ import numpy as np
 from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import Analysis, condition_text
 from overview_studies.measures import (
-    UNITS,
+    DISTANCES,
+    LEVELS,
     chosen_counts,
     compute_measures,
     condition_of,
     conditions_of,
-    level_order,
 )
+from overview_studies.scales import Scale, scale_of
 from overview_studies.statistics import fit_psychometric
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def figures_of(analysis: Analysis) -> dict[str, Figure]:
         found["confusion"] = confusion_figure(analysis)
     if (
         task["name"] in ("compare", "staircase", "quest")
-        and len(level_order(analysis.answers.study)) > 2
+        and len(scale_of(analysis.answers.study).levels) > 2
     ):
         found["psychometric"] = psychometric_figure(analysis)
     measures = {line.measure for line in analysis.estimates}
@@ -67,12 +68,15 @@ def figures_of(analysis: Analysis) -> dict[str, Figure]:
 
 def estimates_figure(analysis: Analysis, measure: str) -> Figure:
     """Plot a measure by condition: mean, 95 % interval and one dot per participant."""
+    scale = scale_of(analysis.answers.study)
+    own = [line for line in analysis.estimates if line.measure == measure]
+    on_scale = measure in LEVELS | DISTANCES
     values = {
-        c: by for (name, c), by in compute_measures(analysis.answers).items() if name == measure
+        condition: {who: scale.level(value) if on_scale else value for who, value in by.items()}
+        for (name, condition), by in compute_measures(analysis.answers)[0].items()
+        if name == measure
     }
-    lines = {
-        line.condition: line.estimate for line in analysis.estimates if line.measure == measure
-    }
+    lines = {line.condition: line.estimate for line in own}
     figure = style.new_figure(6.0, 1.4 + 0.5 * max(len(values), 1))
     axes = figure.subplots()
     for row, (condition, by) in enumerate(sorted(values.items(), key=str)):
@@ -85,7 +89,9 @@ def estimates_figure(analysis: Analysis, measure: str) -> Figure:
         axes.plot([one.mean], [row], "D", color=style.VERMILION, markersize=6)
     axes.set_yticks(range(len(values)), [condition_text(c) for c in sorted(values, key=str)])
     axes.set_ylim(len(values) - 0.5, -0.5)
-    unit = UNITS.get(measure, "")
+    unit = own[0].unit if own else ""
+    if on_scale and scale.kind == "log":
+        axes.set_xscale("log")
     title = MEASURE_TITLES.get(measure, measure)
     axes.set_xlabel(f"{title} ({unit})" if unit else title)
     _set_title(figure, f"{title}: means with 95 % intervals, and participants")
@@ -123,7 +129,7 @@ def confusion_figure(analysis: Analysis) -> Figure:
 def psychometric_figure(analysis: Analysis) -> Figure:
     """Plot answers by level, summed over participants, with the fitted function."""
     study = analysis.answers.study
-    names, order = conditions_of(study), level_order(study)
+    names, scale = conditions_of(study), scale_of(study)
     compared = study["task"]["name"] == "compare"
     guess = None if compared else 0.5 if study["task"]["method"] == "2afc" else 0.0
     figure = style.new_figure(6.0, 3.6)
@@ -134,13 +140,17 @@ def psychometric_figure(analysis: Analysis) -> Figure:
         if compared:
             levels, right, trials = chosen_counts(study, own)
         else:
-            at = np.array([order[row["level"]] for row in own])
+            at = np.array([scale.position(row["level"]) for row in own])
             levels = np.unique(at)
             correct = np.array([row["correct"] for row in own])
             trials = np.array([(at == level).sum() for level in levels], dtype=np.float64)
             right = np.array([correct[at == level].sum() for level in levels], dtype=np.float64)
-        _curve(axes, levels, right, trials, guess, _COLOURS[number % 6], condition_text(condition))
-    axes.set_xlabel(f"{study['task']['vary']}")
+        _curve(axes, scale, levels, right, trials, guess, _COLOURS[number % 6],
+               condition_text(condition))  # fmt: skip
+    axes.set_xlabel(f"{study['task']['vary']}" + (" (log scale)" if scale.kind == "log" else ""))
+    if scale.kind == "log":
+        ticks = sorted(scale.levels)
+        axes.set_xticks([scale.position(one) for one in ticks], [f"{one:g}" for one in ticks])
     axes.set_ylabel("judged stronger" if compared else "correct answers")
     axes.set_ylim(-0.03, 1.03)
     axes.legend(frameon=False, fontsize=8)
@@ -156,6 +166,7 @@ def _set_title(figure: Figure, title: str) -> None:
 
 def _curve(
     axes: Axes,
+    scale: Scale,
     levels: np.ndarray,
     right: np.ndarray,
     trials: np.ndarray,
@@ -169,7 +180,7 @@ def _curve(
     if len(levels) > 2:
         fitted = fit_psychometric(levels, right, trials, guess)
         x = np.linspace(levels[0], levels[-1], 200)
-        label = f"{label}: threshold {fitted.threshold:.3g}, width {fitted.width:.3g}"
+        label = f"{label}: threshold {scale.level(fitted.threshold):.3g}"
         axes.plot(x, fitted.at(x), color=colour, label=label)
     else:
         axes.plot([], [], color=colour, label=label)

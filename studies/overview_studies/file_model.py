@@ -63,6 +63,7 @@ class Task(_Strict):
     words: dict[str, str] = Field(default_factory=dict)
     vary: str | None = None
     standard: Level | None = None
+    scale: Literal["linear", "log", "dB"] | None = None
     method: Literal["2afc", "yesno"] = "2afc"
     max_trials: Annotated[int, Field(ge=1, le=999)] = 60
     down: Annotated[int, Field(ge=1, le=5)] = 2

@@ -32,6 +32,7 @@ from overview_studies.design import NONE, Design
 from overview_studies.file_model import Mask
 from overview_studies.forms import forms_of
 from overview_studies.lists import ListMaker
+from overview_studies.scales import scale_kind
 from overview_studies.static_mapping import static_mapping
 from overview_studies.stimuli import RATE, Stimulus, samples_sha256, stimuli_of
 
@@ -189,6 +190,10 @@ def study_json(
     question = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
     task["question"] = file.task.question or question
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
+    if file.task.vary is not None:
+        task["scale"] = scale_kind(
+            file.task.vary, design.dimension(file.task.vary), file.task.scale
+        )
     styles = [kind_styles(item.timeline, item.preset) for item in items]
     kinds = {kind: style for one in styles for kind, style in one.items() if style["count"]}
     first = items[0].preset

@@ -15,6 +15,7 @@ from overview_studies.adaptive import quest_table
 from overview_studies.counterbalancing import RandomStream, rows_of, shuffled_blocks
 from overview_studies.design import ADAPTIVE, Design
 from overview_studies.file_model import Factor, Level
+from overview_studies.scales import Scale, scale_kind
 from overview_studies.stimuli import Stimulus
 
 Levels = dict[str, Level]
@@ -275,6 +276,7 @@ class ListMaker:
             else:
                 standard = by[task.standard][0]  # type: ignore[index]
             compared = [level for level in order if yesno or level != task.standard]
+            scale = Scale(scale_kind(task.vary, order, task.scale), order)
             catch = [
                 yesno and stream.uniform(0.0, 1.0) < phases.catch for _ in range(task.max_trials)
             ]
@@ -300,7 +302,7 @@ class ListMaker:
                 "sides": [stream.below(2) for _ in range(task.max_trials)],
                 "catch": catch,
                 "tracks": tracks if task.name == "staircase" else None,
-                "quest": quest_table(len(compared), 0.0 if yesno else 0.5)
+                "quest": quest_table(scale.steps(compared), 0.0 if yesno else 0.5)
                 if task.name == "quest"
                 else None,
             }

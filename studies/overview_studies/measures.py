@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from overview_studies.adaptive import Run
 from overview_studies.answers import Answers
+from overview_studies.scales import Scale, scale_of
 from overview_studies.scoring import likeness
 from overview_studies.statistics import fit_psychometric, sensitivity, sensitivity_2afc
 
@@ -22,6 +24,14 @@ Condition = tuple[tuple[str, Any], ...]
 Row = Mapping[str, Any]
 
 LAST_REVERSALS = 6
+"""Reversals whose mean is a threshold; with fewer there is none."""
+
+SHARE_AT_LIMIT = 1 / 3
+"""Share of these reversals at the lowest or highest level from which there is no threshold."""
+
+LEVELS, DISTANCES = {"pse", "threshold"}, {"jnd", "adjusted"}
+"""Measures that are positions on the scale of the levels, and distances between positions."""
+
 JND_PER_WIDTH = 0.6745
 """Distance from 50 % to 75 % of a cumulative normal, in widths."""
 
@@ -41,6 +51,7 @@ UNITS = {
     "pse": "of the varied dimension",
     "jnd": "of the varied dimension",
     "threshold": "of the varied dimension",
+    "ratio": "ratio of levels",
     "likeness": "Pearson's r",
     "drawn_error": "0 to 1",
     "adjusted": "of the varied dimension",
@@ -61,9 +72,25 @@ def condition_of(row: Row, names: Sequence[str]) -> Condition:
     return tuple((name, row[name]) for name in names)
 
 
-def compute_measures(answers: Answers) -> dict[tuple[str, Condition], dict[str, float]]:
-    """Return each participant's number by measure and condition."""
+@dataclass(frozen=True)
+class Missing:
+    """A level that answers do not determine: the participant has no such number."""
+
+    measure: str
+    condition: Condition
+    participant: str
+    reason: str
+
+
+def compute_measures(
+    answers: Answers,
+) -> tuple[dict[tuple[str, Condition], dict[str, float]], list[Missing]]:
+    """Return each participant's number by measure and condition, and the missing numbers.
+
+    `LEVELS` and `DISTANCES` are positions on the scale of the levels. A missing number is NaN.
+    """
     study = answers.study
+    missing: list[Missing] = []
     names = conditions_of(study)
     parts: dict[tuple[str, Condition], list[Row]] = defaultdict(list)
     for row in answers.rows():
@@ -72,18 +99,26 @@ def compute_measures(answers: Answers) -> dict[tuple[str, Condition], dict[str, 
     found: dict[tuple[str, Condition], dict[str, float]] = defaultdict(dict)
     for (participant, condition), rows in parts.items():
         for name, value in _task_measures(study, rows).items():
-            found[name, condition][participant] = value
+            if isinstance(value, str):
+                missing.append(Missing(name, condition, participant, value))
+            found[name, condition][participant] = math.nan if isinstance(value, str) else value
         times = [row["rt_ms"] for row in rows if row["rt_ms"] is not None]
         if times:
             found["rt", condition][participant] = float(np.median(times))
-    for name, condition, participant, value in _thresholds(answers, names):
-        found[name, condition][participant] = value
+    thresholds: dict[Condition, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for condition, participant, value in _thresholds(answers, names):
+        if isinstance(value, str):
+            missing.append(Missing("threshold", condition, participant, value))
+        thresholds[condition][participant].append(math.nan if isinstance(value, str) else value)
+    for condition, by in thresholds.items():
+        found["threshold", condition] = {who: _mean(values) for who, values in by.items()}
     for condition, participant, value in tlx_scores(answers, names):
         found["tlx", condition][participant] = value
-    return dict(found)
+    return dict(found), missing
 
 
-def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> Mapping[str, float | str]:
+    """Return the measures of one participant; a text says why a measure is missing."""
     main = [row for row in rows if row["phase"] == "main"]
     catch = [row for row in rows if row["phase"] == "catch"]
     task = study["task"]["name"]
@@ -110,7 +145,10 @@ def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float
             "drawn_error": _mean([row["error"] for row in main if row["error"] is not None]),
         }
     if task == "adjust":
-        return {"adjusted": _mean([row["error"] for row in main if row["error"] is not None])}
+        scale = scale_of(study)
+        standard = scale.position(study["task"]["standard"])
+        known = [row["response"] for row in main if row["response"] in scale.levels]
+        return {"adjusted": _mean([scale.position(level) - standard for level in known])}
     if study["task"]["method"] == "yesno" and catch:
         return {"accuracy": _accuracy(main), "false_alarms": 1.0 - _accuracy(catch)}
     return {"accuracy": _accuracy(main)}
@@ -147,14 +185,14 @@ def confusion(choices: Sequence[str], rows: Iterable[Row]) -> NDArray[np.float64
 def chosen_counts(
     study: Mapping[str, Any], rows: Iterable[Row]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return compared levels, how often each was judged stronger, and its trials."""
-    order = level_order(study)
+    """Return positions of compared levels, how often each was judged stronger, and its trials."""
+    scale = scale_of(study)
     counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
     for row in rows:
         keys = row["stimulus"].split()
         place = next((i for i, key in enumerate(keys)
                       if study["stimuli"][key]["level"] == row["level"]), 0)  # fmt: skip
-        count = counts[order[row["level"]]]
+        count = counts[scale.position(row["level"])]
         count[0] += int(row["response"] == place)
         count[1] += 1
     levels = np.array(sorted(counts))
@@ -162,45 +200,45 @@ def chosen_counts(
     return levels, both[:, 0], both[:, 1]
 
 
-def level_order(study: Mapping[str, Any]) -> dict[Any, float]:
-    """Return a number for each level: its value, or its index if levels are not all numbers."""
-    levels = list(dict.fromkeys(one["level"] for one in study["stimuli"].values()))
-    if all(isinstance(level, int | float) for level in levels if level is not None):
-        return {level: float(level) for level in levels if level is not None}
-    return {level: float(i) for i, level in enumerate(levels)}
-
-
-def _compare_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float]:
+def _compare_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float | str]:
     right = sum(row["correct"] == 1 for row in rows)
-    values = {"accuracy": right / len(rows), "d_prime": sensitivity_2afc(right, len(rows))}
+    values: dict[str, float | str] = {
+        "accuracy": right / len(rows),
+        "d_prime": sensitivity_2afc(right, len(rows)),
+    }
     levels, chosen, trials = chosen_counts(study, rows)
     if len(levels) >= 4:
         fitted = fit_psychometric(levels, chosen, trials, None)
         values["pse"], values["jnd"] = fitted.threshold, JND_PER_WIDTH * fitted.width
+        if not levels[0] <= fitted.threshold <= levels[-1]:
+            values["pse"] = values["jnd"] = "the fitted level is outside of the compared levels"
+        elif not fitted.has_slope:
+            values["jnd"] = "the answers change between two levels, or hardly at all"
     return values
 
 
 def _thresholds(
     answers: Answers, names: Sequence[str]
-) -> Iterable[tuple[str, Condition, str, float]]:
+) -> Iterable[tuple[Condition, str, float | str]]:
     """Yield the threshold of each adaptive run, from its last reversals or the QUEST+ posterior."""
+    scale = scale_of(answers.study)
     for session in answers.sessions:
         content = answers.lists[session.number]
         responses = {trial: row for trial, _, row in session.trials}
         for step in content["steps"]:
             if step["type"] != "adaptive":
                 continue
-            level = run_threshold(step, responses)
+            level = run_threshold(scale, step, responses)
             levels = {**content["factors"], **step["factors"]}
-            if level is not None:
-                yield "threshold", condition_of(levels, names), session.participant, level
+            yield condition_of(levels, names), session.participant, level
 
 
-def run_threshold(step: dict[str, Any], responses: Mapping[str, Row]) -> float | None:
-    """Return the threshold of one run from its stored answers; None if there are too few."""
+def run_threshold(scale: Scale, step: dict[str, Any], responses: Mapping[str, Row]) -> float | str:
+    """Return the threshold of one run as a position on the scale, or why there is none."""
     run = Run(step)
-    reversal_levels: list[float] = []
-    scale = np.array([v if isinstance(v, int | float) else i for i, v in enumerate(step["levels"])])
+    reversals: list[int] = []
+    places = np.array([scale.position(level) for level in step["levels"]])
+    last = len(places) - 1
     while not run.over:
         row = responses.get(f"{step['id']}-{run.trial + 1:03d}")
         if row is None:
@@ -209,11 +247,22 @@ def run_threshold(step: dict[str, Any], responses: Mapping[str, Row]) -> float |
         at, before = run.level, run.reversals
         run.record(row.get("response") == wanted)
         if run.reversals > before:
-            reversal_levels.append(float(scale[at]))
+            reversals.append(at)
     if step["quest"] is not None:
-        places = np.arange(len(scale), dtype=np.float64)
-        return float(np.interp(run.posterior_mean, places, scale)) if run.trial else None
-    return float(np.mean(reversal_levels[-LAST_REVERSALS:])) if len(reversal_levels) >= 2 else None
+        steps, at_mean = scale.steps(step["levels"]), run.posterior_mean
+        if run.trial < step["most"]:
+            return f"{run.trial} of {step['most']} trials"
+        if not steps[0] <= at_mean <= steps[-1]:
+            return "the threshold is outside of the levels"
+        return float(np.interp(at_mean, steps, places))
+    used = reversals[-LAST_REVERSALS:]
+    if len(used) < LAST_REVERSALS:
+        return f"{len(used)} reversals, at least {LAST_REVERSALS} are needed"
+    for limit, name in ((0, "lowest"), (last, "highest")):
+        count = used.count(limit)
+        if count >= SHARE_AT_LIMIT * LAST_REVERSALS:
+            return f"{count} of the last {LAST_REVERSALS} reversals are at the {name} level"
+    return float(places[used].mean())
 
 
 def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Condition, str, float]]:

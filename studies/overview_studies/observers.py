@@ -5,13 +5,13 @@ An observer has a sensitivity d', with this meaning in each task:
 ========== ========================================================================================
 identify   evidence for each choice is normal; the presented one has a mean of d'/sqrt(2), so two
            choices are discriminated with exactly d'
-compare    neighbouring levels are d' apart
-staircase, neighbouring levels are d' apart; with one interval, the lowest is d' above no stimulus,
-quest      and the criterion for "felt it" is one standard deviation above no stimulus
+compare    levels are d' apart for each mean step of their scale (`scales`)
+staircase, the same, and the lowest is d' above the standard, or above no stimulus; with one
+quest      interval, the criterion for "felt it" is one standard deviation above no stimulus
 locate     position error (standard deviation) of a tenth of the timeline, divided by d'
 count      error of 30 %, divided by d'
 draw       error of 0.3 at each point, divided by d'
-adjust     error of one level, divided by d'
+adjust     error of one step between levels, divided by d'
 ========== ========================================================================================
 """
 
@@ -30,6 +30,7 @@ from overview_studies.adaptive import Run
 from overview_studies.answers import SIMULATED, Answers
 from overview_studies.file_model import Level
 from overview_studies.forms import TLX
+from overview_studies.scales import Scale, scale_of
 from overview_studies.store import SIMULATED_REQUEST, Session, Store
 
 MIN_D_PRIME = 0.05
@@ -110,7 +111,7 @@ def _session(
             continue
         ability = observers.ability(own, {**content["factors"], **step["factors"]})
         if step["type"] == "adaptive":
-            found += _run(step, ability, observers.lapse, rng)
+            found += _run(scale_of(study), step, ability, observers.lapse, rng)
             continue
         blind = rng.random() < observers.lapse
         response = _response(study, step, MIN_D_PRIME if blind else ability, rng)
@@ -152,8 +153,8 @@ def _response(
         perceived = step["correct"] * (1.0 + 0.3 * noise / d) if step["correct"] else noise > d
         return max(0, round(perceived))
     if task == "compare":
-        order = _order(study)
-        difference = order[presented[1]["level"]] - order[presented[0]["level"]]
+        steps = scale_of(study).steps([one["level"] for one in presented])
+        difference = steps[1] - steps[0]
         return int(rng.random() < ndtr(difference * d / math.sqrt(2.0)))
     if task == "draw":
         curve = np.array(presented[0]["curve"])
@@ -163,20 +164,14 @@ def _response(
     return step["levels"][min(max(round(at), 0), len(step["levels"]) - 1)]
 
 
-def _order(study: dict[str, Any]) -> dict[Any, int]:
-    levels = {one["level"] for one in study["stimuli"].values() if one["level"] is not None}
-    known = list(dict.fromkeys(one["level"] for one in study["stimuli"].values()))
-    numbers = all(isinstance(level, int | float) for level in levels)
-    return {level: i for i, level in enumerate(sorted(levels) if numbers else known)}
-
-
 def _run(
-    step: dict[str, Any], d: float, lapse: float, rng: np.random.Generator
+    scale: Scale, step: dict[str, Any], d: float, lapse: float, rng: np.random.Generator
 ) -> list[tuple[str, dict[str, Any]]]:
     run, found = Run(step), []
+    above = 1.0 + scale.steps(step["levels"])
     while not run.over:
         at, number, catch = run.level, run.trial, run.catch
-        steps = 0 if catch else at + 1
+        steps = 0.0 if catch else above[at]
         if step["method"] == "2afc":
             right = rng.random() < ndtr(steps * d / math.sqrt(2.0))
             side = step["sides"][number]

@@ -11,9 +11,11 @@ import numpy as np
 
 from overview_dsp.cli.extensions import atomic_folder, save_figure
 from overview_dsp.cli.extensions import plot_style as style
-from overview_studies.analysis import Analysis, MeasureEstimate, condition_text
+from overview_studies.analysis import MOST_MISSING, Analysis, MeasureEstimate, condition_text
 from overview_studies.answers import MARK
 from overview_studies.figures import MAIN_MEASURES, figures_of
+from overview_studies.measures import LAST_REVERSALS, Missing
+from overview_studies.scales import scale_of
 from overview_studies.tables import R_SCRIPT, forms_csv, r_script, responses_csv
 
 RESULTS = "results.json"
@@ -50,6 +52,8 @@ def write_report(analysis: Analysis, path: str | Path) -> list[str]:
 def estimate_text(line: MeasureEstimate, digits: int = 2) -> str:
     """Return an estimate as text, such as 1.49 [1.31, 1.66]."""
     one = line.estimate
+    if math.isnan(one.mean):
+        return "no estimate"
     if math.isnan(one.low):
         return f"{one.mean:.{digits}f}"
     return f"{one.mean:.{digits}f} [{one.low:.{digits}f}, {one.high:.{digits}f}]"
@@ -171,8 +175,19 @@ def _analysis(analysis: Analysis) -> str:
             "Information transfer is that of the summed matrix, corrected after Miller and Madow."
         )
     if task["name"] in ("compare", "staircase", "quest"):
-        parts.append("Psychometric functions are cumulative normals with a lapse rate up to 6 %, "
-                    "fitted by maximum likelihood.")  # fmt: skip
+        kind = scale_of(analysis.answers.study).kind
+        axis = {"log": "the logarithm of the level", "index": "the index of the level"}
+        parts.append(
+            f"Psychometric functions are cumulative normals of {axis.get(kind, 'the level')} with "
+            "a lapse rate up to 6 %, fitted by maximum likelihood without priors; means and "
+            "differences are of the same quantity."
+        )
+        parts.append(
+            f"A staircase has no threshold with fewer than {LAST_REVERSALS} reversals, or with a "
+            "third of the last ones at the lowest or highest level; QUEST+ and points of equality "
+            "have none outside of the levels. A mean is given where at most "
+            f"{MOST_MISSING:.0%} of the participants have no such level."
+        )
     return " ".join(parts)
 
 
@@ -190,12 +205,20 @@ def _results(analysis: Analysis) -> str:
         for line in analysis.differences
         if line.measure == main
     ]
+    parts += [missing_text(one) for one in analysis.missing]
     for condition, (above, of) in analysis.above_chance.items():
         parts.append(
             f"{above} of {of} participants were above chance in {condition_text(condition)} (exact "
             "binomial test each, p < 0.05)."
         )
     return "\n".join(parts)
+
+
+def missing_text(one: Missing) -> str:
+    """Return a line on a participant without a level."""
+    return (
+        f"{one.measure}, {condition_text(one.condition)}: none of {one.participant}: {one.reason}"
+    )
 
 
 def summary(analysis: Analysis) -> list[str]:
@@ -209,4 +232,4 @@ def summary(analysis: Analysis) -> list[str]:
         for line in analysis.differences
         if line.measure == main
     ]
-    return lines
+    return lines + [missing_text(one) for one in analysis.missing]

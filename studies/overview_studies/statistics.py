@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,6 +18,9 @@ MIN_PARTICIPANTS = 5
 """Minimum number of participants for a bootstrap interval."""
 
 MAX_LAPSE = 0.06
+WIDTHS = (0.02, 5.0)
+"""Narrowest and widest fitted function, in spans of the levels."""
+
 _SEED = 20091115
 """Seed of the bootstrap, so that intervals are reproducible."""
 
@@ -126,6 +129,8 @@ class Psychometric:
     width: float
     guess: float
     lapse: float
+    has_slope: bool = True
+    """False if the answers do not determine the width, which is then at a limit of `WIDTHS`."""
 
     def at(self, level: ArrayLike) -> NDArray[np.float64]:
         """Return the probability at levels."""
@@ -137,7 +142,10 @@ class Psychometric:
 def fit_psychometric(
     level: ArrayLike, right: ArrayLike, trials: ArrayLike, guess: float | None
 ) -> Psychometric:
-    """Fit a rising cumulative normal to counts by maximum likelihood.
+    """Fit a rising cumulative normal to counts by maximum likelihood, without priors.
+
+    The threshold is at most one span beyond the levels, the width within `WIDTHS`, the lapse rate
+    at most `MAX_LAPSE`.
 
     Parameters
     ----------
@@ -148,17 +156,21 @@ def fit_psychometric(
     span = float(np.ptp(x)) or 1.0
 
     def unpack(p: NDArray[np.float64]) -> Psychometric:
-        lapse = MAX_LAPSE * float(ndtr(p[2]))
+        lapse = float(p[2])
         low = lapse if guess is None else guess
-        width = span * math.exp(min(max(p[1], -6.0), 4.0))
-        return Psychometric(float(x.mean()) + span * float(p[0]), width, low, lapse)
+        return Psychometric(float(x.mean()) + span * float(p[0]), span * math.exp(p[1]), low, lapse)
 
     def cost(p: NDArray[np.float64]) -> float:
         probability = np.clip(unpack(p).at(x), 1e-9, 1.0 - 1e-9)
-        # weak priors bound parameters that the data do not determine
-        prior = 0.02 * (p[0] ** 2 + (p[1] + 1.5) ** 2 + p[2] ** 2)
-        return float(prior - (xlogy(k, probability) + xlog1py(n - k, -probability)).sum())
+        return -float((xlogy(k, probability) + xlog1py(n - k, -probability)).sum())
 
-    starts = [(at, width, -1.0) for at in (-0.3, 0.0, 0.3) for width in (-2.5, -1.0)]
-    tries = [minimize(cost, start, method="Nelder-Mead") for start in starts]
-    return unpack(min(tries, key=lambda one: float(one.fun)).x)
+    bounds = [(-1.5, 1.5), tuple(map(math.log, WIDTHS)), (0.0, MAX_LAPSE)]
+    starts = [(at, width, 0.01) for at in (-0.3, 0.3) for width in (-2.5, -1.0)]
+    precise = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 1000}
+    tries = [
+        minimize(cost, start, method="Nelder-Mead", bounds=bounds, options=precise)
+        for start in starts
+    ]
+    best = min(tries, key=lambda one: float(one.fun)).x
+    has_slope = bounds[1][0] + 0.01 < best[1] < bounds[1][1] - 0.01
+    return replace(unpack(best), has_slope=has_slope)

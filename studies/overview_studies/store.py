@@ -126,7 +126,10 @@ class Store:
             self._db.execute("PRAGMA foreign_keys=ON")
             self._db.executescript(_TABLES)
         except sqlite3.Error as error:
-            raise InputError(f"{path}: cannot be used ({error}); choose another file") from None
+            raise InputError(
+                f"{path}: is not a file of answers, which `overview study serve` and `simulate` "
+                f"write ({error}); choose another file"
+            ) from None
         stored = self._value("study")
         if stored is None:
             if study is None:

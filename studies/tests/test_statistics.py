@@ -75,6 +75,30 @@ def test_a_fit_finds_the_function_that_made_the_counts():
     assert fitted.lapse == pytest.approx(0.02, abs=0.01)
 
 
+def test_a_fit_is_the_most_likely_function():
+    """No point of a fine grid, which knows nothing of the fit, is more likely by 1 %."""
+    rng = np.random.default_rng(8)
+    levels = np.log10([2.0, 4.0, 8.0, 16.0, 32.0])
+    for guess in (0.0, 0.5):
+        trials = np.full(5, 40.0)
+        part = guess + (0.97 - guess) * norm.cdf((levels - 0.9) / 0.25)
+        right = rng.binomial(40, part).astype(float)
+        fitted = fit_psychometric(levels, right, trials, guess)
+        t, w, lapse = np.meshgrid(
+            np.linspace(0.3, 1.5, 121), np.geomspace(0.05, 1.5, 80), np.linspace(0.0, 0.06, 13)
+        )
+        z = (levels[:, None, None, None] - t) / w
+        p = np.clip(guess + (1.0 - guess - lapse) * norm.cdf(z), 1e-9, 1.0 - 1e-9)
+        k, n = right[:, None, None, None], trials[:, None, None, None]
+        likelihood = (k * np.log(p) + (n - k) * np.log(1.0 - p)).sum(axis=0)
+        at = np.unravel_index(likelihood.argmax(), likelihood.shape)
+        p = np.clip(fitted.at(levels), 1e-9, 1.0 - 1e-9)
+        own = float((right * np.log(p) + (trials - right) * np.log(1.0 - p)).sum())
+        assert own >= likelihood[at] - 1e-6
+        assert fitted.threshold == pytest.approx(t[at], abs=0.02)
+        assert fitted.width == pytest.approx(w[at], rel=0.1)  # the grid's own step is 4 %
+
+
 @pytest.mark.parametrize("runs", [20, pytest.param(100, marks=pytest.mark.soak)])
 def test_a_d_prime_of_one_and_a_half_is_recovered_within_its_interval(tmp_path, runs):
     study, lists = study_of(tmp_path, detecting())

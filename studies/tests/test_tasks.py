@@ -10,6 +10,7 @@ import pytest
 from overview_studies.adaptive import Run
 from overview_studies.analysis import analyse
 from overview_studies.observers import Observers, simulate_answers
+from overview_studies.report import methods_text, summary
 from studies.tests.files import IDENTIFY, lists_of, other, study_of, varying
 
 
@@ -105,7 +106,7 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     from overview_studies.adaptive import quest_table
 
     step = {**step, "levels": list(range(20)), "stimuli": ["x"] * 20}
-    step["quest"] = quest_table(20, 0.5)
+    step["quest"] = quest_table(np.arange(20.0), 0.5)
     step["catch"], step["sides"], step["most"] = [False] * 120, [0] * 120, 120
     rng = np.random.default_rng(1)
     run, answers = Run(step), []
@@ -123,20 +124,75 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     assert again.level == third.level
 
 
-@pytest.mark.parametrize(
-    ("task", "more"),
-    [
-        ("staircase", 'standard = 2.0'),
-        ("quest", 'standard = 2.0\nmax_trials = 25'),
-        ("staircase", 'method = "yesno"'),
-        ("quest", 'method = "yesno"\nmax_trials = 25'),
-    ],
-)  # fmt: skip
-def test_adaptive_runs_give_thresholds(tmp_path, task, more):
-    text = varying(task, more)
+HALVES = "[2.0, 2.8284, 4.0, 5.6569, 8.0, 11.3137, 16.0, 22.6274, 32.0, 45.2548, 64.0]"
+ADAPTIVE = [  # task, keys, d', and the steps from the standard (or from nothing) at the threshold
+    ("staircase", "standard = 2.0", 0.12, math.sqrt(2.0) * 0.545 / 0.12),
+    ("quest", "standard = 2.0\nmax_trials = 60", 0.12, math.sqrt(2.0) * 0.6745 / 0.12),
+    ("staircase", 'method = "yesno"', 0.25, (1.0 + 0.545) / 0.25),
+    ("quest", 'method = "yesno"\nmax_trials = 60', 0.25, 1.0 / 0.25),
+]
+
+
+@pytest.mark.parametrize(("task", "more", "d", "steps"), ADAPTIVE)
+def test_a_threshold_is_that_of_the_observer(tmp_path, task, more, d, steps):
+    text = varying(task, f"{more}\nreversals = 12" if task == "staircase" else more)
+    text = text.replace("[2.0, 4.0, 8.0, 16.0, 32.0]", HALVES)
+    lowest = 2.8284 if "standard" in more else 2.0
     if "yesno" in more:
         text += "catch = 0.2\n"
-    found = analysed(tmp_path, text, 6, Observers(1.0))
-    one = found.line("threshold").estimate
-    assert one.participants == 6
-    assert 2.0 <= one.mean <= 32.0
+    found = analysed(tmp_path, text, 40, Observers(d))
+    one = found.line("threshold")
+    assert one.estimate.participants + len(found.missing) == 40
+    assert len(found.missing) <= 8, found.missing
+    # two steps double the level; the mean is of the logarithms
+    assert one.estimate.mean == pytest.approx(lowest * 2.0 ** ((steps - 1.0) / 2.0), rel=0.25)
+
+
+@pytest.mark.parametrize(("task", "more", "d", "steps"), ADAPTIVE)
+def test_who_feels_the_lowest_level_has_no_threshold(tmp_path, task, more, d, steps):
+    text = varying(task, more) + ("catch = 0.2\n" if "yesno" in more else "")
+    found = analysed(tmp_path, text, 12, Observers(6.0))
+    assert math.isnan(found.line("threshold").estimate.mean)
+    assert len(found.missing) >= 10
+    reasons = {one.reason for one in found.missing}
+    assert all("lowest" in one or "outside" in one or "reversals" in one for one in reasons)
+    assert "no estimate" in "\n".join(summary(found))
+    assert found.missing[0].participant in methods_text(found)
+
+
+@pytest.mark.parametrize(("standard", "levels"), [
+    (8.0, "[2.0, 4.0, 8.0, 16.0, 32.0]"), (10.0, "[2.5, 5.0, 10.0, 20.0, 40.0, 80.0]"),
+    (20.0, "[10.0, 15.0, 20.0, 25.0, 30.0]"),
+])  # fmt: skip
+def test_the_point_of_equality_is_the_standard_on_any_scale(tmp_path, standard, levels):
+    text = varying("compare", f"standard = {standard}")
+    text = text.replace("[2.0, 4.0, 8.0, 16.0, 32.0]", levels).replace("repeats = 4", "repeats = 8")
+    study, lists = study_of(tmp_path, text)
+    held = 0
+    for run in range(10):
+        found = analyse(simulate_answers(study, lists, Observers(1.2), 24, run))
+        one = found.line("pse").estimate
+        held += one.low <= standard <= one.high
+    assert held >= 8  # of 10; 7 or fewer come once in 80
+    study, lists = study_of(tmp_path, text.replace("repeats = 8", "repeats = 60"))
+    found = analyse(simulate_answers(study, lists, Observers(1.2), 8, 0))
+    jnd = found.line("jnd").estimate.mean
+    steps = 0.6745 * math.sqrt(2.0) / 1.2
+    expected = 2.0**steps if standard != 20.0 else 5.0 * steps
+    assert jnd == pytest.approx(expected, rel=0.1)
+    assert found.line("jnd").unit == ("ratio of levels" if standard != 20.0 else
+                                      "of the varied dimension")  # fmt: skip
+
+
+def test_the_scale_is_that_of_the_parameter_or_of_the_levels():
+    from overview_studies.scales import Scale, scale_kind
+
+    assert scale_kind("tactor.frequency_hz", [100.0, 200.0, 250.0]) == "log"
+    assert scale_kind("tactor.gain_db", [-6.0, 0.0, 6.0]) == "dB"
+    assert scale_kind("kinds.goal.height", [2.0, 3.0, 4.0]) == "linear"
+    assert scale_kind("kinds.goal.height", [2.0, 4.0, 8.0]) == "log"
+    assert scale_kind("kinds.goal.height", [2.0, 4.0, 8.0], "linear") == "linear"
+    assert scale_kind("timeline", ["a", "b"]) == "index"
+    scale = Scale("log", [2.0, 4.0, 16.0])
+    assert scale.steps([4.0, 16.0]).tolist() == pytest.approx([0.0, 4.0 / 3.0])
+    assert scale.level(scale.position(4.0)) == pytest.approx(4.0)

@@ -34,7 +34,7 @@ def in_node(given):
 
 def find_step(task, method, rng, levels=7):
     most = 40
-    table = quest_table(levels, 0.0 if method == "yesno" else 0.5)
+    table = quest_table(np.arange(float(levels)), 0.0 if method == "yesno" else 0.5)
     tracks = [
         {"start": start, "down": down, "steps": [2, 1], "reversals": 4}
         for start, down in ((levels - 1, 2), (levels // 2, 3))
