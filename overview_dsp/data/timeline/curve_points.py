@@ -142,7 +142,7 @@ class RegularTimes:
         if not np.isfinite(self[-1]) or (self.count > 1 and self[-2] >= self[-1]):
             raise InputError(
                 f"{self.count} values {self.step_s!r} s apart lie too close together to be "
-                "distinguished; count them from 0"
+                "distinguished; count the times from 0"
             )
 
     def __len__(self) -> int:

@@ -164,7 +164,7 @@ def test_a_window_that_is_not_given_is_a_round_one(tmp_path: Path) -> None:
         ({"map": "count:5"}, "count:'5': give a window as a time"),
         ({"map": "count:soon"}, "give a window as a time"),
         ({"map": "count:0h"}, "give a window as a time"),
-        ({"map": "count:0.001s"}, r"makes 9\d{7} windows .* up to 2000000"),
+        ({"map": "count:0.001s"}, r"makes 9\d{7} windows .* at most 2000000"),
         ({"map": "count", "value": "who"}, "leave value out"),
         ({"map": "count", "rate": 5.0}, "leave rate out"),
     ],

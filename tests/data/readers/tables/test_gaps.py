@@ -32,7 +32,7 @@ def test_a_word_for_missing_becomes_a_gap_from_value_to_value(tmp_path: Path, wo
     assert timeline.gaps == ((2 * DAY, 5 * DAY),)
     assert values(timeline) == [0.5, 1.5, 2.5, 5.5, 6.5, 7.5, 8.5]
     assert timeline.intensity_at(3 * DAY) == 0.0  # not interpolated
-    assert noted(timeline, "2 of 9 values are missing: gaps")
+    assert noted(timeline, "2 of 9 values are missing, which makes gaps")
     assert noted(timeline, "1 gap, the longest 3 days")
 
 

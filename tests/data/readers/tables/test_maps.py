@@ -110,4 +110,4 @@ def test_one_wild_value_moves_the_scale_little_and_is_clipped_there_alone(tmp_pa
     assert at(timeline, 250) == 1.0
     assert at(timeline, 0) == 0.0
     assert at(timeline, 125) == pytest.approx(0.25, abs=0.02)
-    assert noted(timeline, "(percentiles 1 and 99); values beyond are clipped in that scale alone")
+    assert noted(timeline, "(percentiles 1 and 99); only the friction is clipped there")
