@@ -10,7 +10,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output import devices, saved_settings
-from overview_dsp.live.output import settings as pad_output
+from overview_dsp.live.output import settings as output_settings
 from overview_dsp.live.output.devices import find_device, open_error
 from overview_dsp.live.output.saved_settings import (
     load_settings,
@@ -231,7 +231,7 @@ def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
     tmp_path, monkeypatch, name, channels, is_pad
 ):
     monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
-    assert pad_output.is_pad(name, channels) == is_pad
+    assert output_settings.is_pad(name, channels) == is_pad
     first = load_settings(name, channels)
     assert first.channels_text == (
         "clicks on 1+2, tactor on 3+4" if is_pad else "clicks on 1, tactor on 2"

@@ -12,8 +12,13 @@ import platformdirs
 
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
-from overview_dsp.live.output import settings as pad_output
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.settings import (
+    PAD_ACTUATOR,
+    PAD_SETTINGS,
+    OutputSettings,
+    SignalSettings,
+    is_pad,
+)
 from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.library import reference
 
@@ -35,7 +40,7 @@ def load_settings(device: str, channels: int = 2) -> OutputSettings:
     """
     saved = _read().get(device)
     if saved is None:
-        return pad_output.SETTINGS if pad_output.is_pad(device, channels) else OutputSettings()
+        return PAD_SETTINGS if is_pad(device, channels) else OutputSettings()
     try:
         names = {entry.name for entry in fields(SignalSettings)}
         click, tactor = (
@@ -59,8 +64,8 @@ def file_requiring(device: str, channels: int) -> Path | None:
 def remembered_actuator(device: str, channels: int = 2) -> str | None:
     """Return the name or file of the actuator last used with a device, or the default, or None."""
     saved = _read().get(device)
-    if saved is None and pad_output.is_pad(device, channels):
-        return pad_output.ACTUATOR
+    if saved is None and is_pad(device, channels):
+        return PAD_ACTUATOR
     name = saved.get("actuator") if isinstance(saved, dict) else None
     return None if name is None else str(name)
 

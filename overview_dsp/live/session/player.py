@@ -26,7 +26,7 @@ from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
 from overview_dsp.live.output.stream_opener import StreamOpener
-from overview_dsp.live.session.active_window import NEAR, ActiveWindow
+from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
 from overview_dsp.live.session.loop import Loop
 from overview_dsp.live.session.pointer import Pointer
@@ -153,7 +153,7 @@ class Player:
         During a touch the pointer follows that time where `about` can't be kept.
         """
         position = self.active_window.zoom(factor, about)
-        if self.pointer.touching and abs(position - about) > NEAR:
+        if self.pointer.touching and abs(position - about) > SAME_POSITION:
             self._touch_again(position)
 
     def go_to_event(self, direction: int, position: float) -> None:
