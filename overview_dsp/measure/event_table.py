@@ -38,8 +38,8 @@ from overview_dsp.measure.perceived_level import (
     BEFORE_MS,
     FALL_DB,
     GESTURES,
+    JND_DB,
     MERGED_S,
-    STEP_DB,
     TRAILING_S,
     Stroke,
     levels,
@@ -187,7 +187,7 @@ class FeltEvents:
     @property
     def masked(self) -> Flags:
         """Events whose level is less than one JND above the level between the events."""
-        return np.asarray(self.contrast_db < STEP_DB)
+        return np.asarray(self.contrast_db < JND_DB)
 
     def of(self, *kinds: str) -> Flags:
         """Return which events are passed, of the given kinds or of all.

@@ -9,7 +9,7 @@ height). Its level is the highest of the windows that overlap that time. The eve
 stroke is the median of the windows that overlap no event's span.
 
 A *pulse* is a peak of the felt level. `pulse_indices` finds peaks of a prominence of at least
-`STEP_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
+`JND_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
 observer detects, by the millisecond.
 """
 
@@ -324,7 +324,7 @@ def stroke_feel(
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
 
 
-STEP_DB = 2.3
+JND_DB = 2.3
 """Just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 JND_DURATION = 1.25
@@ -357,7 +357,7 @@ def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the indices of the pulses in a level (dB, one value per `PULSE_HOP_S`)."""
     from scipy.signal import find_peaks
 
-    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / PULSE_HOP_S))
+    found, _ = find_peaks(level, prominence=JND_DB, distance=round(MERGED_S / PULSE_HOP_S))
     return np.asarray(found, dtype=np.int64)
 
 

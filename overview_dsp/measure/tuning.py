@@ -24,7 +24,7 @@ from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.perceived_level import STEP_DB
+from overview_dsp.measure.perceived_level import JND_DB
 from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
 
@@ -293,7 +293,7 @@ class _Search:
             gap = functools.partial(Gap, stroke, self._timelines[i].title)
             present = [kinds[name] for name in self._target if name in kinds]
             for one, other in itertools.pairwise(present):
-                above = (one.level_db - other.level_db) / STEP_DB
+                above = (one.level_db - other.level_db) / JND_DB
                 required = SEPARATE_JNDS if self._separate else ORDERED_JNDS
                 found.append(gap(one.kind, "above", other.kind, above, required))
             if self._separate:
@@ -301,7 +301,7 @@ class _Search:
                     steps = jnd_distance(one, other)
                     found.append(gap(one.kind, "from", other.kind, steps, SEPARATE_JNDS))
             elif present:
-                contrast = present[-1].contrast_db / STEP_DB
+                contrast = present[-1].contrast_db / JND_DB
                 found.append(gap(present[-1].kind, "above", REST, contrast, REST_STEPS))
         # a kind that was never passed
         return [one if math.isfinite(one.steps) else one._replace(steps=UNMET) for one in found]
@@ -315,7 +315,7 @@ class _Search:
         if self._separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
                 clear = (
-                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
+                    max(0.0, CLEAR_STEPS - kind.contrast_db / JND_DB)
                     if kind.passed
                     else FAULT_STEPS
                 )
@@ -340,7 +340,7 @@ class _Search:
         steps = np.cumsum(list(shortfalls.values())[::-1])[::-1]
         found = moves.copy()
         for name, more in zip(self._target, steps, strict=True):
-            found[self.names.index(name)] += more * STEP_DB * LOG_PER_DB
+            found[self.names.index(name)] += more * JND_DB * LOG_PER_DB
         return found
 
     def improved(

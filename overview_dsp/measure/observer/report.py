@@ -150,7 +150,7 @@ class ObserverReport(Report):
                     yield f"{modality}, {stroke}: of 100 of each kind, taken for"
                     yield from _confusion(scores.kinds)
 
-    def _faults(self) -> Iterator[str]:
+    def _warning_lines(self) -> Iterator[str]:
         for one in self.sets:
             yield from _warnings_of(one)
 
