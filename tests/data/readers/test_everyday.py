@@ -1,4 +1,4 @@
-"""Everyday event lists: labels, cues, calendars, lines of clock and words; broken ones too."""
+"""Everyday event lists: labels, cues, calendars, lines of a time and words; broken ones too."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.data_file import DataFile
-from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, headed
+from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, header_dialect
 from overview_dsp.data.readers.tables.table import (
     CHUNK_CELLS,
     CHUNK_ROWS,
@@ -83,7 +83,7 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
     InputError
         No header, a column named twice, more fields than columns, broken quotes, too many rows.
     """
-    dialect = headed(text)
+    dialect = header_dialect(text)
     if dialect is None:
         raise InputError("no header; the first row names the columns")
     if len(dialect.header) > MAX_COLUMNS:

@@ -121,7 +121,7 @@ def test_times_without_a_year_go_on_after_december(tmp_path: Path) -> None:
     path = write(tmp_path, "Dec 31 23:10:00 h: a\nDec 31 23:50:00 h: b\nJan  1 01:20:00 h: c\n")
     timeline = load_timeline(path, map="count:1h")
     assert numbers(timeline) == [2.0, 0.0, 1.0]
-    assert "its lines name no year: 2000 stands for the first" in timeline.notes
+    assert "its lines have no year; the first year is called 2000" in timeline.notes
 
 
 def test_a_log_that_is_not_counted_is_refused_with_the_option(tmp_path: Path) -> None:
