@@ -29,7 +29,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.event_table import NEAR_MS, FeltEvents, felt_events
+from overview_dsp.measure.event_table import HALF_WINDOW_MS, FeltEvents, felt_events
 from overview_dsp.measure.perceived_level import (
     GESTURES,
     JND_DB,
@@ -467,7 +467,9 @@ def _median(values: Any) -> float:
 
 def _stroke_features(one: FeltEvents) -> tuple[float, float, float]:
     """Return level (dB), sharpness (N m/s) and density (per second) of a stroke."""
-    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(PULSE_HOP_S * 1e3)]
+    level = one.level[
+        HALF_WINDOW_MS : int(1e3 * one.arrived_s) - HALF_WINDOW_MS : round(PULSE_HOP_S * 1e3)
+    ]
     if not len(level):
         return math.nan, one.slope, 0.0
     return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
