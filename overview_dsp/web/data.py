@@ -65,7 +65,7 @@ from overview_dsp.web.site_content import SiteContent
 BINARY, JSON = "application/octet-stream", "application/json"
 TIMELINE_FILE, POINTS_FILE = "data/timeline.json", "data/points-0.json"
 LEVELS = 4
-"""Number of zoom levels of a served page; each is a third as long."""
+"""Number of zoom levels of a served page, each with windows a third as long."""
 
 CHECK_INTERVAL_S = 0.1
 CHECKS_PER_COMMENT = 50
