@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
-from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
+from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
 from overview_dsp.cli.options.reading import (
     PRESET_OPTION,
     Reading,
@@ -118,13 +118,13 @@ def command(
         return
     if SITE in formats:
         _require_alone(SITE, formats, *CLIP_OPTIONS)
-        driven, url = calibrated(actuator), _base_url(base_url)
+        driven, url = load_calibrated(actuator), _base_url(base_url)
         _site(loaded, output or "site", zoom_levels, seed, driven, url, as_json)
         return
     if base_url is not None:
         raise InputError(f"--base-url does not apply to clips; remove it, or use --to {SITE}")
     movement, rest = read_gesture(gesture), tail_of(tail)
-    driven = calibrated(actuator)
+    driven = load_calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
         raise InputError(
             f"--actuator {actuator} applies only to {DRIVEN}; add --to {DRIVEN}, or remove it"

@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
+from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
 from overview_dsp.cli.options.reading import (
     PresetChoice,
     Reading,
@@ -119,7 +119,7 @@ def command(
     chosen = choice.load(preset_for(data, choice.preset))
     movement = read_gesture(gesture)
     rest = tail_of(tail)
-    driven = calibrated(actuator)
+    driven = load_calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar(f"rendering {Path(output).name}") as progress:
         done = ov.render_to_file(

@@ -37,7 +37,7 @@ PLAY = ("play", MATCH, "--device", "none")
             ("--input", "osc:9000", "--input", "osc:9001"),
             ("osc:9001", "a second source"),
         ),
-        (("--input", "sweep:1", "--input", "osc:9000"), ("excludes other sources",)),
+        (("--input", "sweep:1", "--input", "osc:9000"), ("must be the only source",)),
         (("--input", "sweep:1", "--input", "sweep:1"), ("a second source",)),
         (("--input", "osc:9000,sensor=imu"), ("sensor applies to serial:", "osc: allows map")),
         (("--input", "serial:x,map=x.toml"), ("map applies to osc:, midi:",)),
