@@ -39,7 +39,7 @@ def test_what_belongs_to_live_is_refused_without_it():
 
 @pytest.mark.realtime
 @needs_server
-def test_no_such_output_is_one_line():
+def test_no_such_output_gives_a_one_line_error():
     with jack_server.Server(period=256) as server:
         done = server.attempt(*BENCH, "--device", "nowhere")
     assert done.returncode == 2

@@ -98,7 +98,7 @@ def test_what_goes_to_several_channels_is_the_same_to_the_bit(match, football, a
         assert np.array_equal(heard[:, channel], alone[:, same])
 
 
-def test_any_channels_may_be_several_and_those_between_are_silent(match, football, plain):
+def test_each_signal_can_use_any_channels_and_unused_channels_are_silent(match, football, plain):
     settings = OutputSettings(SignalSettings((64, 2, 33)), SignalSettings((5, 1)))
     heard = played(match, football, settings, channels=64)
     for signal, columns in enumerate(([63, 1, 32], [4, 0])):
@@ -171,7 +171,7 @@ def test_stopping_fades_to_zero_without_a_step(match, football, plain):
         ({"channel": "3+4"}, "channel '3\\+4' isn't a number"),
     ],
 )
-def test_what_a_device_cannot_be_given_is_one_line(values, words):
+def test_an_invalid_output_setting_gives_a_one_line_error(values, words):
     with pytest.raises(ov.InputError, match=words):
         OutputSettings().changed(tactor=values)
 

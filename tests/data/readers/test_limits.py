@@ -271,7 +271,7 @@ def test_a_zip_of_too_many_files_is_refused_by_its_table_of_contents(tmp_path: P
     refused(tmp_path / "z", "ZIP archive of too many files")
 
 
-def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
+def test_an_archive_of_several_files_gives_a_one_line_error(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "z.zip", "w") as archive:
         archive.writestr("a.json", NATIVE)
         archive.writestr("b.json", NATIVE)
@@ -302,7 +302,9 @@ def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
         (b"7z\xbc\xaf\x27\x1c" + b"x" * 20, "a 7z archive can't be read"),
     ],
 )
-def test_a_damaged_archive_is_one_line(content: bytes, words: str, tmp_path: Path) -> None:
+def test_a_damaged_archive_gives_a_one_line_error(
+    content: bytes, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "a").write_bytes(content)
     refused(tmp_path / "a", f"a: .*{words}")
 
@@ -321,7 +323,7 @@ def test_xz_takes_no_memory_of_its_choice(tmp_path: Path) -> None:
     length=st.integers(0, 30),
     put=st.binary(max_size=8),
 )
-def test_any_change_of_an_archive_gives_a_timeline_or_one_line(
+def test_any_change_of_an_archive_gives_a_timeline_or_a_one_line_error(
     suffix: str, at: int, length: int, put: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     from tests.data.readers.outcome import timeline_or_one_line

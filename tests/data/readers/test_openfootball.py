@@ -127,7 +127,9 @@ def test_a_match_is_chosen_by_number_or_words(match: str, teams: str) -> None:
         (" - ", "match is .*must be a number, 1 to 4, or words"),
     ],
 )
-def test_no_or_an_unclear_choice_is_one_line(match: str | None, words: str, tmp_path: Path) -> None:
+def test_no_or_an_unclear_choice_gives_a_one_line_error(
+    match: str | None, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "cup.json").write_text(json.dumps(CUP))
     with pytest.raises(InputError, match=rf"cup\.json: {words}"):
         load_timeline(tmp_path / "cup.json", match=match)
@@ -163,7 +165,7 @@ def test_a_wrong_goal_is_named(goal: Any, words: str) -> None:
 
 
 @given(st.data())
-def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
+def test_any_change_gives_a_timeline_or_a_one_line_error(data: st.DataObject) -> None:
     document = mutated(data, copy.deepcopy(openfootball(fixture())))
     timeline_or_one_line(lambda: decode(document))
 

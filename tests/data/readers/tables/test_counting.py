@@ -135,7 +135,7 @@ def test_an_event_list_is_counted_too(tmp_path: Path) -> None:
     assert numbers(load_timeline(path, map="count:1min")) == [2.0, 1.0]
 
 
-def test_what_is_not_counted_is_said(tmp_path: Path) -> None:
+def test_what_is_not_counted_is_noted(tmp_path: Path) -> None:
     text = "\n".join([f"{m.isoformat(' ')} x\n  rest" for m in MOMENTS])
     notes = load_timeline(write(tmp_path, text), map="count:1h").notes
     assert "8 rows without a time aren't counted" in notes
@@ -169,7 +169,9 @@ def test_a_window_that_is_not_given_is_a_round_one(tmp_path: Path) -> None:
         ({"map": "count", "rate": 5.0}, "leave rate out"),
     ],
 )
-def test_what_says_nothing_is_one_line(options: dict[str, Any], words: str, tmp_path: Path) -> None:
+def test_a_count_option_that_does_not_apply_gives_a_one_line_error(
+    options: dict[str, Any], words: str, tmp_path: Path
+) -> None:
     path = write(tmp_path, "\n".join(["when,who", *rows_of(MOMENTS)]))
     with pytest.raises(InputError, match=words):
         load_timeline(path, **options)

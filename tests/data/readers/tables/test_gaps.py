@@ -140,7 +140,7 @@ def test_a_loggers_number_for_nothing_is_no_value(tmp_path: Path) -> None:
     assert load(tmp_path, series(rows)).gaps == ()
 
 
-def test_no_time_at_all_for_a_row_without_a_value_is_no_row(tmp_path: Path) -> None:
+def test_a_row_without_time_and_value_is_ignored(tmp_path: Path) -> None:
     text = series([(day, i) for i, day in enumerate(days(5))]) + ",\n,\n"
     timeline = load(tmp_path, text)
     assert times(timeline) == [i * DAY for i in range(5)]
