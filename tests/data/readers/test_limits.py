@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import data_file, load_timeline, opening, save_timeline
-from overview_dsp.data.readers.data_file import MOST_DEPTH, extent
+from overview_dsp.data.readers.data_file import DEEPEST, extent
 from overview_dsp.data.readers.opening import packing
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
@@ -141,13 +141,13 @@ def test_deep_json_is_read_with_the_option(tmp_path: Path) -> None:
     (tmp_path / "x").write_text(text)
     refused(tmp_path / "x", "nested too deep")
     refused(tmp_path / "x", "unknown key 'x'", max_depth=201)
-    for bad in (0, MOST_DEPTH + 1, 2.5, "9", True):
+    for bad in (0, DEEPEST + 1, 2.5, "9", True):
         refused(tmp_path / "x", "max_depth is .*1 to 500", max_depth=bad)
 
 
 def test_the_deepest_allowed_json_does_not_end_the_stack(tmp_path: Path) -> None:
-    (tmp_path / "x").write_text("[" * MOST_DEPTH + "]" * MOST_DEPTH)
-    refused(tmp_path / "x", "a JSON list of 1 entries", max_depth=MOST_DEPTH)
+    (tmp_path / "x").write_text("[" * DEEPEST + "]" * DEEPEST)
+    refused(tmp_path / "x", "a JSON list of 1 entries", max_depth=DEEPEST)
 
 
 def test_brackets_in_text_are_no_depth(tmp_path: Path) -> None:

@@ -150,7 +150,7 @@ class DelimitedTable(Table):
             if not block:
                 continue
             whole = block if block.endswith("\n") else block + "\n"
-            marks = marks_of(whole, separator, width, dialect.comments)
+            marks = field_ends(whole, separator, width, dialect.comments)
             if marks is None:
                 return first
             cells = cells_of(whole, marks, separator, width, columns)
@@ -348,7 +348,7 @@ def _line_ends(text: str) -> int:
     return text.count("\n") + text.count("\r") - text.count("\r\n")
 
 
-def marks_of(
+def field_ends(
     block: str, separator: str, width: int, comments: tuple[str, ...]
 ) -> NDArray[np.int64] | None:
     """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.

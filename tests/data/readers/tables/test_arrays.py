@@ -64,8 +64,8 @@ def test_arrays_of_an_archive_are_its_columns(save: Any, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (header((10**15,)) + bytes(80), r"shape \(10{15},\), 8\d+ bytes, and 80 follow"),
-        (header((20,)) + bytes(80), "160 bytes, and 80 follow"),
+        (header((10**15,)) + bytes(80), r"shape \(10{15},\), 8\d+ bytes, but 80 bytes follow"),
+        (header((20,)) + bytes(80), "160 bytes, but 80 bytes follow"),
         (header((0,)), "no rows"),
         (header((2, 2, 2)) + bytes(64), "3 dimensions"),
         (header((2,), "|O") + bytes(16), "Python objects"),

@@ -193,7 +193,7 @@ def test_several_series_below_each_other_are_asked_about_and_distinguished(tmp_p
     assert "column 'symbol' distinguishes 2 series ('AAA', 'BBB'); choose one with match" in words
     for match in ("BBB", "bbb", "symbol=BBB"):
         assert values(load(tmp_path, text, match=match)) == [10.0, 20.0, 30.0, 40.0, 50.0]
-    assert "no row contains it" in refusal(lambda: load(tmp_path, text, match="CCC"))
+    assert "no row contains this text" in refusal(lambda: load(tmp_path, text, match="CCC"))
 
 
 def test_a_file_larger_than_the_limit_is_refused_and_the_limit_can_be_raised(
