@@ -105,7 +105,7 @@ def resolve_output(
     actuator: str | None,
     channels: int = 2,
 ) -> ResolvedOutput:
-    """Return a device's saved settings with the given changes; None is a device without any.
+    """Return a device's saved settings, or defaults if `device` is None, with the given changes.
 
     `click` and `tactor` are changed fields of `SignalSettings`. `actuator` is a name or file,
     "none", or None for the saved one. `channels` is the number of channels of the device.
@@ -115,10 +115,10 @@ def resolve_output(
     InputError
         A setting is out of range, or the actuator can't be loaded.
     """
-    remembered, own = OutputSettings(), None
+    remembered, saved = OutputSettings(), None
     if device is not None:
-        remembered, own = load_settings(device, channels), remembered_actuator(device, channels)
-    chosen = own if actuator is None else actuator
+        remembered, saved = load_settings(device, channels), remembered_actuator(device, channels)
+    chosen = saved if actuator is None else actuator
     try:
         loaded = None if chosen in (None, "none") else apply_calibration(chosen)
     except InputError as error:
@@ -130,7 +130,7 @@ def resolve_output(
         ) from None
     name = None if loaded is None else reference(loaded)
     settings = replace(remembered.changed(click, tactor), actuator=loaded)
-    return ResolvedOutput(settings, remembered, actuator is not None and name != own)
+    return ResolvedOutput(settings, remembered, actuator is not None and name != saved)
 
 
 def _read() -> dict[str, Any]:

@@ -334,7 +334,7 @@ class Player:
             self.loop.cancel()
             self._start_exact_take()
         if self.takes.recording_path is None:
-            # differences from the named timeline and preset at the first sample
+            # differences at the first sample from the timeline and preset named in the header
             before: list[Mapping[str, Any]] = []
             if self.window != self._whole:
                 before.append({"window": list(self.window)})
@@ -345,7 +345,8 @@ class Player:
     def _start_exact_take(self) -> None:
         """Restart the engine and start a take at its first sample, which is inaudible at rest.
 
-        The engine restarts with the named timeline and preset. Differences are applied at once.
+        The engine restarts with the timeline and preset that the take's header names. Differences
+        are applied at once.
         """
         window, preset = self.window, self.active_window.pop_requested_preset()
 
