@@ -117,7 +117,7 @@ export class ViewState {
   }
 
   /**
-   * Show a part and activate its surface; keys keep their time.
+   * Show a part and activate its surface. A position chosen by keys keeps its time.
    * @param {Part} part
    */
   async go(part) {
