@@ -46,7 +46,7 @@ SITE, SOURCE = "web", "c"
 CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
-FIGURES = (
+ERROR_NOTE = (
     "(median error of the perceived level; part of the clip with an error below 2.3 dB, strikes "
     "included)"
 )
@@ -77,8 +77,8 @@ def command(
     tail: str = TAIL,
     seed: int = SEED,
     zoom_levels: int | None = option(
-        "Zoom levels of a page, each by 3; by default up to 3, as far as the windows have 8 values "
-        "or events. 0 to 5 levels of a match: 0.4, 1.5, 5, 10, 23, 60 MB.",
+        "Zoom levels of a page, each by a factor of 3; default: up to 3, while windows have 8 "
+        "values or events. A match has 0.4, 1.5, 5, 10, 23, 60 MB with 0 to 5.",
         type=click.IntRange(0, 5),
     ),
     base_url: str | None = option(
@@ -170,7 +170,7 @@ def command(
             )
         )
     if any("players" in report for report in reports):
-        click.echo(FIGURES)
+        click.echo(ERROR_NOTE)
 
 
 def _error(error: PerceptualError) -> dict[str, float]:
