@@ -148,7 +148,7 @@ def load_timeline(
     if not (isinstance(data, str | os.PathLike) or is_content(data)):
         return _of_memory(data, times, options)
     if times is not None:
-        raise InputError("time names a column of a file; times themselves go with values in memory")
+        raise InputError("time names a column of a file; time lists are only for data in memory")
     with opened(data, options, _or_bundled()) as source:
         format_hints.require_no_other_document(source)
         candidate = _format_of(source)

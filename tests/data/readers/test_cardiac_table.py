@@ -184,7 +184,7 @@ def test_a_noisy_stretch_is_a_gap_that_says_why(tmp_path: Path) -> None:
     assert 46.0 < end < 56.0
     assert silent == (86.0, 90.0)
     assert not any(start < event.time_s < end for event in timeline.events)
-    assert any("too noisy to find beats: gaps" in note for note in timeline.notes)
+    assert any("too noisy to find beats, which makes gaps" in note for note in timeline.notes)
 
 
 def test_noise_alone_gives_a_one_line_error_that_says_so(tmp_path: Path) -> None:

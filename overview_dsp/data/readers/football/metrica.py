@@ -14,7 +14,7 @@ Event kinds:
 - `yellow_card`, `red_card`: a CARD with YELLOW or RED (red for a second yellow, too).
 - `period`: the start of each period and the end of the last action.
 
-All other actions with the ball are detail events (`ball_touches`).
+All other actions with the ball are `ball_touches`, shown in windows only.
 """
 
 from __future__ import annotations

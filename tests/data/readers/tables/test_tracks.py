@@ -124,7 +124,7 @@ def test_the_encoding_the_xml_claims_hides_nothing(tmp_path: Path) -> None:
         (gpx(time=False), "0 points of its tracks have a time; .* not a planned route"),
         (gpx(1), "1 points of its tracks have a time"),
         (gpx()[:-200], "broken XML"),
-        ("<gpx>" + "<a>" * 100, "nested more than 64 deep"),
+        ("<gpx>" + "<a>" * 100, "nested more than 64 levels deep"),
         (gpx().replace("<ele>", "<x>"), "broken XML"),
     ],
 )
