@@ -129,7 +129,7 @@ def test_a_faulty_reader_gives_a_one_line_error(
     [
         ("import nothing_of_this_name", "can't be loaded .ModuleNotFoundError"),
         ("name = 'x'\ndef sniff(head): return True", "has no read"),
-        (STEPS.replace('("rate",)', '("speed",)'), "can't be loaded .*options speed; known are"),
+        (STEPS.replace('("rate",)', '("speed",)'), "can't be loaded .*unknown: speed; known: "),
         (STEPS.replace("return head.startswith", "return head.begins"), "failed to look at a file"),
     ],
 )
