@@ -22,7 +22,7 @@ export const HELP = [
 ];
 
 /**
- * `open(name)` opens events, run, help or film; `onfirst()` is called before each key.
+ * `open(name)` opens events, help or film, or plays (run); `onfirst()` is called before each key.
  * @param {HTMLElement} element
  * @param {{ navigation: Navigation, open: (name: string) => void }} parts
  * @param {() => void} onfirst
