@@ -38,7 +38,7 @@ def javascript() -> str:
     rows = {id: [number, *of] for number, (id, of) in enumerate(KERNEL_RANGES.items())}
     lines = "".join(f'  "{id}": [{", ".join(map(str, row))}],\n' for id, row in rows.items())
     text += f"export const PARAMETERS = Object.freeze({{\n{lines}}});\n\n"
-    text += "// of a memory that this layout fits, its low and its high half\n"
+    text += "// low and high half of the digest of an engine's memory with this layout\n"
     text += f"export const DIGEST = Object.freeze([{low}, {high}]);\n"
     return text
 

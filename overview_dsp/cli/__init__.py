@@ -73,7 +73,7 @@ class Commands(click.Group):
         Raises
         ------
         InputError
-            Its distribution isn't installed, or doesn't provide it.
+            The command's distribution isn't installed, or doesn't provide it.
         """
         if cmd_name in COMMANDS:
             command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command

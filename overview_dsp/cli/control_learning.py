@@ -1,4 +1,4 @@
-"""Shared parts of commands that learn from a device: options, waiting, the control list."""
+"""Shared parts of commands that learn from a device: options, waiting, the map file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Learning:
     heading: ClassVar[str] = GENERAL
 
     output: str = option(
-        "Control list to extend; created if missing.",
+        "Map file to extend; created if missing.",
         type=click.Path(dir_okay=False),
         required=True,
     )
@@ -89,7 +89,7 @@ def listen(
 
 
 def save_learned(learning: Learning, text: str, report: dict[str, Any], summary: str) -> None:
-    """Write the control list, and report the new control."""
+    """Write the map file, and report the new control."""
     write_text(learning.output, text)
     report["file"] = learning.output
     show(learning.as_json, report, f"{Path(learning.output)}: {summary}")

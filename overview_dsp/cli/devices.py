@@ -85,7 +85,7 @@ def command(
         return
     if not found:
         why = missing.get("outputs") or f"PortAudio finds none: {no_output_hint()}"
-        click.echo(f"no audio output: {why}; rendering to files works without")
+        click.echo(f"no audio output: {why}; rendering to files works without one")
     for output in found:
         star = "*" if output.default else " "
         click.echo(

@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
-from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
+from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
 from overview_dsp.cli.options.reading import (
     PRESET_OPTION,
     Reading,
@@ -46,7 +46,7 @@ SITE, SOURCE = "web", "c"
 CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
-FIGURES = (
+ERROR_NOTE = (
     "(median error of the perceived level; part of the clip with an error below 2.3 dB, strikes "
     "included)"
 )
@@ -77,8 +77,8 @@ def command(
     tail: str = TAIL,
     seed: int = SEED,
     zoom_levels: int | None = option(
-        "Zoom levels of a page, each by 3; by default up to 3, as far as the windows have 8 values "
-        "or events. 0 to 5 levels of a match: 0.4, 1.5, 5, 10, 23, 60 MB.",
+        "Zoom levels of a page, each by a factor of 3; default: up to 3, while windows have 8 "
+        "values or events. A match has 0.4, 1.5, 5, 10, 23, 60 MB with 0 to 5.",
         type=click.IntRange(0, 5),
     ),
     base_url: str | None = option(
@@ -118,13 +118,13 @@ def command(
         return
     if SITE in formats:
         _require_alone(SITE, formats, *CLIP_OPTIONS)
-        driven, url = calibrated(actuator), _base_url(base_url)
+        driven, url = load_calibrated(actuator), _base_url(base_url)
         _site(loaded, output or "site", zoom_levels, seed, driven, url, as_json)
         return
     if base_url is not None:
         raise InputError(f"--base-url does not apply to clips; remove it, or use --to {SITE}")
     movement, rest = read_gesture(gesture), tail_of(tail)
-    driven = calibrated(actuator)
+    driven = load_calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
         raise InputError(
             f"--actuator {actuator} applies only to {DRIVEN}; add --to {DRIVEN}, or remove it"
@@ -170,7 +170,7 @@ def command(
             )
         )
     if any("players" in report for report in reports):
-        click.echo(FIGURES)
+        click.echo(ERROR_NOTE)
 
 
 def _error(error: PerceptualError) -> dict[str, float]:

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from overview_dsp.signal.surface.angle_map import AngleMap
     from overview_dsp.web.assets import START, TYPES, other_page_files
     from overview_dsp.web.messages import json_object
-    from overview_dsp.web.security.request_body import threaded_endpoint
+    from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
     from overview_dsp.web.site_content import RATES
     from overview_dsp.web.site_data import kind_styles, window_json
     from overview_dsp.web.sound_data import make_patch, whole_bytes
@@ -80,7 +80,7 @@ _MODULES = {
     "signal.surface.angle_map": "AngleMap",
     "web.assets": "START TYPES other_page_files",
     "web.messages": "json_object",
-    "web.security.request_body": "threaded_endpoint",
+    "web.security.threaded_endpoint": "threaded_endpoint",
     "web.site_content": "RATES",
     "web.site_data": "kind_styles window_json",
     "web.sound_data": "make_patch whole_bytes",

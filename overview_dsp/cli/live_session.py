@@ -97,9 +97,9 @@ def play_headless(
     source: Input | None,
     received: list[int],
     seconds: float | None,
-    logged: bool = False,
+    events_sent: bool = False,
 ) -> None:
-    """Play with one line of JSON per second; the last lists the events, unless `logged`."""
+    """Play with one line of JSON per second; the last lists the events, unless OSC sends them."""
     from overview_dsp.live.session.headless import run
 
     def describe(passed: list[Passed]) -> dict[str, Any]:
@@ -110,7 +110,7 @@ def play_headless(
         return {"events": as_records(of_events(times, levels, events, timeline))}
 
     for report in run(
-        player, source, lambda: bool(received), note, seconds, None if logged else describe
+        player, source, lambda: bool(received), note, seconds, None if events_sent else describe
     ):
         print(json.dumps(report), flush=True)
-    player.close()  # before other work
+    player.close()  # the output is silent before the caller continues

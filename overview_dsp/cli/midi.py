@@ -27,7 +27,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
 
     TARGET is theta2 (the angle), touch (holds the disk while it is pressed), taps (keys, each
     with one position) or the id of a parameter (overview presets reference). The control
-    is added to the list, and replaces another control of TARGET. A knob without ends
+    is added to the map file, and replaces another control of TARGET. A knob without ends
     is detected by its steps.
     """
     from overview_dsp.devices.controllers.control_map import (

@@ -23,11 +23,11 @@ def command() -> None:
 
 @cli_command("osc learn 0.0.0.0:9000 device -o phone.toml", group=command)
 def learn(port: str, target: str, *, learning: Learning) -> None:
-    """Assign the control that sends OSC to PORT (or HOST:PORT) while you move it to TARGET.
+    """Assign to TARGET the control that you move, received at PORT (or HOST:PORT).
 
-    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), device (the sender is
-    twisted itself) or the id of a parameter (overview presets reference). The control is added to
-    the list, and replaces another control of TARGET.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), device (the angle is
+    the rotation of the sender itself) or the id of a parameter (overview presets reference). The
+    control is added to the map file, and replaces another control of TARGET.
     """
     from overview_dsp.devices.controllers.control_map import (
         SENSED,

@@ -49,7 +49,7 @@ def build(
     reading: Reading,
     window: Window,
 ) -> None:
-    """Compile timelines to an audio plugin, which needs a C compiler.
+    """Compile timelines to an audio plugin, with a C compiler.
 
     Its samples are those of overview render. The host can switch between several TIMELINEs, and
     between presets. Without TIMELINE, the plugin has all bundled timelines and presets.

@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
+from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
 from overview_dsp.cli.options.reading import (
     PresetChoice,
     Reading,
@@ -32,7 +32,7 @@ TERMINAL = "-"
 
 GESTURE = option(FORMS + "; + joins gestures.", default=DEFAULT, metavar="SPEC")
 TAIL = option(
-    "Time after the gesture: rest (of the disk), none, or seconds.",
+    "Time after the gesture: rest (until the disk rests), none, or seconds.",
     default="rest",
     metavar="S",
 )
@@ -119,7 +119,7 @@ def command(
     chosen = choice.load(preset_for(data, choice.preset))
     movement = read_gesture(gesture)
     rest = tail_of(tail)
-    driven = calibrated(actuator)
+    driven = load_calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar(f"rendering {Path(output).name}") as progress:
         done = ov.render_to_file(
@@ -198,7 +198,7 @@ def command(
 
 
 MAX_NAMED = 6
-"""Most events that a message names; the JSON report has all."""
+"""Maximum number of events that a message names; the JSON report has all."""
 
 
 def _level(db: float | None) -> str:
@@ -209,7 +209,7 @@ def _loudness(lufs: float | None, gain_db: float, target: float | None) -> str:
     if lufs is None:
         return "click: silent"
     gain = f", gain {gain_db:+.1f} dB" if target is not None else ""
-    # less than the target, by more than the gates of the measurement can cause
+    # further below the target than the gating of the measurement can explain
     limited = target is not None and lufs < target - 0.5
     why = "; limited by its peak at -1 dBFS" if limited else ""
     return f"click: {lufs:.1f} LUFS{gain}{why}"

@@ -94,7 +94,7 @@ def profile(
     name: str | None,
     *,
     output: str | None = option(
-        "Copy of NAME.  [default: print it]", type=click.Path(dir_okay=False)
+        "File for the copy.  [default: print it]", type=click.Path(dir_okay=False)
     ),
     as_json: bool = JSON,
 ) -> None:

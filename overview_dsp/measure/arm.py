@@ -70,8 +70,8 @@ class ArmStroke:
     events, missed : int
         Events that the finger passes; those that the disk never reaches.
     main, main_missed, main_felt : int
-        The same of the strongest kinds; those with a detected pulse that is stronger than every
-        event of the weakest kind that lies apart.
+        Such events of the strongest kinds; those of them with a detected pulse that is stronger
+        than all distant events of the weakest kind.
     lag_ms, lag_percent : tuple of float
         Median, 95th percentile and worst lag of the events that are reached, in ms and in per cent
         of the timeline.
@@ -110,9 +110,9 @@ class ArmReport(Report):
     Attributes
     ----------
     preset : str
-        Its name.
+        Name of the preset.
     timelines : int
-        How many.
+        Number of timelines.
     main : tuple of str
         The strongest kinds.
     strokes : tuple of ArmStroke
@@ -129,7 +129,7 @@ class ArmReport(Report):
 
     See Also
     --------
-    arm_report : Makes one.
+    arm_report : Makes a report.
 
     Examples
     --------
@@ -183,7 +183,7 @@ class ArmReport(Report):
         if median == median:  # not NaN
             yield f"curve felt in a sweep of 4 s: {median:.1f} dB (median), {low:.1f} dB (lowest)"
 
-    def _faults(self) -> Iterator[str]:
+    def _warning_lines(self) -> Iterator[str]:
         for one in self.strokes:
             if one.missed:
                 among = f", {one.main_missed} of the strongest kinds" if one.main_missed else ""
@@ -223,7 +223,7 @@ def arm_report(
     Raises
     ------
     InputError
-        No timelines; as `render`.
+        No timelines, or an error of `render`.
 
     Examples
     --------
@@ -357,8 +357,8 @@ def cards_over_goals(one: FeltEvents) -> list[float]:
 def felt_range_db(one: FeltEvents) -> float:
     """Return the level in the upper fifth of the curve minus that in the lower fifth, dB.
 
-    Levels are medians between the events; a position is mapped to its time linearly between the
-    events, as by every angle map.
+    Levels are medians between the events. There a position is mapped to its time linearly, which
+    is true of every angle map.
     """
     order = np.argsort(one.time_s, kind="stable")
     places = np.concatenate([[0.0], one.position[order], [1.0]])

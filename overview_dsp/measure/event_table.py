@@ -38,8 +38,8 @@ from overview_dsp.measure.perceived_level import (
     BEFORE_MS,
     FALL_DB,
     GESTURES,
+    JND_DB,
     MERGED_S,
-    STEP_DB,
     TRAILING_S,
     Stroke,
     levels,
@@ -58,13 +58,13 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FLOOR_DB = -90.0
-"""Lowest level of a row."""
+"""Lowest level that is measured, dB of full scale."""
 
 ARRIVED = 0.005
 """Distance from the end of the stroke, as a share of the timeline, at which a disk has arrived. A
 disk held there produces no output, which does not count for the level between the events."""
 
-NEAR_MS = 5
+HALF_WINDOW_MS = 5
 """Half a window: the largest distance of a window's centre from a frame that it overlaps."""
 
 _PEAK_MS = 30
@@ -95,6 +95,7 @@ class FeltEvents:
     event : int64 (events,)
         Index into the timeline's events.
     kind : str (events,)
+        Event kind.
     time_s : float64 (events,)
         Time on the timeline, s.
     position, start, end : float64 (events,)
@@ -135,7 +136,7 @@ class FeltEvents:
 
     See Also
     --------
-    felt_events : Measures them.
+    felt_events : Measures the events.
 
     Examples
     --------
@@ -187,7 +188,7 @@ class FeltEvents:
     @property
     def masked(self) -> Flags:
         """Events whose level is less than one JND above the level between the events."""
-        return np.asarray(self.contrast_db < STEP_DB)
+        return np.asarray(self.contrast_db < JND_DB)
 
     def of(self, *kinds: str) -> Flags:
         """Return which events are passed, of the given kinds or of all.
@@ -230,17 +231,17 @@ def felt_events(
     Parameters
     ----------
     preset : Preset
-        What is to be felt.
+        Preset that is measured.
     timelines : sequence of Timeline
-        One or more.
+        One or more timelines.
     gestures : mapping of str to Gesture
-        By name; slow, medium and fast sweeps and a tap if left out.
+        Gestures by name; default: slow, medium and fast sweeps and a tap.
     sample_rate : float
-        Hz. The disk and its vibration are the same at any; clicks need 48 kHz.
+        Sample rate, Hz. It does not affect disk and vibration, but clicks need 48 kHz.
     tail : {"rest", "none"} or float
         As in `render`.
     progress : callable
-        Called with the part done, 0 to 1.
+        Called with the completed share, 0 to 1.
 
     Returns
     -------
@@ -250,7 +251,7 @@ def felt_events(
     Raises
     ------
     InputError
-        No timelines; as `render`.
+        No timelines, or an error of `render`.
 
     Examples
     --------
@@ -298,10 +299,10 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     arrived = min(int(away[-1]) + 2 if len(away) else len(cursor), len(cursor))
     # a window overlaps an event if the disk is on one in any of its frames
     on_one = np.cumsum(np.append(0, surface.in_span(cursor)))
-    windows = slice(NEAR_MS, max(NEAR_MS, int(arrived / per_ms) - NEAR_MS))
+    windows = slice(HALF_WINDOW_MS, max(HALF_WINDOW_MS, int(arrived / per_ms) - HALF_WINDOW_MS))
     middle = np.arange(len(course))[windows]
     first_frame, last_frame = (
-        ((middle + side) * per_ms).astype(int) for side in (-NEAR_MS, NEAR_MS)
+        ((middle + side) * per_ms).astype(int) for side in (-HALF_WINDOW_MS, HALF_WINDOW_MS)
     )
     free = level[windows][on_one[last_frame] == on_one[first_frame]]
     free_db = float(np.median(free)) if len(free) else np.nan
@@ -319,9 +320,9 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
         inside &= cursor[begin : end + 1] <= surface.span[row, 1]
         sharpness[row] = slope[begin : end + 1][inside].max()
         begin_ms, end_ms = begin / per_ms, end / per_ms
-        near = max(int(begin_ms) - NEAR_MS, 0)
+        near = max(int(begin_ms) - HALF_WINDOW_MS, 0)
         if near < len(level):
-            high[row] = level[near : int(end_ms) + NEAR_MS + 1].max()
+            high[row] = level[near : int(end_ms) + HALF_WINDOW_MS + 1].max()
             detected[row] = ((pulses >= begin_ms - BEFORE_MS) & (pulses <= end_ms + AFTER_MS)).any()
         duration[row] = _duration_ms(level[windows], course[windows], surface.span[row], free_db)
 
@@ -377,7 +378,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
 
 
 def _duration_ms(level: Floats, course: Floats, span: Floats, free_db: float) -> float:
-    """Return how long the level stays near its highest in a span, ms; NaN if it is leapt over."""
+    """Return how long the level stays near its highest in a span, ms; NaN if the disk skips it."""
     inside = np.flatnonzero((course >= span[0]) & (course <= span[1]))
     if not len(inside):
         return np.nan
@@ -409,15 +410,16 @@ def _clicks(
     click: NDArray[np.float32],
     kinds: NDArray[np.str_],
 ) -> tuple[Floats, Floats, Floats, Flags, NDArray[np.str_]]:
-    """Return of each event when it is struck, s, how loud, dB, how far from its vibration, ms,
-    whether that is within 30 ms of others, and which kind hides it.
+    """Return the click of each event: time (s), level (dB), time to the vibration's peak (ms).
+
+    Return also whether another event is struck within 30 ms, and the kind that hides the event.
     """
     rate, envelope, release = done.sample_rate, done.trace.envelope, done.surface.release
     level = levels(click, rate, FELT_WINDOW_S, FLOOR_DB)
     row_of = {event: row for row, event in enumerate(done.surface.event.tolist())}
     struck, loud, lag = np.full((3, len(kinds)), np.nan)
     merged, lost_to = np.zeros(len(kinds), dtype=bool), np.full_like(kinds, "")
-    near, peak = round(NEAR_MS * rate / 1e3), round(_PEAK_MS * rate / 1e3)
+    near, peak = round(HALF_WINDOW_MS * rate / 1e3), round(_PEAK_MS * rate / 1e3)
     times = done.strikes.time_s
     in_stroke = (times * rate >= stroke.start) & (times * rate < stroke.stop)
     rows = np.array([row_of.get(event, -1) for event in done.strikes.event.tolist()], dtype=int)

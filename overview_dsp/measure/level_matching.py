@@ -133,8 +133,8 @@ def perceptual_features(
     for name, gesture in gestures.items():
         result = render(timeline, preset, gesture, sample_rate)
         for stroke in strokes(result.trace.engaged, result.trace.cursor):
-            way = name if stroke.name == "out" else f"{name} {stroke.name}"
-            found[way] = _features(result, stroke.start, stroke.stop)
+            stroke_name = name if stroke.name == "out" else f"{name} {stroke.name}"
+            found[stroke_name] = _features(result, stroke.start, stroke.stop)
     return found
 
 

@@ -9,7 +9,7 @@ height). Its level is the highest of the windows that overlap that time. The eve
 stroke is the median of the windows that overlap no event's span.
 
 A *pulse* is a peak of the felt level. `pulse_indices` finds peaks of a prominence of at least
-`STEP_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
+`JND_DB` that are at least `MERGED_S` from any higher one. `touch_pulses` finds those that an
 observer detects, by the millisecond.
 """
 
@@ -33,12 +33,12 @@ HOP_S = 0.001
 """Time from one window to the next, s: short enough that one window holds a whole short pulse."""
 
 _RUN = 64
-"""Frames per run; the lowest and highest position of a run are found at once."""
+"""Frames per run: consecutive frames whose lowest and highest position are found at once."""
 
-COASTS = 0.001
-"""Share of the timeline. A disk that moves on by less after the release turned back there."""
+MIN_COAST = 0.001
+"""Smallest movement after a release that extends the outward stroke, as a share of the timeline."""
 
-BACK_AT = 0.01
+RECOIL_END = 0.01
 """Cursor at which a recoil ends."""
 
 
@@ -123,10 +123,10 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
             before = found.pop()
             # the disk may still move on, to a position beyond the furthest one of the touch
             turn = start + int(np.argmax(cursor[start:stop]))
-            if cursor[turn] > cursor[start - 1] + COASTS:
+            if cursor[turn] > cursor[start - 1] + MIN_COAST:
                 start = min(turn + 1, stop - 1)
             found.append(Stroke("out", before.start, start))
-            back = np.flatnonzero(cursor[start:stop] <= BACK_AT)
+            back = np.flatnonzero(cursor[start:stop] <= RECOIL_END)
             end = start + int(back[0]) + 1 if len(back) else stop
             if end - start > 1:
                 found.append(Stroke("recoil", start, end))
@@ -179,7 +179,7 @@ def _first_within(
     highs: NDArray[np.float64],
     spans: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """Return the first frame in which the runs are within each span; their size if none."""
+    """Return the first frame within each span; the number of frames if no frame is."""
     first, last = spans[:, 0], spans[:, 1]
     # all earlier runs are below the span, or above it
     reached = np.searchsorted(np.maximum.accumulate(highs), first)
@@ -202,8 +202,8 @@ def passages(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return the events that a stroke passes, and the first and last frame on each.
 
-    It passes the events that it enters (`Surface.edges`). Of those at its start it passes the ones
-    whose position it crosses.
+    A stroke passes the events that it enters (`Surface.edges`). It also passes events in whose span
+    it starts, if it crosses their position.
     """
     frames = len(cursor)
     if not frames:
@@ -246,7 +246,7 @@ def event_levels(
     tactor: NDArray[np.float32],
     sample_rate: float,
 ) -> NDArray[np.float64]:
-    """Measure the highest level at each event of a surface in any stroke.
+    """Measure the highest level at each event of a surface, over all strokes.
 
     Parameters
     ----------
@@ -324,15 +324,15 @@ def stroke_feel(
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
 
 
-STEP_DB = 2.3
+JND_DB = 2.3
 """Just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
-JND_DURATION = 1.25
+JND_DURATION = 1.25  # ratio, as the next one
 JND_SHARPNESS = 2.0
 MERGED_S = 0.030
 """Two pulses closer than this are felt as one."""
 
-FALL_DB = 6.0
+FALL_DB = 6.0  # fall from its peak that ends a pulse
 
 GESTURES: Mapping[str, Gesture] = {
     "slow": sweep(6.0),
@@ -357,7 +357,7 @@ def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the indices of the pulses in a level (dB, one value per `PULSE_HOP_S`)."""
     from scipy.signal import find_peaks
 
-    found, _ = find_peaks(level, prominence=STEP_DB, distance=round(MERGED_S / PULSE_HOP_S))
+    found, _ = find_peaks(level, prominence=JND_DB, distance=round(MERGED_S / PULSE_HOP_S))
     return np.asarray(found, dtype=np.int64)
 
 

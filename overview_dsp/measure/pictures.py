@@ -1,4 +1,4 @@
-"""Pictures of presets: rendered kinds, contrasts and confusions."""
+"""Pictures of presets: event kinds as rendered, contrasts, and confusions of an observer."""
 
 from __future__ import annotations
 
@@ -108,14 +108,14 @@ def plot_feel(report: FeelReport) -> Figure:
     axes.tick_params(axis="x", rotation=25, labelsize=8)
     axes.set_yticks(range(len(kinds)), kinds)
     axes.grid(visible=False)
-    figure.colorbar(image, ax=axes, label="dB above the rest (red: masked)", pad=0.02)
+    figure.colorbar(image, ax=axes, label="contrast, dB (red: masked)", pad=0.02)
     axes.set_title(report.table().partition("\n")[0], loc="left", fontsize=10)
     figure.tight_layout()
     return figure
 
 
 def plot_observer(report: ObserverReport) -> Figure:
-    """Plot confusion matrices: true kinds in rows, answers in columns, in hundredths.
+    """Plot confusion matrices: true kinds in rows, answers in columns, in per cent of the row.
 
     The last set of timelines is plotted. Kinds without events have no row. The title of each matrix
     has the mean recall of the kinds.
@@ -139,14 +139,14 @@ def plot_observer(report: ObserverReport) -> Figure:
     for axes_row, modality in zip(grid, modalities, strict=True):
         for axes, stroke in zip(axes_row, strokes, strict=True):
             scores = scores_set.strokes[stroke][modality].kinds
-            _matrix(axes, scores, rows)
+            _draw_matrix(axes, scores, rows)
             axes.set_title(f"{stroke}, {modality}: {100.0 * scores.balanced:.0f} %", fontsize=8)
         axes_row[0].set_yticks(range(len(rows)), names[:-1], fontsize=7)
     for axes in grid[-1]:
         axes.set_xticks(range(len(names)), names, rotation=60, ha="right", fontsize=7)
     width, height = figure.get_size_inches()
     figure.suptitle(
-        f"{report.preset}, {scores_set.name}\nof 100 of each kind, taken for",
+        f"{report.preset}, {scores_set.name}\nanswers to each kind, %",
         x=0.1 / width,
         y=1.0 - 0.1 / height,
         va="top",
@@ -164,7 +164,7 @@ def plot_observer(report: ObserverReport) -> Figure:
     return figure
 
 
-def _matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
+def _draw_matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
     counts = scores.confusion[np.ix_(rows, [*rows, len(scores.kinds)])]
     total = scores.confusion[rows].sum(axis=1, keepdims=True)
     parts: NDArray[np.float64] = 100.0 * counts / np.maximum(total, 1)

@@ -13,7 +13,7 @@ from overview_dsp.design.gestures.scripts import CONTROL_RATE
 from overview_dsp.units import HALF_TURN
 
 SWEEP_S = (1.5, 6.0)
-"""Duration of a steady movement of the mean pace, s; its logarithm is uniform."""
+"""Range of the duration of a sweep at the mean pace, s; its logarithm is uniformly distributed."""
 
 PACE_CHANGE = 0.6
 """Standard deviation of the logarithm of the pace of a segment."""
@@ -50,12 +50,12 @@ def random_movement(seed: int) -> Gesture:
     (np.float64(0.0), True)
     """
     rng = validation.random(seed)
-    usual = 1.0 / math.exp(rng.uniform(*np.log(SWEEP_S)))
+    mean_pace = 1.0 / math.exp(rng.uniform(*np.log(SWEEP_S)))
     smoothing = np.hanning(round(SMOOTHED_S * CONTROL_RATE) + 2)[1:-1]
     paces: list[NDArray[np.float64]] = []
     position = 0.0
     while position < 1.0:
-        pace = usual * math.exp(rng.normal(0.0, PACE_CHANGE))
+        pace = mean_pace * math.exp(rng.normal(0.0, PACE_CHANGE))
         seconds = rng.uniform(*SEGMENT_S)
         chance = rng.random()
         if chance < PAUSE_SHARE:
@@ -66,8 +66,8 @@ def random_movement(seed: int) -> Gesture:
         steps = round(seconds * CONTROL_RATE)
         paces.append(np.full(steps, pace))
         position += pace * steps / CONTROL_RATE
-    course = np.convolve(np.concatenate(paces), smoothing / smoothing.sum())
-    positions = np.maximum(np.concatenate([[0.0], np.cumsum(course) / CONTROL_RATE]), 0.0)
+    smoothed = np.convolve(np.concatenate(paces), smoothing / smoothing.sum())
+    positions = np.maximum(np.concatenate([[0.0], np.cumsum(smoothed) / CONTROL_RATE]), 0.0)
     end = int(np.argmax(positions >= 1.0 - 1e-9))
     positions = np.append(positions[:end], [1.0, 1.0])
     time_s = np.append(np.arange(end + 1), end) / CONTROL_RATE

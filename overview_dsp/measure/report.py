@@ -29,18 +29,18 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
-from overview_dsp.measure.event_table import NEAR_MS, FeltEvents, felt_events
+from overview_dsp.measure.event_table import HALF_WINDOW_MS, FeltEvents, felt_events
 from overview_dsp.measure.perceived_level import (
     GESTURES,
+    JND_DB,
     JND_DURATION,
     JND_SHARPNESS,
     MERGED_S,
     PULSE_HOP_S,
-    STEP_DB,
     pulse_indices,
     ratio_jnds,
 )
-from overview_dsp.measure.report_base import Report, called, cell
+from overview_dsp.measure.report_base import Report, cell, entry_named
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.public import counted, short
 from overview_dsp.signal.actuators.sensitivity import pacinian_db
@@ -123,13 +123,13 @@ class StrokeReport:
     event_free_db : float
         Weighted median level outside all events, dB of full scale.
     level_db : float
-        Weighted median level of all of it, dB of full scale.
+        Weighted median level of the whole stroke, dB of full scale.
     sharpness : float
         Steepest rise of the torque in the median tenth of a second, N m/s.
     density_hz : float
         Pulses per second that are felt separately: at least one JND high, 30 ms from each other.
     kinds : tuple of KindFeel
-        Kinds in the order of importance, or else of the surface.
+        Kinds in the order of importance; without one, in the order of the surface.
     indistinct : tuple of (str, str, float)
         Pairs of kinds that differ by less than one JND in level, sharpness and duration, and their
         distance in JNDs.
@@ -180,7 +180,7 @@ class StrokeReport:
         >>> report.strokes[0].kind("foul").kind
         'foul'
         """
-        return called(name, {one.kind: one for one in self.kinds}, "kind")
+        return entry_named(name, {one.kind: one for one in self.kinds}, "kind")
 
     def __repr__(self) -> str:
         return (
@@ -264,7 +264,7 @@ class FeelReport(Report):
         >>> report.stroke("fast recoil").name
         'fast recoil'
         """
-        return called(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
+        return entry_named(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
 
     def _lines(self) -> Iterator[str]:
         titles = [title or "a timeline" for title in dict.fromkeys(self.timelines)]
@@ -284,7 +284,7 @@ class FeelReport(Report):
                 lost = (f"{a} beside {b}: {n}" for a, b, n in stroke.lost)
                 yield f"  lost: {', '.join(lost)}"
 
-    def _faults(self) -> Iterator[str]:
+    def _warning_lines(self) -> Iterator[str]:
         masked: dict[str, list[str]] = {}
         indistinct: dict[tuple[str, str], list[str]] = {}
         gaps: dict[tuple[str, str], list[str]] = {}
@@ -309,8 +309,8 @@ class FeelReport(Report):
             )
         for (first, second), where in gaps.items():
             yield (
-                f"{first} is less than one JND above {second} in {', '.join(where)}: raise the "
-                "first height, or run overview presets tune"
+                f"{first} is less than one JND above {second} in {', '.join(where)}: raise "
+                f"kinds.{first}.height, or run overview presets tune"
             )
         for stroke in self.strokes:
             if count := sum(kind.merged for kind in stroke.kinds):
@@ -371,7 +371,7 @@ def feel_report(
     Raises
     ------
     InputError
-        No timelines; as `render`.
+        No timelines, or an error of `render`.
 
     Examples
     --------
@@ -452,7 +452,7 @@ def _stroke(
             if first.passed and second.passed and (distance := jnd_distance(first, second)) < 1.0
         ),
         tuple(
-            (first.kind, second.kind, (first.level_db - second.level_db) / STEP_DB)
+            (first.kind, second.kind, (first.level_db - second.level_db) / JND_DB)
             for first, second in itertools.pairwise(kinds)
             if ordered
         ),
@@ -467,7 +467,9 @@ def _median(values: Any) -> float:
 
 def _stroke_features(one: FeltEvents) -> tuple[float, float, float]:
     """Return level (dB), sharpness (N m/s) and density (per second) of a stroke."""
-    level = one.level[NEAR_MS : int(1e3 * one.arrived_s) - NEAR_MS : round(PULSE_HOP_S * 1e3)]
+    level = one.level[
+        HALF_WINDOW_MS : int(1e3 * one.arrived_s) - HALF_WINDOW_MS : round(PULSE_HOP_S * 1e3)
+    ]
     if not len(level):
         return math.nan, one.slope, 0.0
     return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
@@ -496,7 +498,7 @@ def jnd_distance(first: KindFeel, second: KindFeel) -> float:
     for kind in (first, second):
         validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
-        abs(first.level_db - second.level_db) / STEP_DB,
+        abs(first.level_db - second.level_db) / JND_DB,
         ratio_jnds(first.sharpness, second.sharpness, JND_SHARPNESS),
         ratio_jnds(first.duration_ms, second.duration_ms, JND_DURATION),
     ]
@@ -531,7 +533,7 @@ def character_distance(first: FeelReport, second: FeelReport) -> float:
     return jnds_over_strokes(
         {
             one.name: (
-                abs(one.level_db - other.level_db) / STEP_DB,
+                abs(one.level_db - other.level_db) / JND_DB,
                 ratio_jnds(one.sharpness, other.sharpness, JND_SHARPNESS),
                 # one pulse per second is the lowest density that is a rhythm
                 ratio_jnds(one.density_hz + 1.0, other.density_hz + 1.0, JND_DURATION),

@@ -1,4 +1,4 @@
-"""Base class of reports: plain data, a table, warnings."""
+"""Base class of reports, which become data for JSON, a table of text, or warnings."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class Report(ABC):
     """Measurements of a preset."""
 
     _digits: ClassVar[int] = 4
-    """Digits of the numbers in plain data, unless a field's metadata has `digits`."""
+    """Decimal places of the numbers for JSON, unless a field's metadata has `digits`."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return plain data; a value that was not felt is None.
+        """Return the report as data for JSON; a quantity of events that were not felt is None.
 
         Returns
         -------
@@ -65,7 +65,7 @@ class Report(ABC):
         >>> all(isinstance(line, str) for line in report.warnings())
         True
         """
-        return list(self._faults())
+        return list(self._warning_lines())
 
     def _plain(self) -> dict[str, Any]:
         data: dict[str, Any] = plain_data(self, self._digits)
@@ -76,15 +76,15 @@ class Report(ABC):
         """Yield the lines of the table."""
 
     @abstractmethod
-    def _faults(self) -> Iterable[str]:
+    def _warning_lines(self) -> Iterable[str]:
         """Yield the warnings."""
 
 
-def called(name: str, by_name: Mapping[str, T], what: str) -> T:
+def entry_named(name: str, by_name: Mapping[str, T], what: str) -> T:
     """Return the entry of that name; InputError with the nearest name if there is none."""
     if not isinstance(name, str) or name not in by_name:
         hint = did_you_mean(str(name), by_name)
-        raise InputError(f"no {what} of the report is called {shown(name)}{hint}")
+        raise InputError(f"no {what} of the report is entry_named {shown(name)}{hint}")
     return by_name[name]
 
 
@@ -99,7 +99,7 @@ def cell(value: float, width: int, digits: int = 1) -> str:
 def plain_data(value: Any, digits: int) -> Any:
     """Return texts, rounded numbers and lists, and a dataclass as a dict; NaN is None.
 
-    A field with `digits` in its metadata is rounded to these digits.
+    A field with `digits` in its metadata is rounded to that many decimal places.
     """
     if is_dataclass(value):
         return {

@@ -24,7 +24,7 @@ from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.perceived_level import STEP_DB
+from overview_dsp.measure.perceived_level import JND_DB
 from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
 
@@ -34,17 +34,17 @@ RATE = 16_000.0
 ORDERED_JNDS, SEPARATE_JNDS = 2.0, 1.0
 """Required JNDs between a kind and the next one of a target, and between separated kinds."""
 
-REST_STEPS = 1.0
+REST_JNDS = 1.0
 """Required JNDs of the last kind above the level between the events."""
 
-MORE_STEPS = 0.3
+MARGIN_JNDS = 0.3
 """Margin of the search in JNDs, so that the target holds at other speeds too."""
 
-CLEAR_STEPS = 1.8
+CLEAR_JNDS = 1.8
 """JNDs of separated kinds above the level between the events in the search, so that weak events are
 felt."""
 
-FAULT_STEPS = 2.0
+FAULT_JNDS = 2.0
 """Cost of a masked or merged event, as a shortfall in JNDs."""
 
 GOOD = 0.02
@@ -70,7 +70,7 @@ SPREAD = (0.3, 0.15)
 
 REST = "the level between the events"
 UNMET = -10.0
-"""JNDs of a kind that was never passed above another one."""
+"""JNDs above another kind that are assumed for a kind that was never passed."""
 
 Sweeps = Mapping[str, Gesture]
 
@@ -123,17 +123,17 @@ class Gap(NamedTuple):
     first: str
     relation: str
     second: str
-    steps: float
+    jnds: float
     required: float
 
     @property
     def shortfall(self) -> float:
         """JNDs to the goal of the search; 0 if it is reached."""
-        return max(0.0, self.required + MORE_STEPS - self.steps)
+        return max(0.0, self.required + MARGIN_JNDS - self.jnds)
 
     def __str__(self) -> str:
         return (
-            f"{self.first} is {self.steps:.2f} JNDs {self.relation} {self.second} in "
+            f"{self.first} is {self.jnds:.2f} JNDs {self.relation} {self.second} in "
             f"{self.stroke} on {self.timeline or 'a timeline'}, {self.required:g} required"
         )
 
@@ -201,12 +201,12 @@ def tune(
     progress(1.0)
     best = replace(search.moved(moves), name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
     gaps = search.gaps(feels)
-    least = min((gap.steps - gap.required for gap in gaps), default=math.inf)
+    least = min((gap.jnds - gap.required for gap in gaps), default=math.inf)
     return TuningResult(
         best,
         least + (SEPARATE_JNDS if separate else ORDERED_JNDS),
         search.reached(feels),
-        tuple(str(gap) for gap in gaps if not gap.steps >= gap.required),
+        tuple(str(gap) for gap in gaps if not gap.jnds >= gap.required),
     )
 
 
@@ -254,9 +254,9 @@ class _Search:
     ) -> None:
         self._preset, self._target, self._separate = preset, target, separate
         self.names = tuple(preset.kinds) if separate else target
-        self._made_up = timelines is None
+        self._is_synthetic = timelines is None
         self._timelines = timelines or (pages(preset) if separate else (_alternating(target),))
-        self.speeds = (ROUGH, FINE) if self._made_up else (SEARCHED, VERIFIED)
+        self.speeds = (ROUGH, FINE) if self._is_synthetic else (SEARCHED, VERIFIED)
         self._tries = TRIES_APART if separate else TRIES
         self._most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], len(self.names))
 
@@ -278,7 +278,7 @@ class _Search:
         parts = [
             (i, [one]) for i, one in enumerate(self._timelines) if set(kinds) & set(one.kinds())
         ]
-        if self._made_up:  # one timeline in parts
+        if self._is_synthetic:  # one timeline in parts
             parts = [(0, [one for _, (one,) in parts])]
         return {
             (stroke.name, i): {kind.kind: kind for kind in stroke.kinds}
@@ -293,7 +293,7 @@ class _Search:
             gap = functools.partial(Gap, stroke, self._timelines[i].title)
             present = [kinds[name] for name in self._target if name in kinds]
             for one, other in itertools.pairwise(present):
-                above = (one.level_db - other.level_db) / STEP_DB
+                above = (one.level_db - other.level_db) / JND_DB
                 required = SEPARATE_JNDS if self._separate else ORDERED_JNDS
                 found.append(gap(one.kind, "above", other.kind, above, required))
             if self._separate:
@@ -301,10 +301,10 @@ class _Search:
                     steps = jnd_distance(one, other)
                     found.append(gap(one.kind, "from", other.kind, steps, SEPARATE_JNDS))
             elif present:
-                contrast = present[-1].contrast_db / STEP_DB
-                found.append(gap(present[-1].kind, "above", REST, contrast, REST_STEPS))
-        # a kind that was never passed
-        return [one if math.isfinite(one.steps) else one._replace(steps=UNMET) for one in found]
+                contrast = present[-1].contrast_db / JND_DB
+                found.append(gap(present[-1].kind, "above", REST, contrast, REST_JNDS))
+        # the JNDs of a kind that was never passed are not finite
+        return [one if math.isfinite(one.jnds) else one._replace(jnds=UNMET) for one in found]
 
     def _costs(self, feels: Feels) -> NDArray[np.float64]:
         """Return the squared shortfalls by kind: (kinds,)."""
@@ -315,11 +315,9 @@ class _Search:
         if self._separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
                 clear = (
-                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
-                    if kind.passed
-                    else FAULT_STEPS
+                    max(0.0, CLEAR_JNDS - kind.contrast_db / JND_DB) if kind.passed else FAULT_JNDS
                 )
-                costs[kind.kind] += clear**2 + FAULT_STEPS**2 * (kind.masked + kind.merged)
+                costs[kind.kind] += clear**2 + FAULT_JNDS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))
 
     def reached(self, feels: Feels) -> bool:
@@ -327,7 +325,7 @@ class _Search:
         kinds = (
             [kind for kinds in feels.values() for kind in kinds.values()] if self._separate else []
         )
-        return all(gap.steps >= gap.required for gap in self.gaps(feels)) and not any(
+        return all(gap.jnds >= gap.required for gap in self.gaps(feels)) and not any(
             kind.masked or kind.merged for kind in kinds
         )
 
@@ -335,12 +333,12 @@ class _Search:
         """Raise each kind of the target by its shortfall and those of the kinds below it."""
         shortfalls = dict.fromkeys(self._target, 0.0)
         for gap in self.gaps(feels):
-            if gap.steps < gap.required and (gap.second == REST or not self._separate):
+            if gap.jnds < gap.required and (gap.second == REST or not self._separate):
                 shortfalls[gap.first] = max(shortfalls[gap.first], gap.shortfall)
         steps = np.cumsum(list(shortfalls.values())[::-1])[::-1]
         found = moves.copy()
         for name, more in zip(self._target, steps, strict=True):
-            found[self.names.index(name)] += more * STEP_DB * LOG_PER_DB
+            found[self.names.index(name)] += more * JND_DB * LOG_PER_DB
         return found
 
     def improved(
@@ -350,7 +348,7 @@ class _Search:
         rng: np.random.Generator,
         progress: Callable[[float], None],
     ) -> tuple[NDArray[np.float64], Feels]:
-        """Return the best moves found from some on, and how they feel at these speeds."""
+        """Search from the given moves; return the best moves, and measurements at these speeds."""
         feels = self.measured(moves, speeds, self.names)
         costs, everything = self._costs(feels), np.arange(len(self.names))
         for count in range(self._tries):

@@ -103,9 +103,9 @@ class HttpConnection(_SlowReaderLimit, H11Protocol):
         super().connection_made(transport)
         others = [one for one in self.connections if one is not self and is_open(one)]
         same = [one for one in others if address_of(one) == address_of(self)]
-        crowd = same if len(same) >= self._limit_per_address else others
-        if crowd is same or len(others) >= self._limit:
-            idle = [one for one in crowd if isinstance(one, HttpConnection) and one.is_idle]
+        group = same if len(same) >= self._limit_per_address else others
+        if group is same or len(others) >= self._limit:
+            idle = [one for one in group if isinstance(one, HttpConnection) and one.is_idle]
             if not idle:
                 transport.abort()
                 return

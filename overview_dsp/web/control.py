@@ -53,7 +53,7 @@ class Session(Protocol):
 
 
 class _RateLimit:
-    """Limit on events per second; bursts up to one second's worth are allowed."""
+    """Limit on events per second; the events of one second may arrive at once."""
 
     def __init__(self, per_second: float) -> None:
         self._per_second = self._available = per_second

@@ -59,13 +59,13 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_preset,
 )
-from overview_dsp.web.security.request_body import threaded_endpoint
+from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"
 TIMELINE_FILE, POINTS_FILE = "data/timeline.json", "data/points-0.json"
 LEVELS = 4
-"""Number of zoom levels of a served page; each is a third as long."""
+"""Number of zoom levels of a served page, each with windows a third as long."""
 
 CHECK_INTERVAL_S = 0.1
 CHECKS_PER_COMMENT = 50

@@ -14,7 +14,7 @@ from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
 from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, link_tags, write_site
 
-MARK = "gallery.txt"
+MARKER_FILE = "gallery.txt"
 """File that marks a gallery folder; it lists the subfolders, one per line."""
 
 _FILES = ("style.css", "icon.svg", "icon-192.png")
@@ -52,10 +52,10 @@ def write_gallery(
     """
     names = _folder_names([timeline.title for timeline, _ in items])
     files = {name: page_files()[name] for name in _FILES}
-    files[MARK] = "".join(f"{name}\n" for name in names).encode()
+    files[MARKER_FILE] = "".join(f"{name}\n" for name in names).encode()
     files[START] = _page([timeline for timeline, _ in items], names, address).encode()
     size = sum(map(len, files.values()))
-    with atomic_folder(path, MARK) as folder:
+    with atomic_folder(path, MARKER_FILE) as folder:
         for name, content in files.items():
             (folder / name).write_bytes(content)
         for i, (name, (timeline, preset)) in enumerate(zip(names, items, strict=True)):

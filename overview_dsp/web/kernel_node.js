@@ -20,7 +20,7 @@ const KERNEL = new URL("./kernel.wasm", import.meta.url);
  * this file's folder. Throws an Error if the bytes are of another version.
  * @param {BaseAudioContext} context
  * @param {ArrayBuffer} image
- * @param {{ events?: ControlEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} wasmBytes
+ * @param {{ events?: ControlEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} options
  */
 export async function openKernel(context, image, { events = [], changes = [], wasm: wasmBytes = fetchWasm() } = {}) {
   const { channels } = checkBytes(image, WHOLE);
@@ -82,8 +82,8 @@ export class KernelNode extends AudioWorkletNode {
   }
 
   /**
-   * Set a parameter of the preset in its own unit (`tactor.gain_db`); surface parameters need a
-   * change. A switch is 0 or 1. The value is smoothed over 20 ms.
+   * Set a parameter of the preset in its own unit (`tactor.gain_db`); surface parameters need
+   * `change`. A switch is 0 or 1. The value is smoothed over 20 ms.
    * @param {string} id
    * @param {number | boolean} value
    * @param {number} sampleTime

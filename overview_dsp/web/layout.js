@@ -396,5 +396,5 @@ export const PARAMETERS = Object.freeze({
   "output.ceiling_db": [27, -40.0, -1.0],
 });
 
-// of a memory that this layout fits, its low and its high half
+// low and high half of the digest of an engine's memory with this layout
 export const DIGEST = Object.freeze([-1698189219, -112168074]);

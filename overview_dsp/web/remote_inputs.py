@@ -112,7 +112,7 @@ class RemoteInputs:
         if is_new:
             self._touches += 1
             remote.touch_number = self._touches
-            if self._active is not None:  # a new touch is a step
+            if self._active is not None:  # the disk steps to a new touch
                 self._push(self._active.theta2, False, stamp)
             self._active = remote
         if remote is not self._active:

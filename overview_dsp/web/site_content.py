@@ -17,7 +17,7 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.site_data import site_windows, timeline_json, window_json
 from overview_dsp.web.sound_data import make_patch, pack, whole_bytes, window_bytes
-from overview_dsp.web.values import all_points, has_values, points_json
+from overview_dsp.web.values import fits_one_file, has_values, points_json
 
 RATES = (48_000, 44_100)
 """Common sample rates of browsers, Hz; at others the browser resamples."""
@@ -63,7 +63,7 @@ class SiteContent:
         self._sound = lru_cache(maxsize=1)(lambda i: self._at_rate(i, RATES[0]))
         for i in range(len(self.parts)):
             self._files[f"data/window-{i}.json"] = partial(self._window, i)
-            if has_values(timeline) and (i == 0 or not all_points(timeline)):
+            if has_values(timeline) and (i == 0 or not fits_one_file(timeline)):
                 self._files[f"data/points-{i}.json"] = partial(self._points, i)
             if i == 0:
                 self._add_sound("0", -1)

@@ -43,7 +43,7 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import parse_preset
 from overview_dsp.web.site_data import window_json
-from overview_dsp.web.values import all_points, has_values, points_json
+from overview_dsp.web.values import fits_one_file, has_values, points_json
 
 MIN_RATE, MAX_RATE = 8_000.0, 192_000.0
 """Range of sample rates of browsers, Hz."""
@@ -59,7 +59,7 @@ def window(timeline: Timeline, default: Preset, query: dict[str, Any]) -> dict[s
     part = _window_timeline(timeline, start, end)
     surface = build_surface(part, _preset_of(query, "preset", default))
     content = window_json(part, surface, start)
-    if has_values(timeline) and not all_points(timeline):
+    if has_values(timeline) and not fits_one_file(timeline):
         content["points"] = points_json(timeline, start, end)
     return content
 

@@ -31,7 +31,7 @@ WIDTH, HEIGHT = 1200, 630
 """Size of the preview picture in pixels, as link previews expect."""
 
 _DPI = 100
-_FIRST = ("data/timeline.json", "data/window-0.json")
+_PRELOADED = ("data/timeline.json", "data/window-0.json")
 _TITLE = "<title>overView</title>"
 _HEADING = '<h1 id="title">overView</h1>'
 
@@ -41,7 +41,7 @@ def start_page(page: str, timeline: Timeline, address: str | None = None) -> str
     title = html.escape(timeline.title)
     head = [f"<title>{title}: overView</title>"]
     head += link_tags(timeline.title, PICTURE, address, f"{timeline.title}, drawn over time")
-    head += [f'<link rel="preload" as="fetch" crossorigin href="{name}">' for name in _FIRST]
+    head += [f'<link rel="preload" as="fetch" crossorigin href="{name}">' for name in _PRELOADED]
     return page.replace(_TITLE, "\n  ".join(head)).replace(_HEADING, f'<h1 id="title">{title}</h1>')
 
 
@@ -80,7 +80,7 @@ def preview_picture(timeline: Timeline, preset: Preset) -> bytes:
     return file.getvalue()
 
 
-MARK = "files.js"
+MARKER_FILE = "files.js"
 """File that marks a folder as written by this module."""
 
 
@@ -103,7 +103,7 @@ def write_site(
     path
         A new or empty folder, or an earlier export.
     levels
-        Number of zoom levels; each is a third as long. None: `default_levels`.
+        Number of zoom levels, each with windows a third as long. None: `default_levels`.
     actuator
         Actuator of the tactor's signal.
     live
@@ -119,7 +119,7 @@ def write_site(
     levels = default_levels(timeline) if levels is None else levels
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)
 
-    with atomic_folder(path, MARK) as folder:
+    with atomic_folder(path, MARKER_FILE) as folder:
         listed: dict[str, list[str]] = {"page": [], "more": []}
         digest = hashlib.sha256()
         size = 0
@@ -143,5 +143,5 @@ def write_site(
             if progress is not None:
                 progress((i + 1) / len(content.names))
         files = {"version": digest.hexdigest()[:16], **listed}
-        (folder / MARK).write_text(f"self.FILES = {json.dumps(files)};\n", encoding="utf-8")
+        (folder / MARKER_FILE).write_text(f"self.FILES = {json.dumps(files)};\n", encoding="utf-8")
     return size

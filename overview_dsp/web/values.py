@@ -33,7 +33,7 @@ def has_values(timeline: Timeline) -> bool:
     return timeline.intensity is not None and DERIVED_UNIT not in timeline.intensity.unit
 
 
-def all_points(timeline: Timeline) -> bool:
+def fits_one_file(timeline: Timeline) -> bool:
     """Return whether one file has all points of the curve."""
     return timeline.intensity is None or timeline.intensity.count <= MAX_POINTS
 
@@ -47,7 +47,7 @@ def series_json(timeline: Timeline) -> dict[str, Any] | None:
     return {
         "unit": timeline.intensity.unit,
         "decimals": _decimals(sample),
-        "complete": all_points(timeline),
+        "complete": fits_one_file(timeline),
         "has_times": _has_times(timeline),
     }
 

@@ -71,4 +71,10 @@ def test_a_round_of_lists_is_groups_times_rows(tmp_path):
         "mapping = {",
         'hand = { within = ["left", "right", "both"], order = "williams" }\nmapping = {',
     )
+    three += """
+[text.conditions]
+"hand.left" = "Use your left hand."
+"hand.right" = "Use your right hand."
+"hand.both" = "Use both hands."
+"""
     assert design_of(tmp_path, three).lists_per_round == 2 * 6

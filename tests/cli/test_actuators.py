@@ -46,7 +46,7 @@ def test_no_actuator_leaves_a_render_as_it_was(folder, match, football):
         assert np.array_equal(samples, expected)
 
 
-def test_an_unknown_actuator_is_one_line_and_writes_nothing(folder):
+def test_an_unknown_actuator_gives_a_one_line_error_and_writes_nothing(folder):
     words = ("no actuator is called 'headphone'", "headphones")
     refused(overview("render", MATCH, *QUICK, "--actuator", "headphone"), *words)
     assert list(folder.iterdir()) == []
@@ -109,7 +109,7 @@ def test_an_actuator_is_shown_with_what_its_values_amount_to():
     refused(overview("actuators", "show", "c"), "no actuator is called 'c'", "c2")
 
 
-def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
+def test_a_sweep_is_written_within_the_rating_and_a_note_says_if_it_is_uneven(folder):
     quick = ("--duration", 2, "--sample-rate", 8000, "-o", "s.flac")
     done = overview("actuators", "sweep", "c2", *quick)
     assert done.code == 0, done.err
@@ -137,7 +137,7 @@ def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
 
 
 @pytest.mark.parametrize("option", [("--low-frequency", 2000), ("--duration", 0), ("--level", 1)])
-def test_a_sweep_that_cannot_be_writes_nothing(folder, option):
+def test_an_invalid_sweep_writes_no_file(folder, option):
     refused(overview("actuators", "sweep", "c2", *option))
     assert list(folder.iterdir()) == []
 

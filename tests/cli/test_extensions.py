@@ -58,7 +58,7 @@ def test_a_command_of_another_distribution_runs_with_its_help(other):
     refused(overview("stirr", "soup"), "stirr", "did you mean 'stir'")
 
 
-def test_the_list_has_it_by_its_summary_and_does_not_import_it(other):
+def test_help_lists_an_extension_command_without_importing_it(other):
     other(COMMAND)
     lines = overview("--help").out.splitlines()
     assert "  stir       Stir what is given." in lines
@@ -79,7 +79,9 @@ def test_a_command_of_this_package_cannot_be_replaced(other):
         ("command = print", "not a click.Command"),
     ],
 )
-def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code, said):
+def test_a_broken_extension_command_gives_a_one_line_error_that_names_its_distribution(
+    other, code, said
+):
     other(code)
     refused(overview("stir", "soup"), "the command stir of stirring", said)
     assert "stir" in overview("--help").out
@@ -87,7 +89,7 @@ def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code,
 
 @pytest.mark.parametrize("name", SEPARATE_COMMANDS)
 @pytest.mark.parametrize("more", [(), ("--help",), ("check", "x.toml")])
-def test_what_is_installed_apart_is_one_line_that_says_how(alone, name, more):
+def test_what_is_installed_apart_gives_a_one_line_error_that_says_how(alone, name, more):
     refused(overview(name, *more), f"overview {name}", "pip install ./")
 
 

@@ -13,7 +13,7 @@ import overview_dsp as ov
 from tests.cli.running import MATCH, environment, overview, refused
 
 
-def test_a_match_is_told_as_lines_of_json_at_its_times():
+def test_a_feed_writes_a_match_as_json_lines():
     outcome = overview("feed", MATCH, "--speed", "inf")
     assert outcome.code == 0
     lines = [json.loads(line) for line in outcome.out.splitlines()]
@@ -22,7 +22,7 @@ def test_a_match_is_told_as_lines_of_json_at_its_times():
     assert sum("event" in line for line in lines) == 32
 
 
-def test_speed_is_kept(tmp_path):
+def test_a_feed_keeps_its_speed(tmp_path):
     path = tmp_path / "short.csv"
     path.write_text("# duration_s: 40\ntime_s,kind\n20,goal\n")
     begun = time.monotonic()
@@ -50,12 +50,12 @@ def test_speed_is_kept(tmp_path):
         (("serve", MATCH, "--announce", "goal"), ("--announce", "--follow")),
     ],
 )
-def test_what_cannot_be_followed_is_one_line(words, named, tmp_path, monkeypatch):
+def test_what_cannot_be_followed_gives_a_one_line_error(words, named, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused(overview(*words), *named)
 
 
-def test_a_match_that_is_told_is_played_taken_and_rendered_again(tmp_path):
+def test_a_match_from_a_feed_is_played_recorded_and_rendered(tmp_path):
     take = tmp_path / "take.csv"
     hand = tmp_path / "hand.csv"
     ov.save_gesture(ov.tap(0.5, 0.5) + ov.pause(1.0) + ov.tap(0.9, 0.5) + ov.pause(4.0), hand)

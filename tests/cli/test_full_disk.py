@@ -41,7 +41,7 @@ def small_disk(tmp_path):
 
 
 @pytest.mark.parametrize("outputs", OUTPUTS.values(), ids=OUTPUTS)
-def test_a_full_disk_is_one_line_and_leaves_nothing(small_disk, monkeypatch, outputs):
+def test_a_full_disk_gives_a_one_line_error_and_leaves_nothing(small_disk, monkeypatch, outputs):
     monkeypatch.chdir(small_disk)
     refused(overview("render", MATCH, *LONG, *outputs), "a.", "nothing was left behind", code=1)
     assert os.listdir(small_disk) == []
@@ -75,7 +75,7 @@ def test_a_sound_that_just_does_not_fit_takes_its_trace_with_it(small_disk, monk
 
 
 @pytest.mark.parametrize("command", ["demo", "figures"])
-def test_pictures_and_the_demo_on_a_full_disk_are_one_line(small_disk, command):
+def test_pictures_and_the_demo_on_a_full_disk_give_a_one_line_error(small_disk, command):
     (small_disk / "filler").write_bytes(b"x" * 62_000)
     refused(overview(command, "--output", small_disk), str(small_disk), code=1)
     for name in os.listdir(small_disk):
@@ -107,7 +107,7 @@ def limited(folder, *arguments: str) -> Outcome:
 
 
 @pytest.mark.parametrize("outputs", [OUTPUTS["flac"], OUTPUTS["npz"], OUTPUTS["csv"]])
-def test_a_file_that_grows_beyond_what_is_allowed_is_one_line(folder, outputs):
+def test_a_file_that_grows_beyond_what_is_allowed_gives_a_one_line_error(folder, outputs):
     # compiled beforehand, where files may be as long as they like
     overview("render", MATCH, "--gesture", "tap:0.1:0.01", "--tail", "none")
     os.unlink(folder / "out.wav")

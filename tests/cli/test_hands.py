@@ -37,7 +37,7 @@ PLAY = ("play", MATCH, "--device", "none")
             ("--input", "osc:9000", "--input", "osc:9001"),
             ("osc:9001", "a second source"),
         ),
-        (("--input", "sweep:1", "--input", "osc:9000"), ("excludes other sources",)),
+        (("--input", "sweep:1", "--input", "osc:9000"), ("must be the only source",)),
         (("--input", "sweep:1", "--input", "sweep:1"), ("a second source",)),
         (("--input", "osc:9000,sensor=imu"), ("sensor applies to serial:", "osc: allows map")),
         (("--input", "serial:x,map=x.toml"), ("map applies to osc:, midi:",)),
@@ -53,14 +53,14 @@ PLAY = ("play", MATCH, "--device", "none")
         ),
     ],
 )
-def test_wrong_hands_are_one_line(arguments, words):
+def test_an_invalid_input_option_gives_a_one_line_error(arguments, words):
     refused(overview(*PLAY, *arguments), *words)
 
 
 @pytest.mark.parametrize(
     ("learner", "known"), [("osc", "theta2, touch, device"), ("midi", "theta2, touch, taps")]
 )
-def test_what_cannot_be_learned_is_one_line_with_what_can(tmp_path, learner, known):
+def test_what_cannot_be_learned_gives_a_one_line_error_with_what_can(tmp_path, learner, known):
     words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))
     assert "did you mean 'tactor.gain_db'?" in words
     assert f"TARGET must be {known} or the id of a parameter" in words
@@ -98,7 +98,7 @@ def test_a_fader_that_is_moved_is_learned_and_played(tmp_path):
     assert played.code == 0, played.err
 
 
-def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_path):
+def test_a_map_with_an_unknown_parameter_is_refused_before_playing(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('schema = 1\n[[control]]\ncontrol = "cc 7"\nto = "tactor.gian_db"\n')
     line = refused(overview(*PLAY, "--input", f"midi:x,map={path}"))
@@ -115,7 +115,7 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
         ("bleak", ("--input", "ble:x"), "ble"),
     ],
 )
-def test_a_missing_library_is_one_line_that_says_how_to_get_it(
+def test_a_missing_library_gives_a_one_line_error_that_says_how_to_get_it(
     monkeypatch, module, arguments, extra
 ):
     for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
@@ -212,7 +212,9 @@ def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
         (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain occurs twice",)),
     ],
 )
-def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, arguments, words):
+def test_a_wrong_setting_gives_a_one_line_error_and_nothing_is_remembered(
+    remembered, arguments, words
+):
     before = remembered()
     refused(overview("devices", "--listen", 0, *arguments), *words)
     assert remembered() == before

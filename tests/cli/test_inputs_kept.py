@@ -57,7 +57,7 @@ def test_what_is_read_is_not_written_over(folder, arguments, lost):
     assert {p.name: p.read_bytes() for p in folder.iterdir() if p.is_file()} == before
 
 
-def test_a_link_to_what_is_read_is_seen(folder):
+def test_an_output_that_is_a_link_to_the_input_is_refused(folder):
     (folder / "link.wav").symlink_to("crowd.wav")
     refused(overview("render", "link.wav", *QUICK, "-o", "crowd.wav"), "name another output")
 

@@ -76,7 +76,7 @@ def test_an_export_that_is_stopped_leaves_nothing(folder):
     assert os.listdir(folder) == []
 
 
-def test_a_temporary_file_is_known_before_it_is_there(folder, monkeypatch):
+def test_a_temporary_file_is_removed_even_if_stopped_while_it_is_created(folder, monkeypatch):
     def made(path, *flags):
         (folder / path).write_text("x")
         raise KeyboardInterrupt

@@ -31,7 +31,7 @@ def played_here(springy_file, *arguments):
     return done
 
 
-def test_a_gesture_plays_prints_a_line_a_second_and_a_summary(tmp_path, match, springy_file):
+def test_play_prints_a_line_per_second_and_a_summary(tmp_path, match, springy_file):
     take = tmp_path / "take.csv"
     done = played_here(springy_file, "--input", "sweep:1+tap:0.8:0.5", "--record", take)
     *lines, last = [json.loads(line) for line in done.out.splitlines()]
@@ -52,7 +52,7 @@ def test_a_session_is_driven_for_an_actuator_and_says_so(springy_file):
     assert {"calibration_db", "reduction_db", "samples_at_peak"} <= summary["actuator"].keys()
 
 
-def test_standard_input_is_a_hand():
+def test_standard_input_moves_the_disk():
     lines = "".join(f"{angle / 10} 1\n" for angle in range(25))
     done = played("--input", "-", text=lines + "x\n")
     assert done.returncode == 0, done.stderr
@@ -112,7 +112,7 @@ def test_a_signal_that_is_ignored_from_the_start_stays_ignored():
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
     ],
 )
-def test_a_mistake_is_one_line_and_exit_code_2(arguments, words):
+def test_a_mistake_gives_a_one_line_error_and_exit_code_2(arguments, words):
     assert words in refused(overview("play", MATCH, "--device", "none", *arguments))
 
 

@@ -58,7 +58,7 @@ def test_diff_says_what_differs_as_a_table_and_as_json(folder):
     assert {"id": "surface.intensity_gain", "first": first, "second": second, "unit": "x"} in found
 
 
-def test_morphs_and_chance_are_written_and_valid(folder):
+def test_morph_and_randomize_write_valid_presets(folder):
     done("presets", "morph", "football", "heart", "--steps", "3", "-o", "between")
     assert sorted(path.name for path in (folder / "between").iterdir()) == [
         f"football-heart-{k}.toml" for k in (1, 2, 3)
@@ -111,7 +111,7 @@ def test_tune_writes_a_valid_preset(folder):
     assert list(report["kinds"]) == ["default", "cheer", "burst"]
 
 
-def test_a_clip_is_laid_into_a_preset(folder):
+def test_a_clip_is_imported_into_a_preset(folder):
     done("export", "world-cup-final-2018", "--gesture", "tap:0.5:0.3", "--to", "haptic", "-o", "c")
     done("presets", "import", "c", "--as", "goal", "-o", "mine.toml")
     assert "kinds.goal.points" in done("presets", "diff", "football", "mine.toml")
@@ -147,7 +147,7 @@ def test_an_observers_options_without_it_are_refused(option):
     refused(overview("presets", "feel", "crowd", *option), f"{option[0]} needs --observer")
 
 
-def test_an_unknown_sense_or_hand_is_refused_with_those_that_are_known():
+def test_an_unknown_modality_or_movement_is_refused_with_the_known_ones():
     ask = ("presets", "feel", "crowd", "--observer")
     refused(overview(*ask, "--modality", "smell"), "touch")
     refused(overview(*ask, "--movement", "cold"), "steady")

@@ -100,7 +100,7 @@ def test_unknown_kinds_are_a_note_and_no_error(folder):
     assert outcome.errors == []
 
 
-def test_it_works_as_a_process_of_its_own(folder):
+def test_render_works_as_a_separate_process(folder):
     outcome = overview_process("render", MATCH, *QUICK, "--json", cwd=folder)
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["file"] == "out.wav"
@@ -155,7 +155,7 @@ def test_the_preset_follows_the_data_unless_it_is_given(tmp_path, monkeypatch):
     assert given.out.startswith("out.wav: series, ")
 
 
-def test_a_kind_too_dense_to_be_felt_is_said(tmp_path, monkeypatch):
+def test_a_kind_too_dense_to_be_felt_is_noted(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rows = "".join(f"{i},beat\n" for i in range(1, 200))
     (tmp_path / "beats.csv").write_text(f"time_s,kind\n{rows}")

@@ -73,7 +73,7 @@ def running(*arguments: object, folder: Path) -> Iterator[Running]:
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
 
 
-def test_it_prints_an_address_serves_and_ends_with_a_signal(tmp_path):
+def test_serve_prints_its_address_serves_and_ends_with_a_signal(tmp_path):
     with running("serve", MATCH, "--port", 0, "--json", folder=tmp_path) as server:
         told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
         assert told["preset"] == "football"
@@ -186,7 +186,7 @@ def test_play_without_remote_listens_to_nobody(tmp_path):
         (("--host", "no such host"), ("no such host", "--host")),
     ],
 )
-def test_bad_input_is_one_clear_line(tmp_path, monkeypatch, arguments, words):
+def test_bad_input_gives_a_one_line_error(tmp_path, monkeypatch, arguments, words):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     refused(overview("serve", MATCH, *arguments), *words)
 
@@ -197,18 +197,18 @@ def test_an_option_without_effect_is_refused():
 
 
 @pytest.mark.parametrize("address", ["localhost:99999", "two words", "a:b", "[::1"])
-def test_an_address_that_is_none_is_refused(address):
+def test_an_invalid_address_is_refused(address):
     play = ("play", MATCH, "--device", "none")
     refused(overview(*play, "--remote", address), f"--remote is {address}", "such as 0.0.0.0:8765")
 
 
-def test_a_port_that_is_taken_is_one_clear_line(tmp_path):
+def test_a_port_that_is_taken_gives_a_one_line_error(tmp_path):
     with running("serve", MATCH, "--port", 0, folder=tmp_path) as server:
         port = server.origin.rpartition(":")[2]
         refused(overview("serve", MATCH, "--port", port), port, "--port")
 
 
-def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
+def test_a_missing_package_gives_a_one_line_error_that_says_how_to_install_it(monkeypatch):
     import importlib.util
 
     found = importlib.util.find_spec

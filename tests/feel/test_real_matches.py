@@ -69,7 +69,7 @@ def test_a_preset_tuned_on_a_match_reaches_its_target_or_says_by_how_much_not(
     short = [
         (gap.first, gap.second, gap.stroke)
         for gap in gaps_of(made, target, [timeline])
-        if gap.steps < (0.95 if gap.second == REST else 1.95)
+        if gap.jnds < (0.95 if gap.second == REST else 1.95)
     ]
     assert report["reached"] == (report["unreached"] == [])
     for one, other, way in short:

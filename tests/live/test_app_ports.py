@@ -184,7 +184,7 @@ def test_phyphox_is_started_and_asked_for_what_it_measures_and_holds_the_disk(ru
     assert hand.report()["holding"] is False
 
 
-def test_a_phone_that_cannot_be_asked_is_one_line():
+def test_a_phone_that_cannot_be_asked_gives_a_one_line_error():
     phone = Phone(names=("illum",))
     for address, word in ((phone.address, "no accelerometer"), ("http://", "must be the URL"),
                           ("http://127.0.0.1:1", "remote access")):  # fmt: skip
@@ -291,7 +291,7 @@ def test_witmotion_by_radio_becomes_the_checked_packets_of_its_wire():
     port.close()
 
 
-def test_a_uart_by_radio_says_what_it_would_over_a_wire():
+def test_a_bluetooth_uart_gives_the_bytes_of_a_serial_port():
     bleak, _ = made_bleak(UART, "board", [b"0.01,0.", b"02,0.99\n"])
     port = BlePort("AA:BB", bleak)
     assert port.receive(0.05) == [b"0.01,0.", b"02,0.99\n"]
@@ -302,7 +302,7 @@ def test_a_uart_by_radio_says_what_it_would_over_a_wire():
     ("uuid", "wanted", "word"),
     [(UART, "other", "no such sensor found"), ("00002a00", "wt901", "no supported service")],
 )
-def test_a_sensor_that_cannot_be_heard_is_one_line(uuid, wanted, word):
+def test_a_sensor_that_cannot_be_heard_gives_a_one_line_error(uuid, wanted, word):
     bleak, _ = made_bleak(uuid)
     with pytest.raises(ov.InputError, match=word):
         BlePort(wanted, bleak)

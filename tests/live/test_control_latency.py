@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench.live.latency import HOLD, TAP_POSITION, probe, strike_delay
+from overview_dsp.measure.bench.live.latency import HOLD, TAP_POSITION, probe_engine, strike_delay
 from overview_dsp.units import HALF_TURN
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
@@ -17,13 +17,13 @@ import json, random, sys, time
 from dataclasses import asdict
 import jack
 import numpy as np
-from overview_dsp.measure.bench.live.latency import probe, strike_delay, tap_while_playing
+from overview_dsp.measure.bench.live.latency import probe_engine, strike_delay, tap_while_playing
 from overview_dsp.live.output.portaudio_stream import OutputStream
 
 path, block, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
 chance = random.Random(block)
 delay = strike_delay()
-engine = probe()
+engine = probe_engine()
 stream = OutputStream(engine, device="system", block_size=block)
 stream.start()
 client = jack.Client("recorder")
@@ -60,7 +60,7 @@ print(json.dumps({"taps": taps, "underflows": underflows, "xruns": state["xruns"
 
 def rendered(taps):
     """The probe offline, each tap at the sample that the strike log gave."""
-    engine = probe()
+    engine = probe_engine()
     frames = taps[-1]["after"] + 2 * HOLD
     for tap in taps:
         engine.control(TAP_POSITION * HALF_TURN, True, tap["applied"])
@@ -96,7 +96,7 @@ def test_a_tap_changes_a_sample_of_the_next_block_at_the_latest(tmp_path, block)
 
 def test_the_probes_first_changed_sample_is_the_taps_own():
     for offset in (0, 1, 37, 64, 300):
-        engine = probe()
+        engine = probe_engine()
         out = np.zeros((8192, 2), dtype=np.float32)
         engine.process(out)
         engine.control(TAP_POSITION * HALF_TURN, True, 8192 + offset)

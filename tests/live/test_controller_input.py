@@ -133,7 +133,7 @@ def test_an_osc_touch_holds_moves_and_lets_go(opened, running):
     until(lambda: running.active_input is None)
 
 
-def test_who_says_nothing_for_long_has_let_go(opened, running):
+def test_a_silent_controller_releases_the_disk(opened, running):
     hand, port = opened.open("osc", OscReader, silent_s=0.3)
     port.put(message("/overview/theta2", 1.0, 1))
     until(lambda: running.active_input is not None)
@@ -144,7 +144,7 @@ def test_who_says_nothing_for_long_has_let_go(opened, running):
     until(lambda: running.active_input is not None)
 
 
-def test_a_lost_controller_lets_go_is_said_once_and_comes_back(opened, running):
+def test_a_lost_controller_lets_go_is_reported_once_and_comes_back(opened, running):
     hand, port = opened.open("midi", lambda counters: MidiReader(counters=counters))
     port.put(bytes((0x90, 60, 100)))
     until(lambda: running.active_input is not None)
@@ -173,7 +173,7 @@ def test_a_preset_whose_twist_lets_go_by_taps_alone_is_pointed_out(opened, runni
     assert len(said(hand, "twist.release")) == 1
 
 
-def test_values_that_cannot_be_are_said_once_a_parameter_and_counted(opened, running):
+def test_invalid_values_are_reported_once_per_parameter_and_counted(opened, running):
     hand, port = opened.open("osc", OscReader)
     for n in range(20):
         port.put(message("/overview/tactor/gain_db", 100.0 + n), message(f"/other/{n}", 1.0))
@@ -200,7 +200,7 @@ def test_a_knob_without_ends_goes_on_from_where_the_parameter_is(opened, running
     assert running.preset.values["tactor.gain_db"] == 0.0
 
 
-def test_parameters_are_set_by_poll_and_wrong_ones_said_once(opened, running):
+def test_parameters_are_set_by_poll_and_wrong_ones_reported_once(opened, running):
     hand, port = opened.open("osc", OscReader)
     port.put(
         message("/overview/tactor/gain_db", -6.0),
@@ -369,7 +369,7 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
 @pytest.mark.parametrize(
     "text", ["", "x", "0", "70000", "1:2:x", ":9000", "no.such.host.invalid:9"]
 )
-def test_an_address_that_is_none_is_one_line(text):
+def test_an_invalid_address_gives_a_one_line_error(text):
     with pytest.raises(ov.InputError):
         OscPort(text)
 
@@ -396,7 +396,7 @@ def test_what_the_disk_does_is_sent_out(running, match):
         assert level > 0.0
 
 
-def test_a_report_that_fails_is_told_once_and_goes_on(running, monkeypatch):
+def test_a_failed_osc_report_is_reported_once_and_reports_continue(running, monkeypatch):
     listener = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     listener.bind(("127.0.0.1", 0))
     listener.settimeout(10.0)
@@ -439,7 +439,7 @@ def test_lines_that_cannot_be_read_are_told_and_let_go(engine):
     assert "invalid start byte" in said
 
 
-def test_addresses_that_are_nothing_are_counted_and_one_of_them_is_said(engine):
+def test_unknown_osc_addresses_are_counted_and_one_is_reported(engine):
     port = MadePort()
     hand = ControllerInput(engine, "osc", lambda: port, OscReader)
     port.put(*(message(f"/overview/nothing/of{number}", 1.0) for number in range(50)))

@@ -156,14 +156,14 @@ def tell(found, seconds):
     )
 
 
-def test_every_fault_is_seen_said_once_and_survived_while_it_plays(tmp_path):
+def test_every_fault_is_seen_reported_once_and_survived_while_it_plays(tmp_path):
     found = played(tmp_path, 1.0)
     tell(found, found["held"][-1][0] - found["held"][0][0])
     check(found)
 
 
 @pytest.mark.soak
-def test_the_same_for_long(tmp_path):
+def test_every_fault_is_survived_in_a_long_run(tmp_path):
     seconds = float(os.environ.get("OVERVIEW_SOAK_S", "1800")) / 3.0
     found = played(tmp_path, seconds)
     tell(found, seconds)

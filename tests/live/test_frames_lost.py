@@ -37,7 +37,7 @@ def test_gaps_add_up_and_are_not_taken_back_by_an_output_that_hurries_later():
     assert watch(delivered, 40.0).count == pytest.approx(0.15 * RATE, abs=2 * BLOCK)
 
 
-def test_a_pause_that_is_told_is_no_gap():
+def test_a_pause_before_a_restart_does_not_count_as_lost_frames():
     lost = watch(lambda t: t * RATE, 5.0)
     lost.restart()
     for i in range(200):

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from overview_dsp.measure.bench.live.table import BLOCKS, SESSIONS, TABLE_CELLS, LoadRow, lost_ratio
+from overview_dsp.measure.bench.live.table import BLOCKS, LOAD_CASES, SESSIONS, LoadRow, lost_ratio
 from tests.cli.running import overview, refused
 from tests.live import jack_server
 
@@ -39,7 +39,7 @@ def test_what_belongs_to_live_is_refused_without_it():
 
 @pytest.mark.realtime
 @needs_server
-def test_no_such_output_is_one_line():
+def test_no_such_output_gives_a_one_line_error():
     with jack_server.Server(period=256) as server:
         done = server.attempt(*BENCH, "--device", "nowhere")
     assert done.returncode == 2
@@ -55,7 +55,7 @@ def test_no_such_output_is_one_line():
 def test_the_live_bench_reports_every_row_and_block_size():
     with jack_server.Server(period=256) as server:
         report = json.loads(server.python(*BENCH, "--device", "system", "--json", timeout=300))
-    assert [(cell["callback"], cell["loaded"]) for cell in report["load"]] == list(TABLE_CELLS)
+    assert [(cell["callback"], cell["loaded"]) for cell in report["load"]] == list(LOAD_CASES)
     assert [found["block_size"] for found in report["latency"]] == list(BLOCKS)
     assert [(row["screen"], row["moving"]) for row in report["sessions"]] == list(SESSIONS)
     headless, idle, moving = report["sessions"]

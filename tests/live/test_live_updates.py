@@ -73,7 +73,7 @@ def test_a_finger_that_holds_through_fifty_updates_has_the_bits_of_what_it_touch
     assert one.window_timeline.kinds()["goal"] == 50
 
 
-def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched(
+def test_new_data_beyond_a_touch_appear_during_it_without_changing_its_bits(
     session, live, tmp_path
 ):
     """The map is the whole: no place moves; the hand goes on and meets what is new."""
@@ -117,7 +117,7 @@ def test_what_lies_ahead_comes_under_a_hand_that_has_the_bits_of_what_it_touched
 
 
 @pytest.mark.parametrize("how", ["so far", "a part", "behind", "retracted"])
-def test_nothing_comes_under_a_hand_where_places_move_or_what_is_behind_has_changed(
+def test_no_update_applies_during_a_touch_if_positions_move_or_passed_data_change(
     session, live, how
 ):
     one = session()
@@ -188,7 +188,7 @@ def test_an_update_comes_under_a_finger_after_the_time_that_was_chosen(session, 
     assert one.window_timeline is live.padded_snapshot()
 
 
-def test_the_end_of_a_timeline_moves_no_place_under_a_hand(session, live, tmp_path):
+def test_the_end_of_a_timeline_moves_no_position_during_a_touch(session, live, tmp_path):
     take = tmp_path / "take.csv"
     one = session(after_s=0.2, record=take)
     one.run(0.1)
@@ -259,7 +259,7 @@ def test_a_goal_is_under_the_hand_within_a_tenth_of_a_second(session, live):
         assert one.window_timeline is live.padded_snapshot()
 
 
-def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
+def test_a_new_goal_is_announced_and_a_foul_is_not(session, live):
     one = session()
     one.run(0.2)
     struck = []
@@ -293,7 +293,7 @@ def test_a_new_goal_is_told_by_itself_and_a_foul_is_not(session, live):
         ({"announce": "foul"}, ["foul", "goal"]),
     ],
 )
-def test_what_is_told_is_chosen(session, live, keywords, told):
+def test_the_announced_kinds_can_be_chosen(session, live, keywords, told):
     one = session(**keywords)
     one.run(0.1)
     for new in (event(900, "foul", "x"), event(950, "goal", "y")):
@@ -302,7 +302,7 @@ def test_what_is_told_is_chosen(session, live, keywords, told):
     assert [new.kind for new in one.player.live_updates.announced] == told
 
 
-def test_what_happened_long_before_is_no_news(session, live):
+def test_old_events_are_not_announced(session, live):
     one = session()
     live.append(events=[event(400, "goal", "late")])
     one.run(0.5)
@@ -310,7 +310,7 @@ def test_what_happened_long_before_is_no_news(session, live):
     assert "goal" in one.window_timeline.kinds()
 
 
-def test_a_hand_takes_the_disk_from_what_is_told(session, live):
+def test_a_touch_ends_an_announcement(session, live):
     one = session()
     one.run(0.1)
     live.append(events=[event(900, "goal")], clock_s=900.0)
@@ -323,7 +323,7 @@ def test_a_hand_takes_the_disk_from_what_is_told(session, live):
     assert one.player.engine.active_input == ("touch", pytest.approx(0.3 * math.pi))
 
 
-def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):
+def test_a_goal_during_a_touch_is_announced_at_its_release(session, live):
     one = session()
     one.player.touch(0.1)
     one.run(0.2)
@@ -336,7 +336,7 @@ def test_a_goal_while_a_hand_holds_is_told_when_it_lets_go(session, live):
     assert [new.kind for new in one.player.live_updates.announced] == ["goal"]
 
 
-def test_map_and_length_change_while_it_runs(session, live):
+def test_layout_and_length_can_change_during_a_session(session, live):
     one = session()
     one.run(0.1)
     assert (one.window_timeline.duration_s, one.window_timeline.known_until_s) == (5700.0, 800.0)

@@ -328,7 +328,7 @@ def test_the_loop_closes_over_a_port_and_gives_the_hand_nothing(motor, delay_ms)
 
 @pytest.mark.realtime
 @needs_pty
-def test_a_board_that_runs_the_surface_gets_it_over_a_port_and_brakes_the_hand(motor):
+def test_a_board_that_renders_the_surface_receives_it_over_a_port_and_brakes(motor):
     board_module()
     port = motor("--board", "--delay-ms", 5)
     lines, _ = played("--input", f"serial:{port},{FORCE},baud=1000000", "--seconds", 10)
@@ -379,7 +379,7 @@ def test_a_host_that_is_killed_leaves_no_torque(motor):
 
 @pytest.mark.realtime
 @needs_pty
-def test_a_motor_that_falls_silent_is_let_go(motor):
+def test_a_silent_motor_is_released(motor):
     port = motor("--mute", 4)
     lines, said = played("--input", f"serial:{port},{FORCE}", "--seconds", 9)
     force = lines[-1]["summary"]["input"]["force"]
@@ -401,7 +401,7 @@ def test_a_motor_that_falls_silent_is_let_go(motor):
         ("--input", "serial:/dev/no-such-port,sensor=simplefoc,force"),
     ],
 )
-def test_wrong_options_are_one_line(arguments):
+def test_wrong_options_give_a_one_line_error(arguments):
     done = overview("play", "world-cup-final-2018", "--device", "none", *arguments)
     assert done.code == 2
     assert len(done.errors) == 1

@@ -78,7 +78,7 @@ def test_a_player_without_sound_shows_its_window_saves_its_take_and_remembers_no
     assert not kept.exists()
 
 
-def test_a_window_that_is_none_is_refused_before_anything_is_opened(match, kept, tmp_path):
+def test_an_invalid_window_is_refused_before_anything_is_opened(match, kept, tmp_path):
     settings = PlayerSettings(
         "football", window=(5.0, 1.0), device="none", record=str(tmp_path / "take.csv")
     )

@@ -10,7 +10,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output import devices, saved_settings
-from overview_dsp.live.output import settings as pad_output
+from overview_dsp.live.output import settings as output_settings
 from overview_dsp.live.output.devices import find_device, open_error
 from overview_dsp.live.output.saved_settings import (
     load_settings,
@@ -98,7 +98,7 @@ def test_what_goes_to_several_channels_is_the_same_to_the_bit(match, football, a
         assert np.array_equal(heard[:, channel], alone[:, same])
 
 
-def test_any_channels_may_be_several_and_those_between_are_silent(match, football, plain):
+def test_each_signal_can_use_any_channels_and_unused_channels_are_silent(match, football, plain):
     settings = OutputSettings(SignalSettings((64, 2, 33)), SignalSettings((5, 1)))
     heard = played(match, football, settings, channels=64)
     for signal, columns in enumerate(([63, 1, 32], [4, 0])):
@@ -171,7 +171,7 @@ def test_stopping_fades_to_zero_without_a_step(match, football, plain):
         ({"channel": "3+4"}, "channel '3\\+4' isn't a number"),
     ],
 )
-def test_what_a_device_cannot_be_given_is_one_line(values, words):
+def test_an_invalid_output_setting_gives_a_one_line_error(values, words):
     with pytest.raises(ov.InputError, match=words):
         OutputSettings().changed(tactor=values)
 
@@ -231,7 +231,7 @@ def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
     tmp_path, monkeypatch, name, channels, is_pad
 ):
     monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
-    assert pad_output.is_pad(name, channels) == is_pad
+    assert output_settings.is_pad(name, channels) == is_pad
     first = load_settings(name, channels)
     assert first.channels_text == (
         "clicks on 1+2, tactor on 3+4" if is_pad else "clicks on 1, tactor on 2"

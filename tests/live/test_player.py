@@ -145,7 +145,9 @@ def test_a_zoom_keeps_the_moment_under_a_finger_whatever_events_the_window_has(m
 
 
 @pytest.mark.parametrize("about", [0.2, 0.4, 0.5, 0.9])
-def test_no_window_of_its_length_has_the_moment_of_a_zoom_nearer(make, match, football, about):
+def test_a_zoom_keeps_its_time_as_near_as_any_window_of_that_length_can(
+    make, match, football, about
+):
     player = make()
 
     def away(start, end):
@@ -162,7 +164,7 @@ def test_no_window_of_its_length_has_the_moment_of_a_zoom_nearer(make, match, fo
         assert away(start, end) < min(away(one, one + width) for one in starts) + 1e-5
 
 
-def test_another_preset_moves_no_place_under_a_hand(make):
+def test_another_preset_moves_no_position_during_a_touch(make):
     player = make()
     places = player.engine.surface.angle_map.events
     player.touch(0.5)

@@ -239,7 +239,7 @@ except ov.InputError as error:
 """
 
 
-def test_an_unknown_device_is_one_line():
+def test_an_unknown_device_gives_a_one_line_error():
     with jack_server.Server(period=256) as server:
         text = server.run(UNKNOWN)
     assert text.count("\n") == 1

@@ -24,7 +24,7 @@ def make_stream(callbacks):
     )
 
 
-def test_the_counts_of_all_streams_are_added_up(football, match):
+def test_the_meters_of_all_reconnected_streams_are_added(football, match):
     engine = ov.Engine(football, match)
     engine.prepare(sample_rate=8000, max_block_size=64)
     streams = iter([make_stream(3), make_stream(5), make_stream(7)])

@@ -121,7 +121,7 @@ def test_each_pass_is_the_offline_render_with_another_preset_felt_in_between(
     assert player.engine.meters.late_events == 0
 
 
-def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
+def test_a_saved_preset_file_applies_at_once_and_exactly_in_the_next_pass(
     session, match, tmp_path, monkeypatch
 ):
     monkeypatch.setattr(presets, "CHECK_EVERY_S", 0.0)
@@ -152,7 +152,7 @@ def test_a_file_that_is_saved_is_felt_at_once_and_exactly_in_the_next_pass(
     assert equals_render(passes[3], match, before, gesture)
 
 
-def test_chosen_twice_it_changes_at_once(session, tmp_path):
+def test_a_preset_that_is_chosen_twice_changes_during_the_pass(session, tmp_path):
     player, sound = session(other="plain", record=tmp_path / "take.csv")
     play_a_take(player, sound)
     player.toggle_replay()
@@ -260,7 +260,7 @@ def test_a_pass_ends_some_seconds_after_its_gesture_though_the_disk_never_rests(
     assert not player.loop.playing
 
 
-def test_what_is_asked_from_elsewhere_is_done_at_the_next_poll(session):
+def test_queued_commands_are_executed_at_the_next_poll(session):
     player, sound = session(other="plain")
     player.queue_command("record")
     player.queue_command("record", "1")  # it is on already

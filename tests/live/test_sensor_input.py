@@ -196,7 +196,7 @@ def test_while_the_output_is_lost_no_stale_events_are_kept(bench):
     assert bench.engine.active_input[1] == pytest.approx(math.pi, abs=0.01)
 
 
-def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
+def test_a_release_while_the_output_is_lost_is_applied(bench):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
     assert bench.engine.active_input[0] == "serial"
@@ -216,7 +216,7 @@ def test_what_lets_go_while_the_output_is_lost_is_not_forgotten(bench):
         (lambda bench: f"{bench.now_ms},512\n".encode(), "repeated"),
     ],
 )
-def test_what_is_no_new_sample_lets_go_and_is_said_once(bench, sent, said):
+def test_data_without_new_samples_release_the_disk_and_are_reported_once(bench, sent, said):
     bench.turn(0.0, 2)
     bench.turn(0.5, 10)
     assert bench.engine.active_input[0] == "serial"
@@ -257,7 +257,7 @@ def test_a_device_is_found_again_by_its_usb_identity_and_no_other_in_its_place(b
     assert serial.find_device_again("elsewhere", "") == "elsewhere"
 
 
-def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
+def test_a_port_that_another_program_holds_is_reported_once_and_waited_for(bench):
     held = ov.InputError("serial:made: used by another program, such as a serial monitor")
     bench.refusal = held
     bench.there = False
@@ -270,7 +270,7 @@ def test_a_port_that_another_program_holds_is_said_once_and_waited_for(bench):
     bench.until(lambda: bench.input.report()["connected"])
 
 
-def test_who_does_not_keep_up_gives_up_what_waits(bench):
+def test_an_input_that_cannot_keep_up_discards_waiting_data(bench):
     bench.turn(0.0, 2)
 
     class Flood:
@@ -293,7 +293,7 @@ def test_who_does_not_keep_up_gives_up_what_waits(bench):
     )
 
 
-def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
+def test_one_long_interruption_discards_no_data(bench):
     bench.turn(0.0, 2)
 
     class Held:
@@ -320,7 +320,7 @@ def test_one_long_wait_of_the_machine_gives_nothing_up(bench):
     assert bench.input.report()["overrun_bytes"] == 0
 
 
-def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
+def test_a_backlog_causes_no_delay_after_it_was_processed():
     clock = EventClock(48_000.0)
     for n in range(600):
         behind = 0.2 if n < 200 else 0.0
@@ -331,7 +331,7 @@ def test_what_had_piled_up_delays_nothing_once_it_is_worked_off():
             assert stamp - now <= 2 * 0.012 * 48_000.0 + 1
 
 
-def test_far_too_much_is_given_up_and_counted(bench):
+def test_an_overrun_is_discarded_and_counted(bench):
     bench.turn(0.0, 2)
     bench.send(b"12,12\n" * 20_000)
     assert bench.input.report()["overrun_bytes"] > 0
@@ -483,7 +483,7 @@ def test_a_port_is_held_by_one_program(device):
         ("--input", "serial:/dev/null,sensor=nowhere.toml"),
     ],
 )
-def test_wrong_options_are_one_line(arguments):
+def test_wrong_options_give_a_one_line_error(arguments):
     done = overview("play", "world-cup-final-2018", "--device", "none", *arguments)
     assert done.code == 2
     assert len(done.errors) == 1

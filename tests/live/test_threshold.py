@@ -58,7 +58,7 @@ def test_the_tone_is_on_the_outputs_channel_below_its_ceiling():
         (250.0, float("nan"), "ramp of nan dB/s"),
     ],
 )
-def test_a_tone_that_cannot_be_is_one_line(hertz, db_per_s, words):
+def test_an_invalid_tone_gives_a_one_line_error(hertz, db_per_s, words):
     with pytest.raises(ov.InputError, match=words):
         RisingTone(hertz, db_per_s, 0.0).drive(C2, OUT, 2, RATE)
 
@@ -85,7 +85,7 @@ class PlaybackStub:
         return False
 
 
-def test_the_level_is_the_one_heard_when_the_key_is_pressed():
+def test_the_threshold_is_the_level_played_when_the_key_is_pressed():
     rise = RisingTone(250.0, 3.0, 2.0)
     for pressed_at, level in ((5.0, -61.0), (12.0, -40.0), (1.0, -math.inf), (99.0, math.inf)):
         playback = PlaybackStub(np.arange(0.0, 22.0, 0.5))
@@ -105,7 +105,7 @@ def test_an_output_is_given_back_when_asking_fails():
     assert playback.calls == ["start", "close"]
 
 
-def test_an_output_that_nobody_hears_takes_its_time():
+def test_a_player_without_sound_lasts_as_long_as_its_samples():
     output = NullSamplePlayer(np.zeros((2400, 2), dtype=np.float32), RATE)
     output.start()
     assert not output.over

@@ -65,7 +65,7 @@ def test_a_take_that_nobody_ended_renders_to_what_was_heard(engine, match, footb
     assert ov.load_gesture(path).duration_s == 4.0
 
 
-def test_a_take_of_nothing_is_one_too(engine, tmp_path):
+def test_a_take_without_events_is_valid(engine, tmp_path):
     path = tmp_path / "take.csv"
     take = Recorder(engine, path, {})
     engine.process(np.empty((RATE, 2), dtype=np.float32))
@@ -141,7 +141,7 @@ def until_it_moves(engine, take, said):
     raise AssertionError("it never had to")
 
 
-def test_a_full_disk_sends_the_whole_take_elsewhere_and_says_so_once(
+def test_a_full_disk_sends_the_whole_take_elsewhere_and_reports_it_once(
     disk, state, engine, match, football
 ):
     path = disk / "take.csv"
@@ -164,7 +164,7 @@ def test_a_full_disk_sends_the_whole_take_elsewhere_and_says_so_once(
 
 
 @pytest.mark.parametrize("gone", ["deleted", "read-only"])
-def test_a_folder_that_can_no_longer_be_written_sends_it_elsewhere(
+def test_a_take_moves_if_its_folder_can_no_longer_be_written(
     disk, state, engine, match, football, monkeypatch, gone
 ):
     folder = disk / "takes"
@@ -200,7 +200,7 @@ def test_a_read_only_folder_is_refused_before_anything_is_played(disk, engine):
         Recorder(engine, disk / "take.csv", {})
 
 
-def test_with_no_place_at_all_it_is_kept_until_there_is_one(
+def test_a_take_stays_in_memory_until_a_folder_is_writable(
     disk, engine, match, football, monkeypatch
 ):
     monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
@@ -220,7 +220,7 @@ def test_with_no_place_at_all_it_is_kept_until_there_is_one(
     assert np.array_equal(rendered[: len(samples)], samples)
 
 
-def test_what_never_finds_a_place_is_said_in_the_end(disk, engine, monkeypatch):
+def test_a_take_that_can_never_be_written_is_an_error_at_the_end(disk, engine, monkeypatch):
     monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)

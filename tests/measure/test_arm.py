@@ -99,7 +99,7 @@ def test_the_report_is_plain_data_and_a_table_with_the_sweep_beside_the_arm():
     assert "scrub 2 Hz: 90 of 90 crossings followed" in table
 
 
-def test_no_timelines_is_one_line():
+def test_no_timelines_gives_a_one_line_error():
     with pytest.raises(ov.InputError, match="no timelines"):
         ov.measure.arm_report(RIGID, [])
 

@@ -53,7 +53,7 @@ def test_events_struck_within_30_ms_merge_and_the_weaker_one_is_lost():
     assert out.lost_to.tolist() == ["", ""]
 
 
-def test_an_event_that_is_not_met_has_no_level_and_is_not_masked():
+def test_an_event_that_is_not_reached_has_no_level_and_is_not_masked():
     preset, timeline = preset_of(a=20.0), timeline_of("a", "a", "a")
     (out, _) = felt_events(preset, [timeline], {"part": ov.sweep(1.0, 0.0, 0.6)})
     for column in (out.level_db, out.sharpness, out.duration_ms, out.click_s, out.click_db):
@@ -74,7 +74,7 @@ def test_a_touch_of_one_frame_is_a_stroke_without_a_course():
     assert not out.reached.any()
 
 
-def test_wrong_gestures_and_no_timelines_are_one_line():
+def test_wrong_gestures_and_no_timelines_give_a_one_line_error():
     with pytest.raises(ov.InputError, match="give them by name"):
         felt_events(preset_of(), [BESIDE], [ov.sweep(1.0)])
     with pytest.raises(ov.InputError, match="no timelines"):

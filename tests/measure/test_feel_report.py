@@ -81,7 +81,7 @@ def test_events_that_follow_within_30_ms_are_merged_and_others_are_not():
     assert sum(kind.merged for kind in feel_report(preset, near).stroke("slow").kinds) == 0
 
 
-def test_what_is_felt_of_a_carrier_falls_off_its_best_range():
+def test_the_felt_level_falls_outside_the_best_range_of_the_carrier():
     assert [pacinian_db(hz) for hz in (200.0, 250.0, 300.0)] == [0.0, 0.0, 0.0]
     assert pacinian_db(50.0) == pytest.approx(-20.0)
     assert pacinian_db(600.0) == pytest.approx(-10.0)
@@ -94,7 +94,7 @@ def test_what_is_felt_of_a_carrier_falls_off_its_best_range():
     assert apart == pytest.approx(10.0, abs=1.5)
 
 
-def test_held_still_counts_for_nothing():
+def test_the_time_at_rest_does_not_count_for_the_level_between_events():
     report = feel_report(preset_of(a=20.0), timeline_of("a", "a"))
     assert report.stroke("tap").event_free_db > -60.0
 
@@ -154,7 +154,7 @@ def test_what_lies_beside_a_higher_event_is_lost_to_it_by_name():
     assert "lost: low beside high: 1" in report.table()
 
 
-def test_an_event_that_the_disk_never_meets_is_missed():
+def test_an_event_that_the_disk_never_reaches_is_missed():
     report = feel_report(
         preset_of(a=20.0), [timeline_of("a", "a", "a")], {"part": ov.sweep(1.0, 0.0, 0.6)}
     )
@@ -163,7 +163,7 @@ def test_an_event_that_the_disk_never_meets_is_missed():
     assert "never passed in part: 1 a" in report.warnings()
 
 
-def test_what_is_below_a_step_of_the_rest_is_masked():
+def test_an_event_less_than_one_jnd_above_the_rest_is_masked():
     # 1.02 times the bare friction
     report = feel_report(preset_of(faint=0.02, high=60.0), [timeline_of("faint", "high")], FAST)
     assert report.strokes[0].kind("faint").masked == 1

@@ -127,7 +127,7 @@ def test_a_passage_lasts_from_the_first_to_the_last_frame_on_an_event(steps, sta
             assert found[i] == [inside[0], inside[-1]]
 
 
-def test_an_event_that_was_leapt_over_is_passed_when_the_disk_is_on_it():
+def test_an_event_that_was_skipped_is_passed_when_the_disk_is_on_it():
     surface = build_surface(timeline_of(20.0, 50.0, 90.0), preset_with(height=8.0, width=3.0))
     cursor = np.repeat([0.0, 1.0], 500)
     # to and fro over all three, and later once on two of them

@@ -13,7 +13,7 @@ def hands():
     return [ov.measure.random_movement(seed) for seed in range(60)]
 
 
-def test_each_goes_from_the_start_to_the_end_and_lets_go_there(hands):
+def test_each_random_movement_spans_the_timeline_and_releases_at_its_end(hands):
     for hand in hands:
         assert hand.theta2[0] == 0.0
         assert hand.theta2[-1] == hand.theta2.max() == np.pi
@@ -37,7 +37,7 @@ def test_some_turn_back_some_hesitate_and_all_change_their_pace(hands):
     assert 10 < still < 60
 
 
-def test_their_durations_spread(hands):
+def test_random_movements_have_different_durations(hands):
     seconds = [hand.duration_s for hand in hands]
     assert min(seconds) < 4.0
     assert max(seconds) > 8.0
@@ -49,6 +49,6 @@ def test_a_seed_makes_the_same_hand(hands):
     assert not np.array_equal(hands[11].theta2, hands[12].theta2)
 
 
-def test_the_disk_arrives_with_it(match, football):
+def test_the_disk_reaches_the_end_in_a_random_movement(match, football):
     result = ov.render(match, football, ov.measure.random_movement(3), sample_rate=8000)
     assert result.trace.cursor.max() > 0.99

@@ -26,22 +26,22 @@ def count(places, pulses, rise_db=6.0, width_ms=12.0):
     return count_resolved_events(Stroke("out", 0, FRAMES), surface, columns, tactor, RATE)
 
 
-def test_each_knock_on_an_event_counts():
+def test_each_pulse_on_an_event_is_counted():
     assert count([20, 50, 80], [20, 50, 80]) == 3
     assert count([20, 50, 80], [20, 80]) == 2
 
 
-def test_a_knock_where_there_is_no_event_does_not_count():
+def test_a_pulse_outside_of_events_is_not_counted():
     assert count([20, 50], [20, 50, 70]) == 2
 
 
 @pytest.mark.parametrize(("rise_db", "felt"), [(1.8, 0), (3.0, 2)])
-def test_a_knock_that_hardly_rises_does_not_count(rise_db, felt):
+def test_a_pulse_that_hardly_rises_is_not_counted(rise_db, felt):
     assert count([20, 80], [20, 80], rise_db) == felt
 
 
 @pytest.mark.parametrize(("apart_percent", "felt"), [(1.0, 1), (2.0, 2)])
-def test_two_within_thirty_milliseconds_count_as_one(apart_percent, felt):
+def test_two_pulses_within_30_ms_count_as_one_event(apart_percent, felt):
     # 2 s a sweep: 1 % is 20 ms
     places = [50.0, 50.0 + apart_percent]
     assert count(places, places, width_ms=6.0) == felt

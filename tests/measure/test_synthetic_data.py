@@ -95,7 +95,7 @@ def test_weather_has_a_season_and_sometimes_lacks_days():
     assert 0 < sum(bool(weather.gaps) for weather in made) < 12
 
 
-def test_hearts_have_what_is_out_of_turn_and_some_are_so_short_that_each_beat_is_felt():
+def test_random_hearts_have_irregular_beats_and_in_short_ones_each_beat_is_felt():
     made = [ov.measure.random_heart(seed) for seed in range(30)]
     heart = ov.load_preset("heart")
     assert {"premature_atrial", "premature_ventricular", "missed_beat", "rhythm", "flutter"} <= (

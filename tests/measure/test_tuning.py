@@ -24,7 +24,7 @@ def two_apart():
     return tune(preset_of(strong=20.0, weak=18.0), ("strong", "weak"), seed=1)
 
 
-def test_tuning_sets_kinds_two_steps_apart_at_every_speed(two_apart):
+def test_tuning_sets_kinds_two_jnds_apart_at_every_speed(two_apart):
     found = two_apart
     assert found.reached
     assert found.least_jnds >= ORDERED_JNDS
@@ -59,7 +59,7 @@ def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
     assert other.kinds != one.kinds
 
 
-def test_a_target_that_is_none_is_one_line():
+def test_an_invalid_target_gives_a_one_line_error():
     preset = preset_of(strong=20.0, weak=10.0)
     for target, words in (
         (("strong",), "two kinds or more"),
@@ -153,7 +153,7 @@ def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
         short.setattr(tuning, "TRIES", 6)  # whatever it reaches by then
         found = tune(football, target, [match])
     gaps = gaps_of(found.preset, target, [match])
-    assert found.least_jnds == pytest.approx(min(gap.steps + (gap.second == REST) for gap in gaps))
+    assert found.least_jnds == pytest.approx(min(gap.jnds + (gap.second == REST) for gap in gaps))
     assert found.reached == (not found.unreached) == (found.least_jnds >= 2.0)
     same = ["goal", "own_goal"]
     limited = tune(
@@ -179,10 +179,10 @@ def test_timelines_of_one_title_are_measured_each_by_itself():
     far, near = timeline_of("a", "b", "b", "a"), timeline_of("a", "b", spacing=0.1)
     gaps = gaps_of(preset_of(a=60.0, b=6.0), ["a", "b"], [far, near])
     assert [(gap.first, gap.second) for gap in gaps] == [("a", "b"), ("b", REST)] * 10
-    assert len({gap.steps for gap in gaps if gap.second == "b" and gap.stroke == "1 s"}) == 2
+    assert len({gap.jnds for gap in gaps if gap.second == "b" and gap.stroke == "1 s"}) == 2
 
 
-def test_a_kind_that_no_timeline_has_is_one_line(match, football):
+def test_a_kind_that_no_timeline_has_gives_a_one_line_error(match, football):
     with pytest.raises(ov.InputError, match="no event of kind 'shot' is on the given timelines"):
         tune(football, ["goal", "shot"], [match])
 

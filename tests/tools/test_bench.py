@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels import layout
 from overview_dsp.measure.bench import speeds
-from overview_dsp.measure.bench.speeds import RATE, Contender, fed, interleaved, prepared
+from overview_dsp.measure.bench.speeds import RATE, Contender, prepared, reset_and_feed, run_in_turn
 from tests.cli.running import overview, refused
 from tests.examples import preset_with
 from tools.bench import c_rows, programs, solvers
@@ -96,7 +96,7 @@ def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     # it has neither a clutch nor gains for slow hands and the recoil
     without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
     engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
-    fed(engine).process(ours_)
+    reset_and_feed(engine).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.sweep_input(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
     assert np.abs(level).max() < 0.5
@@ -131,7 +131,7 @@ def test_ratios_are_taken_round_by_round():
         Contender("a group", "ours", lambda: next(speeds)),
         Contender("a group", "theirs", lambda: next(speeds)),
     ]
-    first, second = interleaved(contenders, 3)
+    first, second = run_in_turn(contenders, 3)
     assert (first.speed, first.low, first.high) == (20.0, 10.0, 100.0)
     assert (second.ratio, second.ratio_low, second.ratio_high) == (0.5, 0.5, 0.5)
 
@@ -140,7 +140,7 @@ def test_ratios_are_taken_round_by_round():
 def report():
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
-    rows = interleaved(contenders, 2)
+    rows = run_in_turn(contenders, 2)
     return Report(2, rows, 3.0, costs, Memory(300.0, 60.0, 301.0), ["Faust is not installed"])
 
 

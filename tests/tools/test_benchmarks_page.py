@@ -16,7 +16,7 @@ from overview_dsp.measure.bench import speeds
 from overview_dsp.measure.bench.live.latency import LatencyResult
 from overview_dsp.measure.bench.live.table import LoadRow
 from overview_dsp.measure.bench.live.table import Report as LiveReport
-from overview_dsp.measure.bench.speeds import Contender, interleaved, this_machine
+from overview_dsp.measure.bench.speeds import Contender, run_in_turn, this_machine
 from tools.bench import many_voices, scaling, solvers
 from tools.bench.building import MissingError
 from tools.bench.report import NEIGHBOURS, Report
@@ -109,7 +109,7 @@ def test_every_cost_of_the_page_is_one_that_the_bench_measures(monkeypatch):
 def test_a_report_replaces_what_stands_between_the_markers_and_nothing_else(writer):
     contenders = [Contender("a group", name, lambda: 2.0) for name in ("overView", "theirs")]
     costs = [Cost("events", "100000 events", 1.5, 1.4, 1.6, 16_384)]
-    rows = interleaved(contenders, 2)
+    rows = run_in_turn(contenders, 2)
     report = Report(2, rows, 3.0, costs, Memory(300.0, 60.0, 301.0), ["no Faust"])
     found = {"machine": "a machine", "date": "2001-02-03", **asdict(report)}
     page = writer.filled(PAGE, "speeds", writer.speeds(json.loads(json.dumps(found))))

@@ -261,7 +261,7 @@ def test_a_body_in_chunks_is_refused_once_it_is_too_large(server):
      b"GET / HTTP/1.1\r\nHost: a\r\nHost: b\r\n\r\n", b"GET /" + b"a" * 40_000 + b" HTTP/1.1\r\n",
      b"GET / HTTP/1.1\r\nX: " + b"a" * 40_000 + b"\r\n\r\n", b"POST / HTTP/1.1\r\n\r\n"],
 )  # fmt: skip
-def test_what_is_no_request_is_refused(server, request_bytes):
+def test_invalid_http_is_refused(server, request_bytes):
     try:
         answer = raw(server, request_bytes)
     except ConnectionResetError:
@@ -296,7 +296,7 @@ def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
                 assert time.monotonic() - started < 2.0, name
 
 
-def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
+def test_a_connection_that_sends_slowly_after_the_answer_is_closed(match, monkeypatch):
     monkeypatch.setattr(connections, "BODY_TIMEOUT_S", 0.3)
     with served(match, plays=False) as server:
         head = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 99\r\n\r\n"
@@ -310,7 +310,7 @@ def test_who_trickles_on_after_the_answer_is_closed(match, monkeypatch):
             assert time.monotonic() - started < 2.0
 
 
-def test_who_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
+def test_a_connection_that_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
     monkeypatch.setattr(connections, "READ_TIMEOUT_S", 0.3)
     closed = threading.Event()
     lost = connections.HttpConnection.connection_lost
@@ -365,7 +365,7 @@ def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
             line.close()
 
 
-def test_who_waits_longest_for_a_request_gives_way_to_a_new_connection(fresh):
+def test_a_new_connection_replaces_the_one_idle_for_longest(fresh):
     with contextlib.ExitStack() as stack:
         lines = []
         for _ in range(connections.MAX_PER_ADDRESS):
@@ -381,7 +381,7 @@ def test_who_waits_longest_for_a_request_gives_way_to_a_new_connection(fresh):
             lines[-1].recv(1)
 
 
-def test_requests_on_their_way_give_way_to_nobody(fresh):
+def test_connections_with_a_started_request_are_not_replaced(fresh):
     head = f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{fresh.port}\r\nContent-Length: 99\r\n"
     head += f"Authorization: Bearer {fresh.access.token}\r\nOrigin: {fresh.origin}\r\n\r\n"
     with contextlib.ExitStack() as stack:
@@ -393,7 +393,7 @@ def test_requests_on_their_way_give_way_to_nobody(fresh):
             client.get(DATA)
 
 
-def test_a_failure_behind_the_door_is_reported_to_its_owner_only(fresh, monkeypatch):
+def test_an_internal_error_is_reported_to_the_server_only(fresh, monkeypatch):
     monkeypatch.setattr("overview_dsp.web.site_content.timeline_json", lambda *given: 1 / 0)
     with fresh.client() as client:
         answer = client.get(DATA)

@@ -337,7 +337,7 @@ def test_ten_minutes_grow_no_memory(browser, match, football, goals):
     assert told["grown"] < 100_000
 
 
-def test_it_plays_in_time(browser, match, rigid_football):
+def test_the_kernel_plays_in_real_time_in_a_browser(browser, match, rigid_football):
     browser.give(image=encode_engine(engine(match, rigid_football, hands=False)))
     told = browser.call("playInTime", "image", RATE, 200)
     assert told["faults"] == []

@@ -24,7 +24,7 @@ def read(path):
     return x509.load_pem_x509_certificates(path.read_bytes())[0]
 
 
-def test_it_is_made_once_for_its_owner_only_and_kept(folder):
+def test_a_certificate_is_made_once_kept_and_readable_by_its_owner_only(folder):
     path = certificate.user_certificate(["192.168.1.5", "localhost"])
     made = path.read_bytes()
     assert path.stat().st_mode & 0o077 == 0
@@ -46,12 +46,12 @@ def test_another_address_is_added_and_the_earlier_ones_stay(folder):
 
 
 @pytest.mark.parametrize("kept", [b"", b"damaged", b"-----BEGIN CERTIFICATE-----\nx"])
-def test_a_damaged_one_is_made_again(folder, kept):
+def test_a_damaged_certificate_is_made_again(folder, kept):
     (folder / "server.pem").write_bytes(kept)
     certificate.secure_context(certificate.user_certificate(["localhost"]))
 
 
-def test_one_that_is_nearly_over_is_made_again(folder):
+def test_a_certificate_that_expires_soon_is_made_again(folder):
     then = datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=393)
     (folder / "server.pem").write_bytes(certificate.make_certificate(["localhost"], then))
     soon = read(folder / "server.pem").not_valid_after_utc
@@ -65,7 +65,7 @@ def test_the_fingerprint_is_what_a_browser_shows(folder):
     assert certificate.fingerprint(path).replace(":", "") == plain
 
 
-def test_a_certificate_that_cant_be_used_is_one_clear_line(folder, tmp_path):
+def test_a_certificate_that_cant_be_used_gives_a_one_line_error(folder, tmp_path):
     good = certificate.user_certificate(["localhost"])
     text = tmp_path / "text.pem"
     text.write_text("x")

@@ -99,7 +99,7 @@ def test_any_window_is_drawn_as_the_surface_has_it(page, match, football):
      ({"window": [0, 1e9]}, "window"), ({"window": "x"}, "window"),
      ({"window": [0, 60], "preset": 5}, "preset"), ({"window": [0, 60], "x": 1}, "keys")],
 )  # fmt: skip
-def test_a_window_that_is_none_is_one_clear_line(page, asked, word):
+def test_an_invalid_window_gives_a_one_line_error(page, asked, word):
     refused(page.post("/data/window", json=asked), word)
 
 
@@ -159,12 +159,12 @@ CHANGE = {"sample_rate": 48000, "after": "football"}
      {**CHANGE, "window": "ab"}, {**CHANGE, "window": [None, 2]}, {**CHANGE, "window": None},
      {**CHANGE, "sample_rate": 10**400}],
 )  # fmt: skip
-def test_what_no_engine_can_be_is_one_clear_line(page, asked):
+def test_an_impossible_engine_gives_a_one_line_error(page, asked):
     refused(page.post("/sound/change", content=json.dumps(asked)))
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"\xff", b"[" * 100_000, b'{"sample_rate": NaN}'])
-def test_a_body_that_is_no_object_is_one_clear_line(page, body):
+def test_a_body_that_is_no_object_gives_a_one_line_error(page, body):
     refused(page.post("/sound/change", content=body))
 
 
@@ -191,7 +191,7 @@ def test_a_preset_is_kept_whole_and_found_again(page, own_folder):
      ("fine", 'schema = 2\nextends = "../silk.toml"'), ("fine", 'schema = 2\nextends = "fine"'),
      ("fine", 'schema = 2\nextends = "crowd"\n[tactor]\ngain_db = 999')],
 )  # fmt: skip
-def test_a_preset_that_isnt_valid_is_one_clear_line_and_leaves_no_file(
+def test_a_preset_that_isnt_valid_gives_a_one_line_error_and_leaves_no_file(
     page, own_folder, name, text
 ):
     refused(page.put(f"/preset/{name}", content=text))

@@ -339,7 +339,7 @@ def test_the_wrist_takes_up_where_the_finger_was(opened):
     assert events[-2][1] == pytest.approx(0.5, abs=1e-9)  # caught up
 
 
-def test_nothing_sticks_when_the_page_is_left(opened):
+def test_the_disk_is_released_when_the_page_is_left(opened):
     page = opened
     page.mouse.move(*at(page, 0.4))
     page.mouse.down()
@@ -367,7 +367,7 @@ def test_hiding_the_page_lets_the_disk_go(opened):
     page.mouse.up()
 
 
-def test_a_call_lets_the_disk_go_is_said_once_and_a_touch_goes_on(opened):
+def test_a_phone_call_releases_the_disk_is_reported_once_and_a_touch_resumes(opened):
     page = opened
     page.evaluate("""() => {
         window.said = [];

@@ -23,7 +23,7 @@ def gallery(tmp_path_factory):
     return folder
 
 
-def test_each_is_shown_leads_to_its_page_and_back(gallery, chromium):
+def test_each_timeline_of_a_gallery_links_to_its_page_and_back(gallery, chromium):
     title = ov.load_timeline(MATCHES[0]).title
     names = (gallery / "gallery.txt").read_text().split()
     assert len(set(names)) == 2
@@ -88,7 +88,7 @@ def test_a_gallery_is_replaced_by_one_and_no_other_folder_is(gallery, tmp_path):
         ((MATCHES[0], "--to", "ahap", "--base-url", ADDRESS), "--base-url does not apply to clips"),
     ],
 )
-def test_what_cant_be_exported_is_one_clear_line(given, words):
+def test_what_cant_be_exported_gives_a_one_line_error(given, words):
     told = overview("export", *given)
     assert told.code == 2
     assert words in told.err

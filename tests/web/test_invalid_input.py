@@ -41,7 +41,7 @@ PLACES = [path for path in paths(FOOTBALL) if path]
 
 @given(st.data())
 @settings(suppress_health_check=list(HealthCheck))
-def test_a_preset_that_was_tampered_with_is_a_preset_or_one_line(match, football, data):
+def test_a_preset_that_was_tampered_with_is_a_preset_or_a_one_line_error(match, football, data):
     given_preset = copy.deepcopy(FOOTBALL)
     for path in data.draw(st.lists(st.sampled_from(PLACES), min_size=1, max_size=3)):
         node = given_preset

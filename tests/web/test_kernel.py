@@ -185,7 +185,7 @@ def test_javascript_sets_parameters_and_the_rate_as_an_engine_does(tmp_path, mat
 
 
 @pytest.mark.skipif(NODE is None, reason="needs node")
-def test_what_can_not_be_set_is_refused_in_a_line(tmp_path):
+def test_an_invalid_parameter_gives_a_one_line_error(tmp_path):
     web = resources.files("overview_dsp.web")
     script = f"""
         import {{ parameterNumber }} from "{web}/kernel.js";

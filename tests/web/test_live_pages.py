@@ -220,7 +220,7 @@ def test_windows_and_the_first_files_are_of_the_timeline_as_it_is(server, live):
         assert "goal" in [one["kind"] for one in shown["events"]]
 
 
-def test_only_whoever_is_let_in_is_told(server):
+def test_live_events_need_the_token(server):
     with server.client(token=None) as client:
         assert client.get("/live/events").status_code == 401
         assert client.get("/live/update?since=-1&rate=48000").status_code == 401
@@ -232,7 +232,7 @@ def test_only_whoever_is_let_in_is_told(server):
             assert answer.text.count("\n") == 1
 
 
-def test_more_pages_are_told_than_an_ordinary_server_has(server, live):
+def test_more_pages_than_the_usual_limit_receive_live_events(server, live):
     pages = [Listening(server, since=live.revision) for _ in range(70)]
     time.sleep(2.0)
     live.append(events=[event(900, "goal", "1-0")])

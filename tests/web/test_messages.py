@@ -61,7 +61,7 @@ def is_sound(message):
 
 
 @given(st.text(max_size=200) | values.map(json.dumps))
-def test_any_text_is_a_sound_message_or_one_line(text):
+def test_any_text_is_a_sound_message_or_a_one_line_error(text):
     message = None
     with contextlib.suppress(InputError):
         message = decode_message(text)
@@ -78,12 +78,12 @@ def test_events_come_through_to_the_bit(rows):
     )
 
 
-def test_the_other_messages():
+def test_pong_and_show_messages_are_decoded():
     assert decode_message('{"pong": 1.5, "time_ms": 2000}') == Pong(1.5, 2.0)
     assert decode_message('{"show": [1, 2]}') == Show(1.0, 2.0)
 
 
-def test_nesting_and_long_numbers_are_one_line():
+def test_nesting_and_long_numbers_give_a_one_line_error():
     for text in (
         "[" * 100_000,
         '{"show": [0, ' + "9" * 5000 + "]}",

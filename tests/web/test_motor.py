@@ -164,7 +164,7 @@ def test_the_surface_is_felt_as_pulses_that_grow_with_the_peak(script):
     assert parts[-1] / parts[2] > 1.8
 
 
-def test_a_goal_cuts_a_fouls_tick_and_a_foul_no_goal(script):
+def test_a_goal_interrupts_the_vibration_of_a_foul_and_not_the_reverse(script):
     goal, foul = [80, 40, 35], [14]
     on = intervals(script([[0, [foul], 0], [10, [goal], 0], [40, [foul], 0], [400, [], 0]]))
     lengths = np.round(1e3 * (on[:, 1] - on[:, 0]))

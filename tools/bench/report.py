@@ -38,7 +38,7 @@ def measure(
             contenders += add()
         except MissingError as missing:
             left_out.append(str(missing))
-    rows = speeds.interleaved(contenders, rounds, lambda part: report_part(SPEEDS_PART * part))
+    rows = speeds.run_in_turn(contenders, rounds, lambda part: report_part(SPEEDS_PART * part))
     ghz = speeds.clock_ghz()
     memory = scaling.memory(longest_s)
     costs = scaling.measure(

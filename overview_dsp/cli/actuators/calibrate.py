@@ -75,8 +75,8 @@ def calibrate(
         threshold = statistics.median(levels)
         if max(levels) - min(levels) > SPREAD_DB:
             note(
-                f"your answers differ by {max(levels) - min(levels):.0f} dB; calibrate again in "
-                "quiet, and hold the actuator the same way"
+                f"your answers differ by {max(levels) - min(levels):.0f} dB; calibrate again in a "
+                "quiet place, and hold the actuator the same way"
             )
     threshold = round(threshold, 2)
     save_threshold(actuator, threshold)

@@ -24,9 +24,9 @@ def sweep(
     subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
     as_json: bool = JSON,
 ) -> None:
-    """Write a sine sweep within the rating of the actuator NAME, to measure it.
+    """Write a sine sweep within the rating of the actuator NAME, to measure the actuator.
 
-    The drive is even over all frequencies. Left is silent, right is the drive.
+    The left channel is silent. The right one drives the actuator evenly at all frequencies.
     """
     import numpy as np
 
@@ -61,6 +61,6 @@ def sweep(
     }
     line = (
         f"{output}: {low_frequency:g} to {high_frequency:g} Hz in {duration:g} s, {level:g} dB of "
-        f"the full signal of {actuator.title}, on the right"
+        f"the full signal of {actuator.title}, in the right channel"
     )
     show(as_json, report, line)

@@ -20,7 +20,7 @@ from overview_dsp.errors import InputError, did_you_mean
 GENERAL = "Options"
 
 MAX_OPTIONS = 12
-"""Most options that --help shows; a command with more names those used first."""
+"""Maximum number of options in --help; a command with more options lists its main ones there."""
 
 _BY_ANNOTATION: dict[str, dict[str, Any]] = {
     "bool": {"is_flag": True},

@@ -91,7 +91,7 @@ class Feed:
                 time.sleep(0.02)
             if live.revision == 0 and follower.over:
                 raise InputError("; ".join(follower.take_messages()) or f"{self.follow}: no data")
-            preset = "crowd" if isinstance(source, Sound) else None  # silent at first
+            preset = "crowd" if isinstance(source, Sound) else None  # it has no events yet
             yield FollowSettings(live, follower, after_s, self.announce, layout is not None, preset)
         finally:
             follower.close()

@@ -33,7 +33,7 @@ PARTS: dict[str, tuple[str, ...]] = {
 
 MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
-BATCHES_S = 2.0
+SILENT_BATCHES_S = 2.0
 """Longest silence of an app that posts batches, s."""
 
 SILENT_OSC_S = 5.0
@@ -149,7 +149,7 @@ def parse_sources(sources: tuple[str, ...]) -> Sources:
             raise InputError(f"--input {source}: a second source of this kind; remove one")
         found.openers[name] = opener
     if "take" in found.openers and len(found.openers) > 1:
-        raise InputError("--input: a gesture or take excludes other sources; remove it or them")
+        raise InputError("--input: a gesture or take must be the only source; remove the others")
     return found
 
 
@@ -222,7 +222,7 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
     elif kind == "post":
         from overview_dsp.live.ports.phones import PostPort as open_port  # noqa: N813
 
-        silent_s = BATCHES_S
+        silent_s = SILENT_BATCHES_S
     else:
         from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
 

@@ -102,7 +102,7 @@ def output_changes(texts: tuple[str, ...]) -> dict[str, dict[str, Any]]:
     return changes
 
 
-def calibrated(name: str | None) -> Actuator | None:
+def load_calibrated(name: str | None) -> Actuator | None:
     """Load an actuator by name or file, with its calibrated gain; None for none."""
     from overview_dsp.signal.actuators.calibration import apply_calibration
 
@@ -114,5 +114,5 @@ def drive_line(actuator: Actuator, protected: ProtectionReport) -> str:
     gain = f", calibrated {actuator.gain_db:+.1f} dB" if actuator.gain_db else ""
     return (
         f"driven for {actuator.title}{gain}: reduced by up to {protected.reduction_db:.1f} dB to "
-        f"its rating, {protected.at_peak} samples at its peak"
+        f"keep its rating; {protected.at_peak} samples were limited to its peak"
     )

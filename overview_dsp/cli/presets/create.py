@@ -34,7 +34,7 @@ def new(
     name: str,
     *,
     base: str = BASE,
-    output: str | None = option("File.  [default: NAME.toml in your preset folder]"),
+    output: str | None = option("Preset file.  [default: NAME.toml in your preset folder]"),
     as_json: bool = JSON,
 ) -> None:
     """Write a preset that extends another one, with every parameter to edit."""
@@ -104,8 +104,8 @@ def randomize(
     preset: str,
     *,
     seed: int = option("Seed: the same seed gives the same preset.", default=0),
-    amount: float = option("Largest change of values, 0 to 1.", default=0.3),
-    output: str | None = option("File.  [default: PRESET-SEED.toml here]"),
+    amount: float = option("Strength of the variation, 0 to 1.", default=0.3),
+    output: str | None = option("Preset file.  [default: ./PRESET-SEED.toml]"),
     as_json: bool = JSON,
 ) -> None:
     """Write a random variation of PRESET."""
@@ -128,16 +128,16 @@ def import_(
     clip: str,
     *,
     kind: str | None = option(
-        "Event kind of the clip.  [default: file names in a folder]", "--as", metavar="KIND"
+        "Event kind of the clip.  [default: file name in a folder]", "--as", metavar="KIND"
     ),
     base: str = BASE,
     layer: str = option(
-        "Part of the clip: vibration (as friction), click, or both.",
+        "Part of the clip: tactor (vibration, as friction), click, or both.",
         type=click.Choice(["both", "tactor", "click"]),
         default="both",
     ),
     check: bool = option("Only check the clip against its format."),
-    output: str | None = option("File.  [default: PRESET-KIND.toml here]"),
+    output: str | None = option("Preset file.  [default: ./PRESET-KIND.toml]"),
     as_json: bool = JSON,
 ) -> None:
     """Add a haptic CLIP (AHAP or .haptic) to an event kind of a preset.

@@ -217,7 +217,7 @@ def tune(
     order: str | None = option("Order of kinds from the strongest, joined by >."),
     separate: bool = option("Separate all kinds by one just-noticeable difference (JND)."),
     seed: int = option("Seed of the search.", default=0),
-    output: str | None = option("File.  [default: PRESET-tuned.toml]"),
+    output: str | None = option("Preset file.  [default: PRESET-tuned.toml]"),
     as_json: bool = JSON,
     reading: Reading,
     window: Window,
@@ -236,7 +236,7 @@ def tune(
     if order is None and not separate:
         raise InputError("no target; add --order KIND>KIND, --separate, or both")
     if timelines and (separate or order is None):
-        raise InputError("--separate doesn't apply to TIMELINEs; remove it or them")
+        raise InputError("--separate doesn't apply to TIMELINEs; remove either")
     loaded = ov.load_preset(preset)
     target = [] if order is None else [name.strip() for name in order.split(">")]
     measured = [open_window(path, reading, window) for path in timelines]
@@ -255,7 +255,7 @@ def tune(
         "least_jnds": round(found.least_jnds, 2),
         "reached": found.reached,
         "unreached": list(found.unreached),
-        "kinds": {name: {key: getattr(made.kinds[name], key) for key in TUNED} for name in names},
+        "kinds": {name: {key: getattr(made.kinds[name], key) for key in TUNABLE} for name in names},
     }
     show(
         as_json,
@@ -267,13 +267,13 @@ def tune(
     )
 
 
-TUNED = ("height", "width_percent", "width_ms")
+TUNABLE = ("height", "width_percent", "width_ms")
 
 
 def _changed_values(before: EventKind, after: EventKind) -> dict[str, float]:
     """Return the changed values of a kind."""
     return {
-        key: getattr(after, key) for key in TUNED if getattr(after, key) != getattr(before, key)
+        key: getattr(after, key) for key in TUNABLE if getattr(after, key) != getattr(before, key)
     }
 
 

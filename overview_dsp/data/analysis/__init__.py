@@ -1,1 +1,1 @@
-"""Finds things in samples, without files: heartbeats, extrema, gaps, loudness, cheers, splits."""
+"""Analysis of samples, without files: heartbeats, extrema, gaps, loudness, cheers, splits."""

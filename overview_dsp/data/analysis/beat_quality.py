@@ -1,7 +1,7 @@
 """Kind of a heart recording, and an index of whether its beats can be trusted.
 
 The weights of the index were fitted by logistic regression to noise on other records:
-docs/explanation/hearts.md has what it reaches.
+docs/explanation/hearts.md states its accuracy.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ STRICT_LIMIT = -2.5
 above the first."""
 
 _LEAST_BEATS = 3
+# free: share of peaks that are no beats; odd: deviation of intervals; spread: of heights
 _WEIGHTS = {"": -6.08, "noise": 3.6, "free": 4.33, "odd": 8.09, "spread": 4.33}
 _FREE_HEIGHT = 0.5
 _FREE_APART_S = 0.25
@@ -52,8 +53,8 @@ def is_ecg(signal: Floats, search: Search, rate: float, pulse_likeness: float) -
     """Return whether the beats that were searched as those of an ECG have its sharp waves.
 
     The noise of the averages of odd and of even beats is independent, so that their cross spectrum
-    has that of the beat. In a pulse wave the search finds sharp noise instead, but the pulses are
-    alike (`pulse_likeness`).
+    has the power of the beat only. In a pulse wave the search finds sharp noise instead, but the
+    pulses are alike (`pulse_likeness`).
     """
     half = round(_BEAT_S / 2.0 * rate)
     beats = search.beats[(search.beats >= half) & (search.beats < len(signal) - half)]

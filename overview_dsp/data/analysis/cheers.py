@@ -76,9 +76,9 @@ def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(ordered[rows, low] * (1.0 - part) + ordered[rows, high] * part)
 
 
-def excitement(loudness: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
+def excitement(loudness: NDArray[np.float64], ambient: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the loudness above the background, LU, at least 0; NaN if missing."""
-    return np.maximum(loudness - slow, 0.0)
+    return np.maximum(loudness - ambient, 0.0)
 
 
 def peaks(above: NDArray[np.float64], time_s: NDArray[np.float64]) -> tuple[Event, ...]:

@@ -49,7 +49,7 @@ def round_levels(low: float, high: float) -> list[float]:
         if 1 <= last - first + 1 <= _LEVELS:
             found = range(first, last + 1)
             levels = [round(k * step, 12) if step < 1e3 else k * step for k in found]
-            return [level for level in levels if low < level < high]  # rounding may miss
+            return [level for level in levels if low < level < high]  # rounding may pass an end
     return []
 
 
@@ -77,14 +77,14 @@ def crossings(
     for chosen in (levels, [middle]):
         for share in _HYSTERESIS:
             margin = share * (high - low)
-            ways = [(level, _ways_across(value, level, margin)) for level in chosen]
-            if sum(len(begins) for _, (begins, _) in ways) <= MOST_CROSSINGS:
-                found = [c for level, both in ways for c in _of_level(value, level, *both)]
+            ranges = [(level, _crossing_ranges(value, level, margin)) for level in chosen]
+            if sum(len(begins) for _, (begins, _) in ranges) <= MOST_CROSSINGS:
+                found = [c for level, both in ranges for c in _of_level(value, level, *both)]
                 return sorted(found, key=lambda c: (c.index, c.level)), chosen, margin
     return [], [], 0.0
 
 
-def _ways_across(
+def _crossing_ranges(
     value: NDArray[np.float64], level: float, margin: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the last sample beyond the hysteresis before each crossing, and the first after it."""
@@ -100,9 +100,9 @@ def _of_level(
     found = []
     for before, here in zip(begins.tolist(), ends.tolist(), strict=True):
         up = bool(value[here] > level)
-        way = value[before : here + 1]
-        behind = np.flatnonzero(way < level if up else way > level)
-        found.append(Crossing(before + int(behind[-1]) + 1, level, up))
+        part = value[before : here + 1]
+        not_crossed = np.flatnonzero(part < level if up else part > level)
+        found.append(Crossing(before + int(not_crossed[-1]) + 1, level, up))
     return found
 
 
@@ -157,7 +157,7 @@ def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np
     run = math.ceil(len(turns) / (MAX_EXTREMA // 2))
     kept = turns[lows_and_highs(value[turns], run)]
     inside = np.concatenate((turns[:1], kept, turns[-1:]))
-    inside = inside[np.diff(inside, prepend=-1) > 0]  # they ascend
+    inside = inside[np.diff(inside, prepend=-1) > 0]  # without repeated ends
     return inside[_turns(value[inside])]
 
 

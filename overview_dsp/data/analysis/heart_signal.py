@@ -86,14 +86,14 @@ class SilenceFinder:
         self._found: dict[str, Spans] = {"missing": [], "flat": []}
         self._last = np.nan
         self._done = 0
-        self.lost = 0
+        self.lost = 0  # missing samples in runs too short for a gap
 
     def feed(self, block: NDArray[np.float64]) -> None:
         """Process the next samples."""
         if not len(block):
             return
         self._follow("missing", ~np.isfinite(block), 0)
-        # a sample is flat with the one before it; the run includes its first sample
+        # a sample that equals the one before it is flat; the run also includes the first of them
         same = np.diff(block, prepend=self._last) == 0.0
         self._follow("flat", same, 1)
         self._last = float(block[-1])

@@ -54,8 +54,8 @@ _LEAST_CLEAN_S = 6.0
 
 _HIDDEN_HEIGHT = 0.35
 _HIDDEN_RATIO = 1.25
-"""Height of a peak, relative to a beat and to the highest ones in the intervals around, from which
-an interval is not without a beat."""
+"""Height of a peak, relative to a beat and to the highest peaks of the neighbouring intervals, from
+which the peak may be a beat."""
 
 Indices = NDArray[np.int64]
 
@@ -183,9 +183,9 @@ class _Part:
         if what == "ECG":
             signal, work_rate, self._fewer = decimated(part, rate)
             search = find_qrs(signal, work_rate)
-            added, same, size = find_other_shapes(signal, search.beats, work_rate)
+            added, differs, size = find_other_shapes(signal, search.beats, work_rate)
             self._beats = np.concatenate([search.beats, added])
-            self._other = np.concatenate([same, np.ones(len(added), np.bool_)])
+            self._other = np.concatenate([differs, np.ones(len(added), np.bool_)])
             order = np.argsort(self._beats, kind="stable")
             self._beats, self._other = self._beats[order], self._other[order]
             noise = search.noise

@@ -43,7 +43,7 @@ MAX_SAMPLE = 1e6
 
 _RELATIVE_GATE_LU = -10.0
 _BLOCK_SAMPLES = 1_000_000
-_OFFSET_DB = -0.691  # makes the filters' gain at 997 Hz drop out
+_OFFSET_DB = -0.691  # cancels the filters' gain at 997 Hz
 
 
 def k_weighting(sample_rate: float) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
 """Detection of beats of another shape, such as ventricular ones, beside those of a QRS search.
 
-The search for beats takes a frequent other shape for noise. In the wide band, peaks beside the
-beats are clustered by their correlation. Noise does not repeat a shape.
+The search for beats mistakes another frequent shape for noise. Here, peaks of a wider band that are
+not beats are clustered by their correlation, since noise does not repeat a shape.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _HALF_S = 0.075
 _SNIPPET_S = 0.12
 """Half of the time that is compared."""
 
-_LAG_S = 0.04
-_ALIKE = 0.85
+_LAG_S = 0.04  # maximum shift between two compared shapes
+_ALIKE = 0.85  # minimum correlation within a class
 _LEAST_COUNT = 3
 _LEAST_PEAK = 0.45
 _LEAST_SIZE = 0.75
@@ -48,13 +48,13 @@ _WAVE_SPREAD_S = 0.04
 _ROOM = 1.25
 _BIGEMINY = 0.85
 """Minimum length of an interval with a beat of another shape, relative to the others; share of
-intervals with one from which there are no others."""
+intervals with such a beat above which the others are too few to compare."""
 
 _PAUSE = 1.4
 """Minimum length of a pause in which a single peak is a beat, relative to the usual interval."""
 
-_SINGLE_SIZE = 0.65
-_CLEAR_OF_NOISE = 1.8
+_SINGLE_SIZE = 0.65  # minimum size of that peak, relative to the beats
+_CLEAR_OF_NOISE = 1.8  # and relative to other peaks, if there are many
 _MOST_PEAKS = 4000
 
 
@@ -77,28 +77,28 @@ def find_other_shapes(
     bool (beats,)
         Whether each of `beats` has another shape, too.
     float64 (n,)
-        Size of the signal relative to the beats around.
+        Size of the signal relative to the surrounding beats.
     """
     from scipy.signal import find_peaks
 
-    none, same = np.zeros(0, np.int64), np.zeros(len(beats), np.bool_)
+    none, differs = np.zeros(0, np.int64), np.zeros(len(beats), np.bool_)
     wide = band_passed(signal, rate, *_BAND_HZ)
     norm = np.sqrt(np.maximum(summed(wide**2, max(1, round(_HALF_S * rate))), 0.0))
     if len(beats) < 4:
-        return none, same, norm / max(float(norm.max()), 1e-12)
+        return none, differs, norm / max(float(norm.max()), 1e-12)
     usual_size = around(norm[beats], 8, 50.0)
     size = norm / np.maximum(np.interp(np.arange(len(norm)), beats, usual_size), 1e-12)
-    own = _snippets(wide, beats, rate)
-    likeness = _likeness(own, np.median(own, axis=0), rate)
+    beat_shapes = _snippets(wide, beats, rate)
+    likeness = _likeness(beat_shapes, np.median(beat_shapes, axis=0), rate)
     if np.percentile(likeness, 20) < _BEATS_ALIKE:
-        return none, same, size
-    near = np.stack([around(likeness, 2, 50.0), around(likeness, 8, 50.0)]).min(axis=0)
-    same = (likeness < 0.7) & (near > 0.9)
+        return none, differs, size
+    likeness_around = np.stack([around(likeness, 2, 50.0), around(likeness, 8, 50.0)]).min(axis=0)
+    differs = (likeness < 0.7) & (likeness_around > 0.9)
     apart = round(REFRACTORY_S * rate)
     peaks, _ = find_peaks(size, _LEAST_PEAK, distance=apart)
     peaks = peaks[np.abs(peaks - _nearest(beats, peaks)) > apart]
     if not len(peaks) or len(peaks) > _MOST_PEAKS:
-        return none, same, size
+        return none, differs, size
     at = np.searchsorted(beats, peaks)
     since = (peaks - beats[np.maximum(at - 1, 0)]) / rate
     until = (beats[np.minimum(at, len(beats) - 1)] - peaks) / rate
@@ -107,18 +107,18 @@ def find_other_shapes(
     if alike.sum() < _LEAST_SHARE * (alike.sum() + rest.sum()):
         alike[:] = False
     alike &= _in_long_intervals(beats, at, alike)
-    # a single one in a pause
+    # a single beat of another shape in a pause
     usual = usual_interval(beats, peaks)
     ends = np.concatenate([[0], beats, [len(signal)]])
     level = around(size[peaks], 8, 50.0)
     many = np.searchsorted(peaks, peaks + 10 * rate) - np.searchsorted(peaks, peaks - 10 * rate) > 4
     single = rest & (ends[at + 1] - ends[at] > _PAUSE * usual) & (size[peaks] > _SINGLE_SIZE)
     single &= ~many | (size[peaks] > _CLEAR_OF_NOISE * level)
-    return peaks[alike | single], same, size
+    return peaks[alike | single], differs, size
 
 
 def _in_long_intervals(beats: Indices, at: Indices, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which peaks are in an interval that has room for a beat; `at`: of the beat after it.
+    """Return which peaks are in an interval that has room for a beat; `at`: index of the next beat.
 
     Noise also lies in ordinary intervals. In bigeminy all intervals are long.
     """

@@ -192,18 +192,18 @@ def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) ->
             if total[passed] > best_far:
                 best_far, far = float(total[passed]), passed
             passed += 1
-        come_from, best = -1, 0.0
+        previous, best = -1, 0.0
         if high > low:
             octaves = np.abs(np.log2((at_s[i] - at_s[low:high]) / usual_s[i]))
-            odd = np.minimum(_COST_PER_OCTAVE * octaves, 1.0)
-            ways = total[low:high] - cost[i] * np.where(np.isnan(odd), 0.0, odd)
-            nearest = int(np.argmax(ways))
-            if ways[nearest] > best:
-                come_from, best = low + nearest, float(ways[nearest])
+            deviation = np.minimum(_COST_PER_OCTAVE * octaves, 1.0)
+            totals = total[low:high] - cost[i] * np.where(np.isnan(deviation), 0.0, deviation)
+            nearest = int(np.argmax(totals))
+            if totals[nearest] > best:
+                previous, best = low + nearest, float(totals[nearest])
         if best_far - cost[i] > best:
-            come_from, best = far, best_far - float(cost[i])
+            previous, best = far, best_far - float(cost[i])
         total[i] += best
-        before[i] = come_from
+        before[i] = previous
     path = []
     at = int(np.argmax(total))
     while at >= 0:

@@ -73,7 +73,7 @@ USUAL_BEATS = 8
 PREMATURE_BELOW = 0.87
 TURNS_BELOW = 0.95
 """An interval below this fraction of the usual one ends with a premature beat, if the next is not
-below the usual one; the second one applies where short and long intervals take turns."""
+below the usual one; the second fraction applies where short and long intervals alternate."""
 
 MOST_DRIFT = 0.1
 """Maximum change of the usual interval for a premature beat, as a fraction: above, the rate itself
@@ -174,13 +174,13 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
         index = int(np.searchsorted(beats.time_s, part[0]))
         interval[index + 1 : index + len(part)] = np.diff(part)
         steps = np.diff(part)
-        # in bigeminy half the intervals are short: half of two in a row is the usual one
+        # in bigeminy every second interval is short: the mean of two in a row is the usual one
         pairs = np.append(steps[:-1] + steps[1:], np.nan) / 2.0
         pairs[-1] = pairs[-2] if len(pairs) > 1 else steps[-1]
         both = np.maximum(_local_median(steps), 0.0), _local_median(pairs)
         early_beats[index + 1 : index + len(part)] = _premature(steps, *both)
-        turns = _takes_turns(steps)
-        usual[index + 1 : index + len(part)] = np.where(turns, both[1], both[0])
+        alternates = _alternates(steps)
+        usual[index + 1 : index + len(part)] = np.where(alternates, both[1], both[0])
     part_of_usual = interval / usual
 
     ordinary: list[Event] = []
@@ -231,17 +231,17 @@ def _premature(
     steps: NDArray[np.float64], median: NDArray[np.float64], of_pairs: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
     """Return which intervals end with a premature beat: shorter than usual, and no run of them."""
-    below = np.where(_takes_turns(steps), TURNS_BELOW, PREMATURE_BELOW)
+    below = np.where(_alternates(steps), TURNS_BELOW, PREMATURE_BELOW)
     following = np.append(steps[1:] / median[1:], 1.0)
     padded = np.pad(of_pairs, USUAL_BEATS, mode="edge")
     drift = np.abs(padded[2 * USUAL_BEATS :] / padded[: -2 * USUAL_BEATS] - 1.0)
-    short = (steps < below * of_pairs) & ((steps < below * median) | _takes_turns(steps))
-    late = following >= np.where(_takes_turns(steps), 0.95, 1.0)
+    short = (steps < below * of_pairs) & ((steps < below * median) | _alternates(steps))
+    late = following >= np.where(_alternates(steps), 0.95, 1.0)
     return np.asarray(short & late & (drift <= MOST_DRIFT))
 
 
-def _takes_turns(steps: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return where short and long intervals take turns, over seven differences."""
+def _alternates(steps: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return where short and long intervals alternate, over seven differences."""
     if len(steps) < 7:
         return np.zeros(len(steps), np.bool_)
     change = np.diff(steps)

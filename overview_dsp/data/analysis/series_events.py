@@ -57,12 +57,12 @@ APART = 0.01
 RECORDS_AFTER = 0.1
 _LARGE_STEP = 95.0
 _HEAVIEST, _LIGHTEST = 1.5, 0.5
-_LESSER = 200  # of a window: more than it shows, so that it can choose distant ones
+_LESSER = 200  # maximum of other events: more than a window shows, to choose distant ones
 _TINY = 1e-300
 _FAINT = 0.1  # minimum weight of the smaller changes of a window
 
 MOST_SAMPLES = 2048
-"""Maximum number of samples of a window; of more, extremes of equal runs and largest steps."""
+"""Maximum number of samples of a window; longer ones keep extremes of runs and largest steps."""
 
 _NONE = np.empty(0)
 
@@ -195,13 +195,13 @@ def _extremes(series: Series, here: str = "") -> tuple[set[int], list[Event]]:
         return set(), []  # a constant series has no extremes
     weight = _LIGHTEST if here else 1.0  # extremes of a window are less important
     events = [
-        series.event(kind, at, f"{kind}{here} {series.value_text(at)}{_often(series, at)}", weight)
+        series.event(kind, at, f"{kind}{here} {series.value_text(at)}{_ties(series, at)}", weight)
         for kind, at in (("highest", high), ("lowest", low))
     ]
     return {high, low}, events
 
 
-def _often(series: Series, index: int) -> str:
+def _ties(series: Series, index: int) -> str:
     count = int((series.value == series.value[index]).sum()) if series.every else 1
     return f" (first of {count})" if count > 1 else ""
 
@@ -297,13 +297,13 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
             weight = max(_LIGHTEST, math.sqrt(prominence / largest[0]))
         else:
             kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
-            words = _moved(series, k)
+            words = _step_text(series, k)
             weight = max(_FAINT, _LIGHTEST * moved / largest[1])
         count += 1
         yield series.event(kind, k, words, weight)
 
 
-def _moved(series: Series, i: int) -> str:
+def _step_text(series: Series, i: int) -> str:
     step = float(series.step[i])
     by = f"{step:+.2f} %" if series.relative else _signed(step, series.unit)
     return f"{by} to {series.value_text(i)}"
@@ -322,7 +322,7 @@ def _moves(series: Series) -> list[Event]:
         chosen = [i for i in order.tolist() if size[i] > 0.0 and size[i] >= least]
         for i in chosen:
             weight = max(_LIGHTEST, _HEAVIEST * math.sqrt(float(size[i] / size[chosen[0]])))
-            events.append(series.event(kind, i, _moved(series, i), weight))
+            events.append(series.event(kind, i, _step_text(series, i), weight))
     return events
 
 

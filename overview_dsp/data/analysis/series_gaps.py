@@ -3,8 +3,7 @@
 A gap lasts from the last sample with a value to the next one. A hole is a step from one row to the
 next that is much longer than usual:
 
-- *evenly sampled* (95 % of steps within a tenth of the usual, the median): longer than 1.5 usual
-  steps; 2 for series of whole days, months and years alike;
+- *evenly sampled* (95 % of steps within a tenth of the median): longer than 1.5 times the median;
 - *unevenly sampled*: longer than 3 times the 99th percentile of the steps;
 - *business days* (days by the calendar, none of them a Saturday or Sunday): weekends and holidays
   are not holes. Let h be the longest step of at most 14 days that occurs at least 1.5 times per

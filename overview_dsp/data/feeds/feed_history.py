@@ -140,7 +140,7 @@ def _thin(events: dict[Key, Event]) -> int:
 MAX_SAMPLES = 65_536
 """Maximum number of stored samples, enough for 109 minutes at 10 Hz.
 
-A surface evaluates as many samples one by one. Above the maximum, pairs of samples are merged.
+A surface evaluates up to this number one by one. Above the maximum, pairs of samples are merged.
 """
 
 

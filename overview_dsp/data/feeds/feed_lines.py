@@ -49,7 +49,7 @@ _FURTHER_KEYS = {
     "end": {"title", "provenance", "notes"},
 }  # fmt: skip
 
-_RENAMED_KEYS = {"expected_duration_s": "expected_duration_s", "map": "layout"}
+_RENAMED_KEYS = {"expect_s": "expected_duration_s", "map": "layout"}
 """Keys of the header in feeds that were recorded with version 0.1."""
 
 CLOCK_EVERY_S = 30.0
@@ -67,7 +67,7 @@ def encode_line(line: Mapping[str, Any]) -> str:
 
 
 def event_object(event: Event) -> dict[str, Any]:
-    """Return an event as an object of the feed, without an empty label and a weight of 1."""
+    """Return an event as an object of the feed; an empty label and a weight of 1 are omitted."""
     written: dict[str, Any] = {"time_s": event.time_s, "kind": event.kind}
     if event.label:
         written["label"] = event.label

@@ -385,7 +385,7 @@ class LiveTimeline:
                 if key in before:
                     continue
                 same = (one for one in removed if (one.time_s, one.kind) == key[:2])
-                if (renamed := next(same, None)) is not None:  # only its label is another
+                if (renamed := next(same, None)) is not None:  # only its label differs
                     removed.remove(renamed)
                 else:
                     changes.append(("added", event))

@@ -43,13 +43,13 @@ READ_AS_WINDOWS = "the file isn't UTF-8; read as Windows-1252"
 MAX_DEPTH = 64
 """Maximum nesting level, unless `max_depth` is set: ten times that of the known formats."""
 
-MOST_DEPTH = 500
+DEEPEST = 500
 """Maximum of `max_depth`: the stack of the parser overflows at about twice that level."""
 
 PARSED_MB = 576.0
 """Maximum memory of a parsed file, MB; raised together with a maximum file size above 64 MB."""
 
-PARSED_TIMES = 9
+PARSED_PER_MB = 9
 """Maximum memory of a parsed file, as a multiple of the maximum file size."""
 
 # bytes, measured with Python 3.11 on 64 bits, a copy of each number included
@@ -165,7 +165,7 @@ class Extent:
     parsed_bytes: int
 
 
-def extent(text: str, deepest: int = MOST_DEPTH) -> Extent:
+def extent(text: str, deepest: int = DEEPEST) -> Extent:
     """Measure the nesting level and the memory of JSON; stop at a level above `deepest`.
 
     For broken JSON the result is arbitrary; the parser reports the error.
@@ -209,7 +209,7 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
     where
         Beginning of the error message.
     limit_mb
-        Maximum file size, MB. Parsed, `PARSED_TIMES` as much is allowed, at least `PARSED_MB`.
+        Maximum file size, MB. Parsed, `PARSED_PER_MB` as much is allowed, at least `PARSED_MB`.
     max_depth
         Maximum nesting level, instead of `MAX_DEPTH`.
 
@@ -224,14 +224,14 @@ def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None =
         raise InputError(
             f"{where}: JSON nested too deep (more than {allowed} levels); a timeline needs four: "
             "correct the file, or raise the limit with max_depth (--read max-depth=LEVELS), to "
-            f"{MOST_DEPTH} at most"
+            f"{DEEPEST} at most"
         )
-    budget = max(PARSED_MB, limit_mb * PARSED_TIMES)
+    budget = max(PARSED_MB, limit_mb * PARSED_PER_MB)
     if found.parsed_bytes > budget * 2**20:
         raise InputError(
             f"{where}: its content would take about {found.parsed_bytes / 2**20:.0f} MB of "
             f"memory, more than {budget:.0f} MB; cut it into parts, or raise the limit with max_mb "
-            f"(--read max-mb=MB), to {found.parsed_bytes / 2**20 / PARSED_TIMES + 1.0:.0f}"
+            f"(--read max-mb=MB), to {found.parsed_bytes / 2**20 / PARSED_PER_MB + 1.0:.0f}"
         )
 
 
@@ -331,7 +331,7 @@ class DataFile:
         except FileNotFoundError as error:
             raise InputError(f"{where}: no such file; check the path") from error
         except PermissionError as error:
-            raise InputError(f"{where}: no permission to read it; ask for it or copy it") from error
+            raise InputError(f"{where}: no permission to read it; change its rights") from error
         except (OSError, ValueError) as error:  # ValueError: a NUL in the path
             reason = getattr(error, "strerror", None) or str(error)
             raise InputError(f"{where}: can't be read ({reason}); check the path") from error
@@ -443,8 +443,8 @@ class DataFile:
         text = self.text
         if "<!DOCTYPE" in text or "<!ENTITY" in text:
             raise InputError(
-                f"{self.where}: the XML has a document type (<!DOCTYPE ...>), which may hide a "
-                "bomb; remove it"
+                f"{self.where}: the XML has a document type (<!DOCTYPE ...>), which may expand to "
+                "gigabytes; remove it"
             )
         return _XML_DECLARATION.sub("", text, count=1)
 

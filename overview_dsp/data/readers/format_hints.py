@@ -126,20 +126,20 @@ def _lacking(columns: Columns, head: Head) -> str:
             return f"{_EVENT_LIST}; no column is called time, date, start or minute: {there}"
         return f"nearest: a series; no column is called time or date: {there}"
     if numbers and not words:
-        return f"nearest: a series; no column except {_called(columns, timed)} has values: {there}"
+        return f"nearest: a series; no column except {_column(columns, timed)} has values: {there}"
     if kind is None and label is None and words:
         return (
             f"{_EVENT_LIST}; no column is called event, what, type, kind, name or label: rename "
-            f"{_called(columns, words[0])}"
+            f"{_column(columns, words[0])}"
         )
     if not words:
         return f"{_EVENT_LIST}; no column of kinds or labels (event, what, type, name): {there}"
     if named is None:
-        return f"{_EVENT_LIST}; call {_called(columns, timed)} time"
-    return f"{_EVENT_LIST}; {_called(columns, timed)} has no known format of times: {there}"
+        return f"{_EVENT_LIST}; call {_column(columns, timed)} time"
+    return f"{_EVENT_LIST}; {_column(columns, timed)} has no known format of times: {there}"
 
 
-def _called(columns: Columns, i: int) -> str:
+def _column(columns: Columns, i: int) -> str:
     return f"column {shown(columns[i].header)}"
 
 

@@ -33,7 +33,7 @@ SERIES_OPTIONS = series_reader.OPTIONS
 LIMITS = frozenset({"max_mb", "max_depth"})
 """Options of every format."""
 
-_LISTED = frozenset({"duration_s", "time", "kind", "label"})
+_EVENT_TABLE = frozenset({"duration_s", "time", "kind", "label"})
 
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
@@ -50,7 +50,7 @@ FORMATS: tuple[Format, ...] = (
         "table of events (one JSON object per line)",
         event_table.sniff_lines,
         event_table.read_lines,
-        _LISTED,
+        _EVENT_TABLE,
     ),
     _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
@@ -114,10 +114,10 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format(
         "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
-        "or label; lines of clock and words)",
+        "or label; lines of a time and words)",
         event_table.sniff,
         event_table.read,
-        _LISTED,
+        _EVENT_TABLE,
     ),
     Format(
         "WFDB record (.hea, with .dat and .atr beside it)",
@@ -162,5 +162,5 @@ def formats() -> tuple[Format, ...]:
 
 
 def is_series(known: Format) -> bool:
-    """Return whether a format is a table of a series, whose rows can be counted, too."""
+    """Return whether a format is a table of a series, whose rows can also be counted."""
     return known.options == SERIES_OPTIONS

@@ -92,7 +92,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
     """
     if isinstance(document, dict) and "until_s" in document:  # the key's name before version 0.2
         document = {("known_until_s" if k == "until_s" else k): v for k, v in document.items()}
-    top = _table(document, "the document", _TOP_KEYS, required=(_KEY, "duration_s"))
+    top = _object(document, "the document", _TOP_KEYS, required=(_KEY, "duration_s"))
     version = top[_KEY]
     if isinstance(version, bool) or version != VERSION:
         raise InputError(
@@ -210,7 +210,7 @@ def _series(rules: WindowRules, curve: Intensity | None) -> str:
 
 
 def _rules(value: object, timeline: Timeline) -> WindowRules:
-    table = _table(value, "series", _SERIES_KEYS, required=("per_cent",))
+    table = _object(value, "series", _SERIES_KEYS, required=("per_cent",))
     per_cent = table.pop("per_cent")
     if not isinstance(per_cent, bool):
         raise InputError(f"series.per_cent is {shown(per_cent)}; give true or false")
@@ -231,7 +231,7 @@ def _json(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _table(
+def _object(
     value: object, location: str, known: tuple[str, ...], required: tuple[str, ...]
 ) -> dict[str, Any]:
     if not isinstance(value, dict):
@@ -286,7 +286,7 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
         )
     for i, entry in enumerate(listed):
         location = f"{key}[{i}]"
-        row = _table(entry, location, _EVENT_KEYS, required=("time_s", "kind"))
+        row = _object(entry, location, _EVENT_KEYS, required=("time_s", "kind"))
         time_s = validation.number(row["time_s"], f"{location}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:
             raise InputError(f"{location}.time_s is {time_s!r}, outside the timeline; {hint}")
@@ -302,7 +302,7 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
 
 
 def _intensity(value: object) -> Intensity:
-    table = _table(value, "intensity", _INTENSITY_KEYS, required=("time_s", "value"))
+    table = _object(value, "intensity", _INTENSITY_KEYS, required=("time_s", "value"))
     time_s, value = (
         [
             validation.number(entry, f"intensity.{name}[{i}]")

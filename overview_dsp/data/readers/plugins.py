@@ -68,7 +68,7 @@ def _format_of(reader: Any, package: str, options: frozenset[str]) -> Format:
         if not isinstance(timeline, Timeline):
             raise InputError(
                 f"{source.where}: the reader of {package} gave a {type(timeline).__name__}, not a "
-                "Timeline; tell its authors"
+                "Timeline; report this to its authors"
             )
         return timeline
 
@@ -98,7 +98,7 @@ def _one_line(source: DataFile, package: str) -> Iterator[None]:
 def _option_names(names: Iterable[object]) -> frozenset[str]:
     options = frozenset(str(name) for name in names)
     if unknown := sorted(options - _OPTIONS):
-        raise InputError(f"options {', '.join(unknown)}; known are {', '.join(sorted(_OPTIONS))}")
+        raise InputError(f"unknown: {', '.join(unknown)}; known: {', '.join(sorted(_OPTIONS))}")
     return options
 
 
@@ -107,7 +107,7 @@ def _package(point: EntryPoint) -> str:
 
 
 def _warn(package: str, what: str) -> None:
-    warnings.warn(f"the reader of {package} {what}: left out", OverviewWarning, stacklevel=4)
+    warnings.warn(f"the reader of {package} {what}; it is left out", OverviewWarning, stacklevel=4)
 
 
 def _error_text(error: Exception) -> str:

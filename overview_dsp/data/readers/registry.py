@@ -14,7 +14,7 @@ from typing import Any, cast
 from overview_dsp import validation
 from overview_dsp.data.readers import format_hints, native
 from overview_dsp.data.readers.data_file import (
-    MOST_DEPTH,
+    DEEPEST,
     READ_AS_WINDOWS,
     UNNAMED,
     WINDOWS,
@@ -148,7 +148,7 @@ def load_timeline(
     if not (isinstance(data, str | os.PathLike) or is_content(data)):
         return _of_memory(data, times, options)
     if times is not None:
-        raise InputError("time names a column of a file; times themselves go with values in memory")
+        raise InputError("time names a column of a file; time lists are only for data in memory")
     with opened(data, options, _or_bundled()) as source:
         format_hints.require_no_other_document(source)
         candidate = _format_of(source)
@@ -260,8 +260,8 @@ def _checked(options: LoadOptions) -> LoadOptions:
             checked[name] = validation.positive(value, name, hint)
         elif name != "max_depth":
             checked[name] = validation.text(value, name)
-        elif type(value) is not int or not 1 <= value <= MOST_DEPTH:
-            raise InputError(f"max_depth is {shown(value)}; give a whole number, 1 to {MOST_DEPTH}")
+        elif type(value) is not int or not 1 <= value <= DEEPEST:
+            raise InputError(f"max_depth is {shown(value)}; give a whole number, 1 to {DEEPEST}")
     return replace(options, **checked)
 
 

@@ -1,4 +1,4 @@
-"""The data model: events, an intensity curve, gaps; windows and what shows up as one zooms."""
+"""The data model: events, an intensity curve, gaps; windows, and the events that zooming adds."""
 
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 

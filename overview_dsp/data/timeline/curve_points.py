@@ -142,7 +142,7 @@ class RegularTimes:
         if not np.isfinite(self[-1]) or (self.count > 1 and self[-2] >= self[-1]):
             raise InputError(
                 f"{self.count} values {self.step_s!r} s apart lie too close together to be "
-                "distinguished; count them from 0"
+                "distinguished; count the times from 0"
             )
 
     def __len__(self) -> int:
@@ -226,7 +226,7 @@ class RegularTimes:
         guess = (times - self.first_s) / self.step_s
         np.ceil(np.clip(guess, 0.0, float(self.count), out=guess), out=guess)
         index = guess.astype(np.int64)
-        # rounding may have put it one off
+        # rounding may have shifted it by one
         index -= (self.at(index - 1) >= times) & (index > 0)
         index += (self.at(index) < times) & (index < self.count)
         return index
@@ -319,10 +319,10 @@ class Points:
         left_s = self.times_of(left)
         weight = (times - left_s) / (self.times_of(right) - left_s)
         before = self.value[left].astype(np.float64)
-        behind = self.value[right].astype(np.float64)
-        low, high = np.minimum(before, behind), np.maximum(before, behind)
+        following = self.value[right].astype(np.float64)
+        low, high = np.minimum(before, following), np.maximum(before, following)
         # clipped: rounding may take the mean past its ends by one unit in the last place
-        return np.clip(before * (1.0 - weight) + behind * weight, low, high)
+        return np.clip(before * (1.0 - weight) + following * weight, low, high)
 
     def picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the values of ascending indices; pages of values on disk are released."""

@@ -68,7 +68,7 @@ class Store:
 
 
 class GrowableArray:
-    """An array (rows, columns) to add to; reserved rows are never copied again."""
+    """Array (rows, columns) that grows by rows; up to `reserved` rows are never copied."""
 
     def __init__(self, columns: int, dtype: DTypeLike, reserved: int) -> None:
         """Space for `reserved` rows; it grows when more are added."""
@@ -86,7 +86,7 @@ class GrowableArray:
         if columns is None:
             added[:] = rows
         else:
-            # the only mode without a temporary copy; all columns exist
+            # only this mode makes no temporary copy; it clips nothing, as all columns exist
             rows.take(columns, axis=1, out=added, mode="clip")
         self._count = end
 

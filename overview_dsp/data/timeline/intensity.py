@@ -55,7 +55,7 @@ STANDS_OUT = 3.0
 MATTERS = 0.02
 """Minimum excess of a peak, as a fraction of the range of the window."""
 
-SOME = 7
+SAMPLE_STEP = 7
 """Step between the positions at which the usual excess is measured."""
 
 WIDENED = 1.0 / 2048.0
@@ -68,7 +68,7 @@ def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[n
     np.maximum(around[1:], mean[:-1], out=around[1:])
     np.maximum(around[:-1], mean[1:], out=around[:-1])
     excess = np.maximum(top - around, 0.0)
-    usual, rare = np.quantile(excess[::SOME], (0.5, RARE))
+    usual, rare = np.quantile(excess[::SAMPLE_STEP], (0.5, RARE))
     spans = float(top.max()) - float(mean.min())
     peak = (excess > usual + STANDS_OUT * (rare - usual)) & (excess >= MATTERS * spans)
     if not peak.any():
@@ -618,7 +618,7 @@ def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArr
     last = len(times) - 1
     begins = np.ceil(np.clip((points_s - times[0]) / (times[1] - times[0]), 0.0, last))
     begins = begins.astype(np.int64)
-    # rounding may have put it one off
+    # rounding may have shifted it by one
     begins -= (begins > 0) & (times[begins - 1] >= points_s)
     begins += times[begins] < points_s
     return np.cumsum(np.bincount(begins, minlength=len(times) + 1)[: len(times)])

@@ -92,7 +92,7 @@ def _runs(values: Values, combine: np.ufunc, dtype: type[np.float64] | None = No
 
 
 def build_pyramid(values: Values) -> tuple[Level, ...]:
-    """Return the levels of values that are at hand (an array or a memory map)."""
+    """Return the levels of values in an array or a memory map."""
     builder = PyramidBuilder(np.float32 if values.dtype == np.float32 else np.float64)
     for start in range(0, len(values), CHUNK):
         builder.append(np.asarray(values[start : start + CHUNK]))

@@ -38,7 +38,7 @@ _MONTHS_IN = {"month": 1, "year": 12, "decade": 120, "century": 1200}
 _WHOLE_S = (60.0, 900.0, 3600.0, _DAY_S)
 _SUBSECOND_S = tuple(m * 10.0**power for power in range(-6, 0) for m in (1.0, 2.0, 5.0))
 _DATED_S = (*_SUBSECOND_S, 1.0, 5.0, 15.0, 60.0, 300.0, 900.0, 3600.0, 21_600.0, _DAY_S)
-# none more than three times the one before it: nine ticks or more, whatever the part
+# each at most three times the one before it, so that any window has nine ticks or more
 _CLOCK_S = (
     *_SUBSECOND_S, 1.0, 2.0, 5.0, 15.0, 30.0, 60.0, 120.0, 300.0, 900.0, 1800.0, 3600.0, 10_800.0,
     21_600.0, 43_200.0, *(m * _DAY_S * 10**power for power in range(9) for m in (1.0, 2.0, 5.0)),
@@ -245,7 +245,7 @@ def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
 def _begins(unit: str, start: datetime) -> Iterator[datetime]:
     """Yield the beginnings of spans after a start, up to the end of the calendar."""
     months = _MONTHS_IN.get(unit)
-    # not before the first day of the calendar, a Monday
+    # never before the first day of the calendar, which is a Monday
     monday = datetime(start.year, start.month, start.day) - timedelta(days=start.weekday())
     try:
         for count in itertools.count(1):

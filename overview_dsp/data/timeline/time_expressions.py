@@ -56,7 +56,7 @@ class _Moment:
     """Seconds from the start, and whether they are limited to the timeline."""
 
     time_s: float
-    stops: bool
+    is_limited: bool
 
 
 def parse_time_expression(text: str, timeline: Timeline) -> float:
@@ -69,10 +69,10 @@ def parse_time_expression(text: str, timeline: Timeline) -> float:
         timeline without calendar. A date or offset beyond an end issues an OverviewWarning.
     """
     moment = _parsed(text, timeline)
-    stopped = _stopped(text, moment, timeline)
-    if not 0.0 <= stopped <= timeline.duration_s:
+    limited = _limited(text, moment, timeline)
+    if not 0.0 <= limited <= timeline.duration_s:
         raise InputError(f"{shown(text)} lies outside the timeline; {_reach(timeline)}")
-    return stopped
+    return limited
 
 
 def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
@@ -85,9 +85,9 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     """
     moments = [_parsed(text, timeline) for text in (start, end)]
     first, last = (
-        _stopped(text, moment, timeline) for text, moment in zip((start, end), moments, strict=True)
+        _limited(text, moment, timeline) for text, moment in zip((start, end), moments, strict=True)
     )
-    if first >= last and any(moment.stops for moment in moments):
+    if first >= last and any(moment.is_limited for moment in moments):
         raise InputError(
             f"the window from {shown(start)} to {shown(end)} is empty or outside "
             f"the timeline; {_reach(timeline)}"
@@ -187,9 +187,9 @@ def _calendar_s(date: time_parsing.Moment, timeline: Timeline, text: str) -> flo
     return (moment - start) / timedelta(seconds=1)
 
 
-def _stopped(text: str, moment: _Moment, timeline: Timeline) -> float:
+def _limited(text: str, moment: _Moment, timeline: Timeline) -> float:
     within = min(max(moment.time_s, 0.0), timeline.duration_s)
-    if not moment.stops or within == moment.time_s:
+    if not moment.is_limited or within == moment.time_s:
         return moment.time_s
     end = "start" if within == 0.0 else "end"
     warnings.warn(

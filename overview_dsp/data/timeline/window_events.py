@@ -62,10 +62,10 @@ def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
     count = len(details)
     bits = max(1, (count - 1).bit_length())
     index = np.arange(count)
-    turn = np.zeros(count, dtype=np.int64)
+    reversed_bits = np.zeros(count, dtype=np.int64)
     for bit in range(bits):  # the bits of the index in reverse order
-        turn |= ((index >> bit) & 1) << (bits - 1 - bit)
-    order = np.lexsort((turn, np.array([-detail.weight for detail in details])))
+        reversed_bits |= ((index >> bit) & 1) << (bits - 1 - bit)
+    order = np.lexsort((reversed_bits, np.array([-detail.weight for detail in details])))
     rank = np.empty(count, dtype=np.int64)
     rank[order] = index
     return rank
@@ -92,7 +92,7 @@ def window_events(
         Length of the window, s.
     """
     counts = Counter(event.kind for event in events_in_window)
-    ground = [event for event in events_in_window if counts[event.kind] > MOST_OF_A_KIND]
+    background = [event for event in events_in_window if counts[event.kind] > MOST_OF_A_KIND]
     single = [event for event in events_in_window if counts[event.kind] <= MOST_OF_A_KIND]
     taken = [*single, *_clear(_other(marks, single), single, duration_s)]
     sampled = {event.time_s for event in single if event.kind not in KINDS}
@@ -100,14 +100,14 @@ def window_events(
     kept = len(taken)
     _fill(taken, found, MOST_BY_RULE, duration_s)
     taken[kept:] = _lighter(taken[kept:])
-    taken += ground
+    taken += background
     for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
         _fill(taken, [*alike], MOST_DETAILS, duration_s)
     return tuple(sorted(taken, key=lambda event: event.time_s))
 
 
 def _lighter(found: list[Event]) -> list[Event]:
-    """Return events found by rules, with a total weight of at most `HEAVY` times their own."""
+    """Return events found by rules, all with less weight if there are more than `HEAVY`."""
     share = min(1.0, HEAVY / max(1, len(found)))
     return [replace(event, weight=event.weight * share) for event in found]
 

@@ -90,7 +90,7 @@ class ControllerInput(ThreadedInput):
         Raises
         ------
         Exception
-            The thread has failed with it.
+            Error that stopped the port's thread.
         """
         super().poll(engine)
         with self._changes_lock:

@@ -65,7 +65,7 @@ class MotorInput(SensorInput):
         return f"{super().status_text}; {self._loop.status_text(time.monotonic())}"
 
     def report(self) -> dict[str, Any]:
-        """Return the sensor's report with `force`: that of the loop, and rejected writes."""
+        """Return the sensor's report; `force` has the loop's report and counts rejected writes."""
         now = time.monotonic()
         rate = self._sent / max(now - self._started_at, 1e-3)
         force = {**self._loop.report(now), "per_s": round(rate, 1), "blocked": self._blocked}
@@ -108,10 +108,10 @@ class MotorInput(SensorInput):
     def _next_frame(self, now: float) -> bytes:
         """Return the bytes to send; may be empty."""
         held = self._engine.active_input
-        mine = held is not None and held[0] == self.SOURCE
+        holds_disk = held is not None and held[0] == self.SOURCE
         torque = self._torque.update(self._engine.torque_integral, now)
         if isinstance(self._loop, MotorLoop):
-            return self._loop.step(torque if mine else 0.0, now)
+            return self._loop.step(torque if holds_disk else 0.0, now)
         if now - self._rendered_at >= RENDER_EVERY_S:
             self._rendered_at = now
             surface = self._engine.surface
@@ -121,7 +121,7 @@ class MotorInput(SensorInput):
                     "the knob's board only makes viscous friction; sticking and pulling surfaces "
                     "brake as they do at 1 rad/s"
                 )
-        return self._loop.step(mine or held is None, now)
+        return self._loop.step(holds_disk or held is None, now)
 
     def _close_port(self) -> None:
         if self._port is not None:

@@ -20,10 +20,10 @@ from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
 
-LATEST = 256
+ARRIVALS_KEPT = 256
 """Number of latest arrivals that the delay is estimated from."""
 
-IN_TIME = 0.95
+ON_TIME_SHARE = 0.95
 """Fraction of the events that should arrive before their sample."""
 
 LONGEST_WAIT_S = 0.012
@@ -38,17 +38,17 @@ class EventClock:
     An audio block applies at its start all events that have arrived. Without stamps, the samples of
     a sensor would all be applied there. So an event is applied at the sensor's time plus a delay,
     the 95th percentile of (engine time at arrival - sensor time). This includes the drift of both
-    clocks, the blocks and the bursts of the port. Later events are applied when they arrive, and
-    the engine counts them as late.
+    clocks, the blocks and the bursts of the port. An event that arrives after its sample is applied
+    at once, and the engine counts it as late.
     """
 
     def __init__(self, sample_rate: float) -> None:
         """Convert to samples of an engine at `sample_rate`."""
         self._rate = sample_rate
-        self._delays: deque[float] = deque(maxlen=LATEST)
+        self._delays: deque[float] = deque(maxlen=ARRIVALS_KEPT)
         self._offset = 0.0
         self._last = 0
-        self._waits: deque[float] = deque(maxlen=4 * LATEST)
+        self._waits: deque[float] = deque(maxlen=4 * ARRIVALS_KEPT)
 
     def observe(self, time_s: float, now: int) -> None:
         """Use the arrival of the sensor's `time_s` at the engine's sample `now`."""
@@ -56,7 +56,7 @@ class EventClock:
         order = sorted(self._delays)
         longest = LONGEST_WAIT_S * self._rate
         highest = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
-        self._offset = min(_quantile(order, IN_TIME), highest)
+        self._offset = min(_quantile(order, ON_TIME_SHARE), highest)
 
     def stamp(self, time_s: float, now: int) -> int:
         """Return the sample at which an event of the sensor's `time_s` applies; never decreases."""
@@ -184,7 +184,7 @@ class ThreadedInput(Input, ABC):
     _source: Any  # converts what is read to events, by its `rules`
 
     def __init__(self, engine: Engine, source: str, port: Port, address: str) -> None:
-        """Prepare for `_start`; `source` is one of `gestures.SOURCES`, `address` the port's."""
+        """Prepare `_start`; `address` is the port's name, `source` one of `gestures.SOURCES`."""
         self._engine = engine
         self._preset = engine.preset
         self._address = address
@@ -213,7 +213,7 @@ class ThreadedInput(Input, ABC):
         Raises
         ------
         Exception
-            The thread has failed with it.
+            Error that stopped the port's thread.
         """
         if self._failure is not None:
             raise self._failure

@@ -186,7 +186,7 @@ def first_line(error: Exception) -> str:
 
 
 def _channel_advice(full_name: str, available: int, channels: int) -> str:
-    """Return an advice for a device with fewer channels than the settings need."""
+    """Return what to do about a device with fewer channels than the settings need."""
     advice = f"it has {available} channels, but {channels} are needed"
     if (path := file_requiring(full_name, channels)) is not None:
         advice += f" by its settings in {path}"

@@ -12,8 +12,8 @@ from overview_dsp.live.output.stream import Stream, StreamMeters
 from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.session import Session
 
-SLOT_S = 0.5
-SLACK_S = 0.002
+MINIMUM_OVER_S = 0.5  # time over which the minimum of the delay is taken
+SLACK_S = 0.002  # rise of the minimum, beyond a block, that is not a loss
 
 
 class FramesLost:
@@ -41,13 +41,13 @@ class FramesLost:
         """Take account of the frames delivered from the start until `now_s`; call this often."""
         behind = now_s * sample_rate - frames
         if self._least is None:
-            self._until = now_s + SLOT_S
+            self._until = now_s + MINIMUM_OVER_S
         elif now_s >= self._until:
             slack = block_size + SLACK_S * sample_rate
             if self._before is not None and self._least - self._before > slack:
                 self.count += round(self._least - self._before)
             self._before, self._least = self._least, None
-            self._until = now_s + SLOT_S
+            self._until = now_s + MINIMUM_OVER_S
         self._least = behind if self._least is None else min(self._least, behind)
 
 

@@ -12,8 +12,13 @@ import platformdirs
 
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
-from overview_dsp.live.output import settings as pad_output
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings
+from overview_dsp.live.output.settings import (
+    PAD_ACTUATOR,
+    PAD_SETTINGS,
+    OutputSettings,
+    SignalSettings,
+    is_pad,
+)
 from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.library import reference
 
@@ -35,7 +40,7 @@ def load_settings(device: str, channels: int = 2) -> OutputSettings:
     """
     saved = _read().get(device)
     if saved is None:
-        return pad_output.SETTINGS if pad_output.is_pad(device, channels) else OutputSettings()
+        return PAD_SETTINGS if is_pad(device, channels) else OutputSettings()
     try:
         names = {entry.name for entry in fields(SignalSettings)}
         click, tactor = (
@@ -59,8 +64,8 @@ def file_requiring(device: str, channels: int) -> Path | None:
 def remembered_actuator(device: str, channels: int = 2) -> str | None:
     """Return the name or file of the actuator last used with a device, or the default, or None."""
     saved = _read().get(device)
-    if saved is None and pad_output.is_pad(device, channels):
-        return pad_output.ACTUATOR
+    if saved is None and is_pad(device, channels):
+        return PAD_ACTUATOR
     name = saved.get("actuator") if isinstance(saved, dict) else None
     return None if name is None else str(name)
 
@@ -100,7 +105,7 @@ def resolve_output(
     actuator: str | None,
     channels: int = 2,
 ) -> ResolvedOutput:
-    """Return a device's saved settings with the given changes; None is a device without any.
+    """Return a device's saved settings, or defaults if `device` is None, with the given changes.
 
     `click` and `tactor` are changed fields of `SignalSettings`. `actuator` is a name or file,
     "none", or None for the saved one. `channels` is the number of channels of the device.
@@ -110,10 +115,10 @@ def resolve_output(
     InputError
         A setting is out of range, or the actuator can't be loaded.
     """
-    remembered, own = OutputSettings(), None
+    remembered, saved = OutputSettings(), None
     if device is not None:
-        remembered, own = load_settings(device, channels), remembered_actuator(device, channels)
-    chosen = own if actuator is None else actuator
+        remembered, saved = load_settings(device, channels), remembered_actuator(device, channels)
+    chosen = saved if actuator is None else actuator
     try:
         loaded = None if chosen in (None, "none") else apply_calibration(chosen)
     except InputError as error:
@@ -125,7 +130,7 @@ def resolve_output(
         ) from None
     name = None if loaded is None else reference(loaded)
     settings = replace(remembered.changed(click, tactor), actuator=loaded)
-    return ResolvedOutput(settings, remembered, actuator is not None and name != own)
+    return ResolvedOutput(settings, remembered, actuator is not None and name != saved)
 
 
 def _read() -> dict[str, Any]:

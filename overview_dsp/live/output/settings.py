@@ -193,11 +193,11 @@ class OutputSettings:
         """
         if at_once:
             write_actuator(memory, layout.L_ACTUATOR, self.actuator, sample_rate)
-        w = memory.view(np.int64)
+        integers = memory.view(np.int64)
         for index, signal in enumerate(self.signals):
-            # the drive of an actuator is limited separately
-            loud = signal.gain > 1.0 and not (signal is self.tactor and self.actuator)
-            limited = signal.ceiling_db < MAX_CEILING_DB or loud
+            # an actuator's own stage limits its signal
+            can_exceed = signal.gain > 1.0 and not (signal is self.tactor and self.actuator)
+            limited = signal.ceiling_db < MAX_CEILING_DB or can_exceed
             targets = (signal.gain, gain_of_db(signal.ceiling_db), float(limited))
             for row, value in enumerate(targets):
                 at = row * layout.SIGNALS + index
@@ -205,11 +205,11 @@ class OutputSettings:
                 if at_once:
                     memory[layout.L_GAIN + at] = memory[layout.L_TARGET + at] = value
             delay = round(signal.delay_ms * 1e-3 * sample_rate)
-            w[layout.L_DELAY_WANTED + index] = delay
+            integers[layout.L_DELAY_WANTED + index] = delay
             if at_once:
-                w[layout.L_DELAY + index] = delay
-                also = sum(1 << (channel - 1) for channel in signal.channels[1:])
-                memory.view(np.uint64)[layout.L_ALSO_CLICK + index] = also
+                integers[layout.L_DELAY + index] = delay
+                further_channels = sum(1 << (channel - 1) for channel in signal.channels[1:])
+                memory.view(np.uint64)[layout.L_ALSO_CLICK + index] = further_channels
 
 
 def parse_channels(text: str) -> int | tuple[int, ...]:
@@ -246,16 +246,16 @@ def _check_range(value: float, name: str, low: float, high: float, unit: str) ->
         raise InputError(f"{name} {value:g} is out of range; {allowed}")
 
 
-NAMES = ("dualsense", "wireless controller")
+PAD_NAMES = ("dualsense", "wireless controller")
 """Names of the pad as an output, which depend on the system. An older pad has two channels."""
 
-CHANNELS = 4
-SETTINGS = OutputSettings(SignalSettings((1, 2)), SignalSettings((3, 4)))
+PAD_CHANNELS = 4
+PAD_SETTINGS = OutputSettings(SignalSettings((1, 2)), SignalSettings((3, 4)))
 """Defaults for a pad: clicks to both sides of its headphone socket, tactor to both voice coils."""
 
-ACTUATOR = "dualsense"
+PAD_ACTUATOR = "dualsense"
 
 
 def is_pad(name: str, channels: int) -> bool:
     """Return whether an output is a pad with voice coils, by its name and number of channels."""
-    return channels >= CHANNELS and any(word in name.casefold() for word in NAMES)
+    return channels >= PAD_CHANNELS and any(word in name.casefold() for word in PAD_NAMES)

@@ -62,7 +62,7 @@ class BlePort(QueuedPort):
     def _run(self) -> None:
         try:
             self._loop.run_until_complete(self._listen())
-        except Exception as error:  # bleak raises different ones on each system
+        except Exception as error:  # bleak raises different errors on each system
             self._fault = self._fault or str(error) or type(error).__name__
         finally:
             self._lost.set()

@@ -179,7 +179,7 @@ class MidiPort(QueuedPort):
         Raises
         ------
         PortLostError
-            The port is disconnected, or has stopped to send active sensing.
+            The port is disconnected, or has stopped sending active sensing.
         """
         found = super().receive(wait_s)
         now = time.monotonic()

@@ -21,7 +21,7 @@ MAX_DATAGRAMS = 512
 """Maximum number of datagrams per read. More wait in the system's buffer, or are lost if it is
 full."""
 
-LARGEST = 65_535
+MAX_DATAGRAM_BYTES = 65_535
 
 
 def parse_address(text: str, host: str = HOST) -> tuple[str, int]:
@@ -68,7 +68,7 @@ class OscPort(Port):
         found: list[bytes] = []
         while len(found) < MAX_DATAGRAMS:
             try:
-                found.append(self._socket.recv(LARGEST))
+                found.append(self._socket.recv(MAX_DATAGRAM_BYTES))
             except BlockingIOError:
                 break
             except OSError:  # Windows reports an earlier answer that wasn't delivered

@@ -46,7 +46,7 @@ class PhyphoxPort(Port):
         if not host or parts.scheme != "http":
             raise InputError(f"{address} must be the URL that phyphox shows, http://PHONE:8080")
         self._connection = http.client.HTTPConnection(host, port, timeout=ANSWER_WITHIN_S)
-        self._next = 0.0
+        self._request_at = 0.0
         try:
             names = _buffers(self._request("/config"))
             if not any(name.lower().startswith("acc") for name in names):
@@ -79,8 +79,8 @@ class PhyphoxPort(Port):
 
     def receive(self, wait_s: float) -> list[bytes]:
         """Return the latest data as one line; PortLostError if the phone doesn't answer."""
-        time.sleep(max(0.0, self._next - time.monotonic()))
-        self._next = time.monotonic() + REQUEST_EVERY_S
+        time.sleep(max(0.0, self._request_at - time.monotonic()))
+        self._request_at = time.monotonic() + REQUEST_EVERY_S
         return [_line(self._request(self._path))]
 
     def close(self) -> None:
@@ -122,7 +122,7 @@ class PostPort(QueuedPort):
                 if not length.isdecimal() or len(length) > 9 or int(length) > LONGEST:
                     self.close_connection = True
                     self._answer(
-                        413, f"a batch must have at most {LONGEST} bytes; send it sooner\n"
+                        413, f"a batch must have at most {LONGEST} bytes; send more often\n"
                     )
                     return
                 put(_line(self.rfile.read(int(length))))

@@ -15,7 +15,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.live.ports.port import WAIT_S, Port, PortLostError
 
 BAUD = 115_200
-WRITE_S = 0.01
+WRITE_TIMEOUT_S = 0.01
 """Longest wait of a write for buffer space."""
 
 
@@ -43,13 +43,13 @@ class SerialPort(Port):
 
         try:
             self._port: Any = serial.Serial(
-                device, baud, timeout=WAIT_S, write_timeout=WRITE_S, exclusive=_exclusive()
+                device, baud, timeout=WAIT_S, write_timeout=WRITE_TIMEOUT_S, exclusive=_exclusive()
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise InputError(f"serial:{device}: {_reason(error, baud)}") from None
         self.name = f"serial:{device}"
-        self._lost = (serial.SerialException, OSError, TypeError)
-        self._full = serial.SerialTimeoutException
+        self._lost_errors = (serial.SerialException, OSError, TypeError)
+        self._full_error = serial.SerialTimeoutException
 
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new bytes, as `Port.receive`."""
@@ -59,7 +59,7 @@ class SerialPort(Port):
             data: bytes = self._port.read(max(1, self._port.in_waiting))
             if self._port.in_waiting:  # bytes that followed the first one
                 data += self._port.read(self._port.in_waiting)
-        except self._lost as error:
+        except self._lost_errors as error:
             raise PortLostError(f"{self.name}: {error}") from None
         return [data] if data else []
 
@@ -68,22 +68,22 @@ class SerialPort(Port):
         """Bytes received and not yet read; 0 if the device is disconnected."""
         try:
             return int(self._port.in_waiting)
-        except self._lost:  # the next read reports it
+        except self._lost_errors:  # the next read reports it
             return 0
 
     def write(self, data: bytes) -> bool:
         """Send bytes; return whether all of them were accepted within 10 ms."""
         try:
             self._port.write(data)
-        except self._full:
+        except self._full_error:
             return False
-        except self._lost as error:
+        except self._lost_errors as error:
             raise PortLostError(f"{self.name}: {error}") from None
         return True
 
     def close(self) -> None:
         """Close the port; repeated calls do nothing."""
-        with contextlib.suppress(*self._lost):
+        with contextlib.suppress(*self._lost_errors):
             self._port.close()
 
 

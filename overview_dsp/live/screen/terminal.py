@@ -15,9 +15,9 @@ from typing import IO, Any
 from textual.driver import Driver
 
 MAX_QUEUED = 65_536
-"""Number of queued characters above which output is skipped."""
+"""Number of queued bytes above which output is skipped."""
 
-SHORT = 24
+MAX_MODE_LENGTH = 24
 """Maximum length of control sequences that are never skipped, because they set terminal modes."""
 
 END_WITHIN_S = 0.3
@@ -46,7 +46,7 @@ class TerminalWriter(threading.Thread):
     def write(self, text: str) -> None:
         """Queue text, or skip it if the terminal doesn't read."""
         with self._changed:
-            is_mode = len(text) <= SHORT and text.startswith("\x1b[")
+            is_mode = len(text) <= MAX_MODE_LENGTH and text.startswith("\x1b[")
             if self.closed or (self._count > MAX_QUEUED and not is_mode):
                 self._skipped = True
                 return
@@ -56,7 +56,7 @@ class TerminalWriter(threading.Thread):
             self._changed.notify()
 
     def pop_skipped(self) -> bool:
-        """Return whether output was skipped and the terminal reads again; reset that."""
+        """Return whether output was skipped and the terminal reads again; then forget the skip."""
         with self._changed:
             skipped = self._skipped and not self._queue and not self.closed
             if skipped:

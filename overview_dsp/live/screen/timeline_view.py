@@ -30,7 +30,7 @@ NOW = "┊"
 STRETCHED = "═"
 """Mark on the axis where the angle map separates close events."""
 
-AXIS, INPUT, EVENTS = 1, 1, 1
+AXIS_ROWS, INPUT_ROWS, EVENT_ROWS = 1, 1, 1
 MARK_EVERY = 2
 """Updates between two marks of the disk's column, a colourful line that is slow to send."""
 
@@ -136,7 +136,7 @@ class TimelineView(Widget):
         width, height = self.size.width, self.size.height
         if self._drawn is None or len(self._heights) != width:
             return Strip.blank(width)
-        rows = height - AXIS - INPUT - EVENTS
+        rows = height - AXIS_ROWS - INPUT_ROWS - EVENT_ROWS
         if y == 0:
             return Strip(self._event_line(width)).simplify()
         if y == height - 1:

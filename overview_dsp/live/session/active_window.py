@@ -28,7 +28,7 @@ _NUMBER = re.compile(r"\d[\d.:e+-]*")
 MAX_ZOOM_TRIALS = 20
 """Maximum number of windows that `zoom` tries to keep a time at its position."""
 
-NEAR = 1e-6
+SAME_POSITION = 1e-6
 """Distance within which two positions are the same, as a fraction of the window."""
 
 
@@ -122,7 +122,7 @@ class ActiveWindow:
             found = self._position_in(tried, time_s)
             if abs(found - about) < abs(position - about):
                 best, position = tried, found
-            if abs(position - about) < NEAR:
+            if abs(position - about) < SAME_POSITION:
                 break
             low, high = (trial, high) if found < about else (low, trial)
             trial = (low + high) / 2.0
@@ -133,7 +133,7 @@ class ActiveWindow:
     def angle_map(self) -> AngleMap:
         """Angle map of the window."""
         current = self._engine.surface.angle_map
-        # during an announcement the surface is that of its pattern
+        # while a new event is announced, the engine has the surface of the announcing pattern
         same = self._engine.timeline is self.window_timeline
         return current if same else AngleMap.of(self.window_timeline, self._engine.preset)
 
@@ -163,10 +163,10 @@ class ActiveWindow:
         zoom = Zoom(self.timeline, *self.window)
         positions = [float(one) for one in self._engine.surface.position]
         if direction > 0:
-            found = min((one for one in positions if one > position + NEAR), default=None)
+            found = min((one for one in positions if one > position + SAME_POSITION), default=None)
             outside_s = zoom.next_event_s(zoom.end_s)
         else:
-            found = max((one for one in positions if one < position - NEAR), default=None)
+            found = max((one for one in positions if one < position - SAME_POSITION), default=None)
             outside_s = zoom.previous_event_s(zoom.start_s)
         if found is None and outside_s is not None:
             moved = zoom.showing(outside_s)
@@ -259,7 +259,7 @@ class ActiveWindow:
         if self._requested_window is None and window == (0.0, self.timeline.duration_s):
             window = (0.0, whole.duration_s)
         start, end = window[0], min(window[1], whole.duration_s)
-        if start >= end:  # the layout became shorter than the window's start
+        if start >= end:  # the timeline now ends before the window starts
             start, end = 0.0, whole.duration_s
         is_whole = (start, end) == (0.0, whole.duration_s) and (
             self.window_timeline is self.timeline

@@ -1,4 +1,4 @@
-"""Commands of a session other than movements, given by keys, text lines, OSC or the palette."""
+"""Commands of a session: all but movements, given by keys, lines, OSC or the command palette."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ DISCREET = "in company"
 
 @dataclass(frozen=True)
 class FollowSettings:
-    """Settings that a session follows a live timeline by.
+    """Settings by which a session follows a live timeline.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class LiveUpdates:
         self._next_event: Event | None = None
         self._announcement: tuple[float, bool] | None = None  # its start; whether its tap touches
         self._must_update = False
-        self._failed: tuple[Timeline, float] | None = None
+        self._failed: tuple[Timeline, float] | None = None  # data and position of an update
         self._preset_layout = self._engine.preset.values[LAYOUT_KEY]
         self.announced: list[Event] = []
 

@@ -143,7 +143,7 @@ class OpenedPlayer:
             self._note(message)
         for line in self.player.takes.summaries:
             self._say(line)
-        # not if the user changed to another device during the session
+        # settings are saved only if the user did not change to another device
         same = self.player.output.opener is self._opener
         last = self.player.output.settings
         if same and self._device is not None and self._resolved.differ(last):

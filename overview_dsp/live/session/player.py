@@ -26,7 +26,7 @@ from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
 from overview_dsp.live.output.stream_opener import StreamOpener
-from overview_dsp.live.session.active_window import NEAR, ActiveWindow
+from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
 from overview_dsp.live.session.loop import Loop
 from overview_dsp.live.session.pointer import Pointer
@@ -153,7 +153,7 @@ class Player:
         During a touch the pointer follows that time where `about` can't be kept.
         """
         position = self.active_window.zoom(factor, about)
-        if self.pointer.touching and abs(position - about) > NEAR:
+        if self.pointer.touching and abs(position - about) > SAME_POSITION:
             self._touch_again(position)
 
     def go_to_event(self, direction: int, position: float) -> None:
@@ -334,7 +334,7 @@ class Player:
             self.loop.cancel()
             self._start_exact_take()
         if self.takes.recording_path is None:
-            # differences from the named timeline and preset at the first sample
+            # differences at the first sample from the timeline and preset named in the header
             before: list[Mapping[str, Any]] = []
             if self.window != self._whole:
                 before.append({"window": list(self.window)})
@@ -345,7 +345,8 @@ class Player:
     def _start_exact_take(self) -> None:
         """Restart the engine and start a take at its first sample, which is inaudible at rest.
 
-        The engine restarts with the named timeline and preset. Differences are applied at once.
+        The engine restarts with the timeline and preset that the take's header names. Differences
+        are applied at once.
         """
         window, preset = self.window, self.active_window.pop_requested_preset()
 

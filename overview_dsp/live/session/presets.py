@@ -37,7 +37,7 @@ class PresetWatch:
         self._signature = self._read_signature()
         self._name = name
         self.preset: Preset = self._load()
-        self._next = 0.0
+        self._check_at = 0.0
 
     def snapshot(self) -> PresetWatch:
         """Return the present version of the preset, whose file isn't watched."""
@@ -70,9 +70,9 @@ class PresetWatch:
             The changed file isn't valid. `preset` stays the last valid version.
         """
         now = time.monotonic()
-        if self.fixed or now < self._next:
+        if self.fixed or now < self._check_at:
             return None
-        self._next = now + CHECK_EVERY_S
+        self._check_at = now + CHECK_EVERY_S
         signature = self._read_signature()
         if signature is None or signature == self._signature:
             return None
@@ -137,7 +137,7 @@ class PresetPair:
         return self.preset
 
     def replace(self, watch: PresetWatch) -> Preset:
-        """Replace the active preset by another one; return that."""
+        """Replace the active preset by another one; return the new one."""
         if self._watches[0].fixed:  # A becomes the preset that was active until now
             self._watches = [self._watches[self._chosen].snapshot(), watch]
             self._chosen = 1

@@ -30,7 +30,7 @@ class Status:
     stream, frames_lost, dropped
         Meters of the stream, frames lost in gaps, and control events dropped.
     output, callback, sample_rate, block_size, settings
-        Name of the output, its callback, Hz, frames, and its settings.
+        Name of the output, kind of callback, rate (Hz), block (frames), and settings.
     protected
         Report of the actuator's protection.
     recording, replay, following

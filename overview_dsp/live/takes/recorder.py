@@ -57,14 +57,14 @@ class Recorder:
             The take can't be written.
         """
         self._engine = engine
-        self._begin, self._seen, touches = read_inputs(engine.memory)
-        self.differs = "" if self._begin == 0 else STARTED_LATER
-        self._now = 0
+        self._start_sample, self._events_read, touches = read_inputs(engine.memory)
+        self.differs = "" if self._start_sample == 0 else STARTED_LATER
+        self._end = 0
         self._events: list[Event] = [(0, source, theta2, True) for source, theta2 in touches]
         self._changes: list[tuple[int, Mapping[str, Any]]] = [(0, one) for one in changes or ()]
         self._pending = list(changes or ())
         self._say = say
-        self._over = threading.Event()
+        self._stopped = threading.Event()
         self._thread: threading.Thread | None = None
         self._reported: set[str] = set()
         self._busy = threading.Lock()  # a signal may close the take from another thread
@@ -80,7 +80,7 @@ class Recorder:
         self._thread.start()
 
     def _run(self) -> None:
-        while not self._over.wait(WRITE_EVERY_S):
+        while not self._stopped.wait(WRITE_EVERY_S):
             try:
                 self.poll()
             except Exception as error:  # an unknown error must not end the take
@@ -101,14 +101,14 @@ class Recorder:
         OutputError
             The rest can't be written. The take on disk is valid without it.
         """
-        self._over.set()
+        self._stopped.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(JOIN_WITHIN_S)
         with self._busy:
             if self._take is None:
                 return
             self._collect()
-            error = self._write() or self._do(TakeWriter.finish)
+            error = self._write() or self._try(TakeWriter.finish)
             take, self._take = self._take, None
             self._marker.close()
         if error is not None:
@@ -118,16 +118,16 @@ class Recorder:
             )
 
     def _collect(self) -> None:
-        """Read the engine's logs, after the sample that they are complete up to."""
-        self._now = self._engine.sample_time - self._begin
+        """Read first the engine's present sample, then its logs, complete up to that sample."""
+        self._end = self._engine.sample_time - self._start_sample
         try:
-            events, self._seen = self._engine.pop_applied(self._seen)
+            events, self._events_read = self._engine.pop_applied(self._events_read)
         except OverviewError as error:
             self._report_missing(f"{error}; these are missing in the take")
-            _, self._seen, _ = read_inputs(self._engine.memory)
+            _, self._events_read, _ = read_inputs(self._engine.memory)
             return
         self._events += [
-            (sample - self._begin, source, theta2, touching)
+            (sample - self._start_sample, source, theta2, touching)
             for sample, source, theta2, touching in events.tolist()
         ]
         try:
@@ -140,23 +140,23 @@ class Recorder:
                 self._report_missing("a take can't store the surface that was set; it is missing")
             elif change in self._pending:
                 self._pending.remove(change)  # requested before the take, and part of its start
-            elif sample >= self._begin:
-                self._changes.append((sample - self._begin, change))
+            elif sample >= self._start_sample:
+                self._changes.append((sample - self._start_sample, change))
 
     def _write(self) -> OSError | None:
         """Write everything collected; return the error if it can't be written anywhere."""
-        played = max([self._now] + [last[-1][0] for last in (self._events, self._changes) if last])
-        error = self._do(lambda take: take.append(self._events, self._changes, played))
+        played = max([self._end] + [last[-1][0] for last in (self._events, self._changes) if last])
+        error = self._try(lambda take: take.append(self._events, self._changes, played))
         if error is None:
             self._events, self._changes = [], []
         else:
             self._say_once(
                 f"{self.path}: {error.strerror}, and no other folder is writable; the take stays "
-                "in memory until one is"
+                "in memory until a folder is writable"
             )
         return error
 
-    def _do(self, action: Callable[[TakeWriter], None]) -> OSError | None:
+    def _try(self, action: Callable[[TakeWriter], None]) -> OSError | None:
         """Apply an action to the take, in another folder if necessary; return the last error."""
         assert self._take is not None
         while True:

@@ -40,14 +40,14 @@ SECONDS = 8.0
 BLOCK = 64
 INTERPRETED_S = 0.1
 LINKS = 2_000_000
-"""Length of the chain that cycles are counted by: some milliseconds."""
+"""Number of dependent operations timed to find the clock rate; they take some milliseconds."""
 CHAINS = 9
 VOICE, DISK = "the full voice", "the disk alone"
 
 
 @dataclass(frozen=True)
 class Contender:
-    """A way to do the work of a group; `run` returns seconds of sound made in one second."""
+    """A program that is timed; all of a `group` do the same work. `run` returns its speed."""
 
     group: str
     name: str
@@ -81,8 +81,8 @@ class Report:
 
 
 def measure(rounds: int = 7, progress: Callable[[float], None] | None = None) -> Report:
-    """Measure the engine's own rows."""
-    return Report(rounds, interleaved(contenders(), rounds, progress), clock_ghz())
+    """Measure the speed of the engine itself, without the programs it is compared with."""
+    return Report(rounds, run_in_turn(contenders(), rounds, progress), clock_ghz())
 
 
 def timed(seconds: float, work: Callable[[], object]) -> float:
@@ -92,7 +92,7 @@ def timed(seconds: float, work: Callable[[], object]) -> float:
     return seconds / (time.thread_time() - started)
 
 
-def interleaved(
+def run_in_turn(
     contenders: Sequence[Contender], rounds: int, progress: Callable[[float], None] | None = None
 ) -> list[Row]:
     """Run every contender once to warm up, then `rounds` times in turn."""
@@ -128,7 +128,7 @@ def prepared(
 
 
 def feed(engine: Engine, gesture: Gesture) -> None:
-    """Queue a gesture's control events, from now on."""
+    """Queue a gesture's control events; the gesture starts at the present sample."""
     now = engine.sample_time
     for stamp, theta2, touching in zip(
         gesture.stamps(engine.sample_rate), gesture.theta2, gesture.touching, strict=True
@@ -136,15 +136,15 @@ def feed(engine: Engine, gesture: Gesture) -> None:
         engine.control(float(theta2), bool(touching), now + int(stamp))
 
 
-def fed(engine: Engine) -> Engine:
-    """Return the engine as new, with the events of the work queued."""
+def reset_and_feed(engine: Engine) -> Engine:
+    """Reset the engine, queue the control events of the timed sweep, and return it."""
     engine.reset()
     feed(engine, sweep(SWEEP_S))
     return engine
 
 
 def contenders() -> list[Contender]:
-    """Return the engine's own rows; others are compared with the first of each group."""
+    """Return ways to run the engine; the first of a group is what the others are compared with."""
     engine = prepared()
     samples = round(SWEEP_S * RATE)
     cells = np.linspace(0.0, layout.CELLS, samples, endpoint=False) + 0.5 * layout.CELLS / samples
@@ -153,7 +153,7 @@ def contenders() -> list[Contender]:
     trace = np.zeros((len(out), len(layout.TRACE_COLUMNS)))
 
     def one_call(trace: NDArray[np.float64] | None = None) -> float:
-        fed(engine)
+        reset_and_feed(engine)
         return timed(SECONDS, lambda: engine.process(out, trace))
 
     def in_blocks() -> None:
@@ -161,7 +161,7 @@ def contenders() -> list[Contender]:
             engine.process(out[start : start + BLOCK])
 
     def python_calls() -> float:
-        fed(engine)
+        reset_and_feed(engine)
         return timed(SECONDS, in_blocks)
 
     return [
@@ -177,14 +177,14 @@ def contenders() -> list[Contender]:
 
 
 def native_calls(engine: Engine) -> float:
-    """Time blocks of 64 frames by the callback that PortAudio calls, with device stage and clock.
+    """Time PortAudio's native callback in blocks of 64 frames; it also applies output settings.
 
     The loop over blocks is compiled too, as PortAudio's is.
     """
     from overview_dsp.kernels.device.callback import repeated_callback
 
     run = repeated_callback()
-    memory = fed(engine).memory
+    memory = reset_and_feed(engine).memory
     memory.view(np.int64)[layout.L_CHANNELS] = 2
     OutputSettings().write(memory, RATE, at_once=True)
     out = np.zeros(2 * BLOCK, dtype=np.float32)
@@ -207,7 +207,7 @@ def interpreted() -> float:
 
 
 def clock_ghz() -> float:
-    """Return how many billions of cycles this processor has in a second, as it is busy now."""
+    """Return the processor's present clock rate, GHz, which depends on its load."""
     from overview_dsp.kernels.cycle_counter import CYCLES_PER_LINK, chain
 
     word = np.uint64(1)
@@ -234,13 +234,13 @@ def lines(report: Report) -> list[str]:
 
 
 def cycles(rows: Sequence[Row], ghz: float) -> str:
-    """Write our rows of the full voice in a unit that no other row and no clock changes."""
+    """Return the engine's speeds in cycles, which do not depend on the clock rate."""
     each = (
         f"{row.name.removeprefix('overView, ')} {1e9 * ghz / (row.speed * RATE):.0f}"
         for row in rows
         if row.name.startswith("overView")
     )
-    return f"cycles a voice and sample, at {ghz:.2f} GHz: {', '.join(each)}"
+    return f"cycles per voice and sample, at {ghz:.2f} GHz: {', '.join(each)}"
 
 
 def this_machine() -> str:
@@ -259,6 +259,6 @@ if __name__ == "__main__":
     import warnings
 
     warnings.simplefilter("ignore", RuntimeWarning)  # wrapping integers, as in machine code
-    plain = fed(prepared())
+    plain = reset_and_feed(prepared())
     sound = np.zeros((round(INTERPRETED_S * RATE), 2), dtype=np.float32)
     print(timed(INTERPRETED_S, lambda: plain.process(sound)))

@@ -3,7 +3,7 @@
 Human limits are modelled by normal noise in the features. Its standard deviations are, for touch:
 felt level 1.6 dB (one JND is 2.3 dB), slope 30 %, duration 18 % (Weber fraction 25 %), times
 between pulses 5 ms; for sound: click level 0.8 dB, centroid 7 % (one JND is 10 %), decay 18 %,
-delay 8 ms; for the pace of the own movement: 15 %. `features` merges pulses within 30 ms.
+delay 8 ms; for the pace of one's own movement: 15 %. `features` merges pulses within 30 ms.
 """
 
 from __future__ import annotations
@@ -106,8 +106,8 @@ def observe(
         Modalities, each with an observer of its own.
     movement : {"all", "steady", "arm", "mixed"}
         `steady`: sweeps of 1 to 30 s, the recoil and a tap. `arm`: an arm's movements of 1 to 6 s,
-        which release without waiting for the disk. `all`: both. `mixed`: movement that speed up,
-        hesitate and turn back.
+        which release without waiting for the disk. `all`: both. `mixed`: movements that change
+        their pace, pause and turn back.
     learned, held_out : int
         Numbers of random timelines for training and for evaluation.
     seed : int
@@ -123,7 +123,7 @@ def observe(
     Raises
     ------
     InputError
-        No timelines for training or evaluation, an unknown modality or movement; as `render`.
+        No timelines, an unknown modality or movement, or an error of `render`.
 
     Examples
     --------

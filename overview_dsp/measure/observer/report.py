@@ -79,13 +79,13 @@ class SetScores:
 class ObserverReport(Report):
     """Report of the kinds of events that can be distinguished.
 
-    Its table has recall and precision of each kind, then each confusion matrix, in hundredths. Its
+    Its table has recall and precision of each kind, then each confusion matrix, in per cent. Its
     warnings list the confusions of at least 1 in 12 events, for groups of at least twelve events.
 
     Attributes
     ----------
     preset : str
-        Its name.
+        Name of the preset.
     movement : str
         `all`, `steady`, `arm` or `mixed`.
     learned : int
@@ -147,10 +147,10 @@ class ObserverReport(Report):
                 yield f"{one.name} ({one.timelines}), {modality}: recall / precision, %"
                 yield from _recalls(by_stroke)
                 for stroke, scores in by_stroke.items():
-                    yield f"{modality}, {stroke}: of 100 of each kind, taken for"
+                    yield f"{modality}, {stroke}: answers to each kind, %"
                     yield from _confusion(scores.kinds)
 
-    def _faults(self) -> Iterator[str]:
+    def _warning_lines(self) -> Iterator[str]:
         for one in self.sets:
             yield from _warnings_of(one)
 
@@ -179,7 +179,7 @@ def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
 
 
 def _confusion(scores: ObserverScores) -> Iterator[str]:
-    """Yield the confusions of each kind, in hundredths of its events."""
+    """Yield the answers to each kind, in per cent of its events."""
     names = [*scores.kinds, NOTHING]
     rows = np.flatnonzero(scores.events).tolist()
     columns = np.flatnonzero(scores.confusion[:-1].sum(axis=0)).tolist()

@@ -57,19 +57,19 @@ class ObserverScores:
     @property
     def recall(self) -> NDArray[np.float64]:
         """Share of each kind's events that was recognised; NaN without events."""
-        return _parts(np.diagonal(self.confusion)[:-1], self.events)
+        return _shares(np.diagonal(self.confusion)[:-1], self.events)
 
     @property
     def precision(self) -> NDArray[np.float64]:
         """Share of each kind's reports that was true; NaN without reports."""
-        return _parts(self.right, self.reports)
+        return _shares(self.right, self.reports)
 
     @property
     def f1(self) -> NDArray[np.float64]:
         """The harmonic mean of recall and precision; NaN without events."""
         precision = np.nan_to_num(self.precision)  # without reports, recall is 0 too
         total = self.recall + precision
-        return _parts(2.0 * self.recall * precision, np.where(total > 0.0, total, 1.0))
+        return _shares(2.0 * self.recall * precision, np.where(total > 0.0, total, 1.0))
 
     @property
     def balanced(self) -> float:
@@ -118,7 +118,7 @@ class ObserverScores:
         )
 
 
-def _parts(some: NDArray[Any], of: NDArray[Any]) -> NDArray[np.float64]:
+def _shares(some: NDArray[Any], of: NDArray[Any]) -> NDArray[np.float64]:
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(some / of, dtype=np.float64)
 
@@ -197,9 +197,9 @@ GROUPS = {
     "missed_beat": "missed beat",
     "flutter": "flutter",
 }
-"""Kinds that count as one in the scores of groups."""
+"""Group of each kind, for scores that do not distinguish the kinds of a group."""
 
-MINOR = "minor"
+MINOR = "minor"  # group of all other kinds
 
 
 def groups_of(kinds: Sequence[str]) -> tuple[str, ...]:

@@ -38,10 +38,10 @@ from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import HALF_TURN
 
-TURN = 0.01
+TURN_DISTANCE = 0.01
 """Distance in the other direction at which a disk has turned back, as a share of the timeline."""
 
-LOOK_S = 0.004
+TURN_CHECK_S = 0.004
 """Time between the positions that are checked for a turn, s."""
 
 
@@ -56,7 +56,7 @@ class PassedEvents:
     kind : int64 (events,)
         Index into the surface's `kind_names`.
     enters_ms, leaves_ms : float64 (events,)
-        From the stroke's start.
+        Times from the stroke's start, ms.
     strength : float64 (events,)
         Friction released by the event, N m s/rad.
     """
@@ -85,7 +85,7 @@ def passed_events(
     furthest : float
         Furthest position of the input disk: it passes all events that start before.
     """
-    bounds = _turns(cursor, max(1, int(LOOK_S * sample_rate)))
+    bounds = _turns(cursor, max(1, int(TURN_CHECK_S * sample_rate)))
     events, enters, leaves = [], [], []
     for start, stop in itertools.pairwise(bounds):
         event, first, last = passages(surface, cursor[start:stop])
@@ -122,17 +122,17 @@ def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np
 def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
     """Return the frames at which the disk turns back, from 0 to the number of frames."""
     coarse = cursor[::step]
-    bounds, extreme, way = [0], 0, 0
-    for i, place in enumerate(coarse.tolist()):
-        ahead = place - coarse[extreme]
-        if way == 0:
-            if abs(ahead) > TURN:
-                way, extreme = (1 if ahead > 0.0 else -1), i
-        elif ahead * way >= 0.0:
+    bounds, extreme, direction = [0], 0, 0
+    for i, position in enumerate(coarse.tolist()):
+        ahead = position - coarse[extreme]
+        if direction == 0:
+            if abs(ahead) > TURN_DISTANCE:
+                direction, extreme = (1 if ahead > 0.0 else -1), i
+        elif ahead * direction >= 0.0:
             extreme = i
-        elif -ahead * way > TURN:
+        elif -ahead * direction > TURN_DISTANCE:
             bounds.append(extreme * step)
-            way, extreme = -way, i
+            direction, extreme = -direction, i
     return [*dict.fromkeys(bounds), len(cursor)]
 
 
@@ -251,13 +251,13 @@ def rendered_strokes(
         ]
         tail: Tail = "rest" if name == RECOIL_OF else ARRIVAL_S
         for result in render_many(jobs, sample_rate, tail=tail, trace=True):
-            for stroke in _cut(name, result, modalities):
+            for stroke in _observed_strokes(name, result, modalities):
                 found[stroke.name].append(stroke)
             progress(1)
     return found
 
 
-def _cut(
+def _observed_strokes(
     name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
 ) -> Iterator[ObservedStroke]:
     for stroke in strokes(result.trace.engaged, result.trace.cursor):
@@ -284,8 +284,8 @@ def _cut(
 def log_pace(gesture: Gesture) -> NDArray[np.float64]:
     """Return the logarithm of the pace at each millisecond, in timelines per second."""
     at = np.arange(0.0, gesture.duration_s, 0.001)
-    place = np.interp(
+    position = np.interp(
         np.stack([at, at + _PACE_OVER_S]) - _PACE_OVER_S / 2.0, gesture.time_s, gesture.theta2
     )
-    pace = np.abs(place[1] - place[0]) / _PACE_OVER_S / HALF_TURN
+    pace = np.abs(position[1] - position[0]) / _PACE_OVER_S / HALF_TURN
     return np.asarray(np.log(np.maximum(pace, _SLOWEST)))

@@ -53,12 +53,12 @@ class Forest:
         rows = np.arange(len(features))
         for tree in self.trees:
             node = np.zeros(len(features), dtype=np.int64)
-            going = rows
-            while len(going):
-                here = node[going]
-                going, here = going[tree.below[here] > 0], here[tree.below[here] > 0]
-                above = features[going, tree.feature[here]] >= tree.threshold[here]
-                node[going] = tree.below[here] + above
+            undecided = rows
+            while len(undecided):
+                here = node[undecided]
+                undecided, here = undecided[tree.below[here] > 0], here[tree.below[here] > 0]
+                above = features[undecided, tree.feature[here]] >= tree.threshold[here]
+                node[undecided] = tree.below[here] + above
             total += tree.share[node]
         return total / len(self.trees)
 
@@ -107,31 +107,31 @@ class _Grower:
         parts: list[tuple[NDArray[Any], ...]] = []
         # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
         rows = np.arange(len(self.features))
-        local = np.zeros(len(self.features), dtype=np.int64)
-        nodes, made = 1, 1
+        node = np.zeros(len(self.features), dtype=np.int64)
+        nodes, total = 1, 1
         while nodes:
-            sums = self._sums(rows, local, nodes)
-            feature, threshold, splits = self._best_splits(rows, local, sums)
+            sums = self._sums(rows, node, nodes)
+            feature, threshold, splits = self._best_splits(rows, node, sums)
             splits &= (sums > 0.0).sum(axis=1) > 1
             # the nodes of the next depth, two for each that is split
             below = np.zeros(nodes, dtype=np.int64)
-            below[splits] = made + 2 * np.arange(np.count_nonzero(splits))
+            below[splits] = total + 2 * np.arange(np.count_nonzero(splits))
             parts.append((feature, threshold, below, sums / sums.sum(axis=1)[:, None]))
-            kept = splits[local]
-            rows, local = rows[kept], local[kept]
-            local = below[local] + (self.features[rows, feature[local]] >= threshold[local]) - made
-            order = np.argsort(local, kind="stable")
-            rows, local = rows[order], local[order]
+            kept = splits[node]
+            rows, node = rows[kept], node[kept]
+            node = below[node] + (self.features[rows, feature[node]] >= threshold[node]) - total
+            order = np.argsort(node, kind="stable")
+            rows, node = rows[order], node[order]
             nodes = 2 * int(np.count_nonzero(splits))
-            made += nodes
+            total += nodes
         return _Tree(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def _best_splits(
-        self, rows: NDArray[np.int64], local: NDArray[np.int64], sums: NDArray[np.float64]
+        self, rows: NDArray[np.int64], node: NDArray[np.int64], sums: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
         """Find the best of `CANDIDATES` at each node: feature, threshold, and whether it splits."""
         nodes = len(sums)
-        size = np.bincount(local, minlength=nodes)
+        size = np.bincount(node, minlength=nodes)
         first = np.concatenate([[0], np.cumsum(size)[:-1]])
         found, threshold = np.zeros(nodes, dtype=np.int64), np.zeros(nodes)
         # the purity of a node without a split
@@ -141,23 +141,23 @@ class _Grower:
             feature = np.asarray(self.rng.integers(self.features.shape[1], size=nodes))
             drawn = rows[first + (self.rng.random(nodes) * size).astype(np.int64)]
             value = self.features[drawn, feature]
-            below = self.features[rows, feature[local]] < value[local]
-            under = self._sums(rows[below], local[below], nodes)
-            many = np.bincount(local[below], minlength=nodes)
+            below = self.features[rows, feature[node]] < value[node]
+            lower = self._sums(rows[below], node[below], nodes)
+            n_below = np.bincount(node[below], minlength=nodes)
             with np.errstate(invalid="ignore", divide="ignore"):
-                worth = sum(
-                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (under, sums - under)
+                purity = sum(
+                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (lower, sums - lower)
                 )
-            better = (many >= MIN_SAMPLES) & (size - many >= MIN_SAMPLES) & (worth > best)
-            best = np.where(better, worth, best)
+            better = (n_below >= MIN_SAMPLES) & (size - n_below >= MIN_SAMPLES) & (purity > best)
+            best = np.where(better, purity, best)
             found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
             splits |= better
         return found, threshold, splits
 
     def _sums(
-        self, rows: NDArray[np.int64], local: NDArray[np.int64], nodes: int
+        self, rows: NDArray[np.int64], node: NDArray[np.int64], nodes: int
     ) -> NDArray[np.float64]:
         """Return the weight of each class at each node: (nodes, classes)."""
-        column = local * self.count + self.classes[rows]
+        column = node * self.count + self.classes[rows]
         sums = np.bincount(column, self.weights[rows], minlength=nodes * self.count)
         return np.asarray(sums, dtype=np.float64).reshape(nodes, self.count)

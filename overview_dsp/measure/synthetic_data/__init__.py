@@ -1,7 +1,7 @@
-"""Random timelines like real ones, by seed: what an observer of a preset learns from and is asked.
+"""Random realistic timelines by seed, for training and evaluating an observer of a preset.
 
-Each generator draws what a reader would read (a match's events, a share's closing prices, a
-heart's beats, a crowd's loudness); the reader's own rules make the timeline of it.
+Each generator draws the content of a file (a match's events, a share's closing prices, a heart's
+beats, a crowd's loudness). The rules of the file's reader make a timeline of it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _SERIES_FOR: Mapping[str, Generator] = {"shares": random_share, "weather": rando
 
 
 def generators(preset: Preset) -> tuple[Generator, ...]:
-    """Find what makes timelines for a preset, to be taken in turn."""
+    """Return the generators of timelines for a preset, which are used in turn."""
     for kind, generator in _BY_KIND.items():
         if kind in preset.kinds:
             return (generator,)
@@ -49,25 +49,25 @@ def generators(preset: Preset) -> tuple[Generator, ...]:
 
 
 def random_timelines(preset: Preset, count: int, seed: int = 0) -> list[Timeline]:
-    """Make up timelines of a preset's own kinds.
+    """Generate timelines with the event kinds of a preset.
 
-    Matches for a preset with goals, hearts for one with premature beats, crowds for one with
-    cheers, shares and weather (what its tags name, or both in turn) for one with a highest place,
-    events of all its kinds for any other.
+    They are matches for a preset with goals, hearts for one with premature beats, crowds for one
+    with cheers, shares and weather (as its tags say, or both in turn) for one with the kind
+    `highest`, and random events of all its kinds for any other.
 
     Parameters
     ----------
     preset : Preset
-        For which.
+        Preset with the kinds.
     count : int
-        How many.
+        Number of timelines.
     seed : int
-        Of the first; the others' follow.
+        Seed of the first timeline; the others have the next seeds.
 
     Returns
     -------
     list of Timeline
-        Each with at least one event.
+        Timelines, each with at least one event.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """Random heartbeats with early, missed and other irregular beats.
 
-The rate lies between 55 and 85 beats a minute, breathes, wanders, and rises in one to three
-episodes by a quarter to two thirds. Two of three recordings last 5 to 30 minutes, where steady
-beats are the ground; the third is a window of less than 100 beats, each felt.
+The rate lies between 55 and 85 beats per minute, varies with breath and at random, and rises in one
+to three episodes by a quarter to two thirds. Two of three recordings last 5 to 30 minutes, in which
+only unusual beats are events; the third has fewer than 100 beats, and each is an event.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from overview_dsp.data.timeline import Event, Timeline
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)
 STEADY = ((NORMAL, 0.8), ("bundle_branch_block", 0.1), ("paced", 0.1))
-"""What a recording's steady beats are, and how often."""
+"""Kinds of the regular beats of a recording, and the shares of recordings with them."""
 
 EARLY = (
     ("premature_atrial", 0.45),
@@ -27,25 +27,25 @@ EARLY = (
     ("premature_supraventricular", 0.05),
     ("fusion", 0.05),
 )
-MOST_OUT_OF_TURN = 0.08
-"""Of all beats; a share between nothing and this."""
+MAX_EARLY_SHARE = 0.08
+"""Maximum share of early beats in a recording."""
 
 MISSED, RHYTHMS, FAULTS, FLUTTER = 3.0, 2.0, 2.0, 0.35
-"""Missed beats, changes of rhythm and of the signal's quality, spells of flutter a recording."""
+"""Mean numbers of missed beats, rhythm changes, quality changes and flutters per recording."""
 
 
 def random_heart(seed: int) -> Timeline:
-    """Make up a recording of a heart.
+    """Generate a recording of a heart.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same heart.
+        Random seed; the same seed gives the same heart.
 
     Returns
     -------
     Timeline
-        Of the kinds of the preset `heart`.
+        Timeline with the event kinds of the preset `heart`.
 
     Examples
     --------
@@ -58,8 +58,8 @@ def random_heart(seed: int) -> Timeline:
     usual = _intervals(rng, length)
     usual = usual[: np.searchsorted(np.cumsum(usual), length) + 10]
     steady = _one_of(rng, STEADY)
-    early = rng.random(len(usual)) < rng.uniform(0.0, MOST_OUT_OF_TURN)
-    early[:10] = False  # the usual interval is known from what surrounds it
+    early = rng.random(len(usual)) < rng.uniform(0.0, MAX_EARLY_SHARE)
+    early[:10] = False  # readers know the usual interval only from earlier beats
     missed = np.zeros(len(usual), dtype=bool)
     missed[rng.integers(10, len(usual), rng.poisson(MISSED))] = True
     kinds = [steady] * len(usual)
@@ -68,7 +68,7 @@ def random_heart(seed: int) -> Timeline:
         kinds[i] = _one_of(rng, EARLY)
         by = rng.uniform(0.2, 0.5)
         interval[i] = usual[i] * (1.0 - by)
-        if i + 1 < len(usual):  # the pause that makes up for it
+        if i + 1 < len(usual):  # a longer interval follows an early beat
             interval[i + 1] = usual[i + 1] * (1.0 + by)
     interval[missed & ~early] *= 2.0
     time_s = np.cumsum(interval)
@@ -80,7 +80,7 @@ def random_heart(seed: int) -> Timeline:
 
 
 def _intervals(rng: np.random.Generator, length: float) -> NDArray[np.float64]:
-    """The usual intervals from beat to beat, s, of as many beats as could be there."""
+    """Return the intervals of a regular rhythm, s, for the largest number of beats."""
     count = int(length * 2.5) + 20
     rate = np.full(count, rng.uniform(55.0, 85.0))
     beat = np.arange(count)
@@ -93,7 +93,7 @@ def _intervals(rng: np.random.Generator, length: float) -> NDArray[np.float64]:
 
 
 def _others(rng: np.random.Generator, length: float) -> list[Event]:
-    """Annotations beside the beats."""
+    """Return the annotations that are not beats."""
     found = [
         Event(float(at), kind)
         for kind, rate in (("rhythm", RHYTHMS), ("signal_quality", FAULTS))

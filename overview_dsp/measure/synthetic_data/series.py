@@ -1,12 +1,11 @@
 """Random series: a share's closing prices, a town's daily temperatures, a crowd's loudness.
 
-Prices walk at random with calm and stormy times (volatility 0.7 to 2.5 % a day, which reverts
-within a month or so) and rare jumps. Temperatures are a year's wave with weather on it that lasts
-some days, sometimes with a stretch of missing days. Events are found in them by the rules for
-tables.
+Prices are random walks with rare jumps; their volatility (0.7 to 2.5 % a day) varies and reverts
+within a month or so. Temperatures are a yearly wave plus noise with a memory of some days; in some
+series, consecutive days are missing. Their events are found by the rules for tables.
 
-A crowd's murmur wanders by a decibel or two; cheers rise by 7 to 18 LU within a second or two, are
-held for 2 to 12 s and die away; bursts (a whistle, a bang) last a few tenths of a second.
+The quiet level of a crowd varies by one or two decibels; cheers rise by 7 to 18 LU within 2.5 s,
+last 2 to 12 s and fade; bursts (a whistle, a bang) last a few tenths of a second.
 """
 
 from __future__ import annotations
@@ -25,23 +24,23 @@ from overview_dsp.data.readers.tables.memory import table_of
 from overview_dsp.data.timeline import Timeline
 
 TRADING_DAYS = 252
-"""A year of a share."""
+"""Trading days in a year."""
 
 _FIRST_DAY = np.datetime64("1990-01-01", "D")
 
 
 def random_share(seed: int) -> Timeline:
-    """Make up one to three years of a share's closing prices.
+    """Generate one to three years of a share's closing prices.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same share.
+        Random seed; the same seed gives the same share.
 
     Returns
     -------
     Timeline
-        Of the kinds that series have.
+        Timeline with the event kinds of series.
 
     Examples
     --------
@@ -67,17 +66,17 @@ def random_share(seed: int) -> Timeline:
 
 
 def random_weather(seed: int) -> Timeline:
-    """Make up one to four years of daily temperatures.
+    """Generate one to four years of daily temperatures.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same weather.
+        Random seed; the same seed gives the same weather.
 
     Returns
     -------
     Timeline
-        Of the kinds that series have.
+        Timeline with the event kinds of series.
 
     Examples
     --------
@@ -93,10 +92,10 @@ def random_weather(seed: int) -> Timeline:
     coldest = rng.normal(0.05, 0.02)
     season = -rng.uniform(5.0, 13.0) * np.cos(2.0 * np.pi * (of_year - coldest))
     weather = np.empty(count)
-    now, lasting = 0.0, rng.uniform(0.6, 0.8)
+    deviation, persistence = 0.0, rng.uniform(0.6, 0.8)
     for i, kick in enumerate(rng.normal(0.0, rng.uniform(2.0, 3.5), count).tolist()):
-        now = lasting * now + kick
-        weather[i] = now
+        deviation = persistence * deviation + kick
+        weather[i] = deviation
     value = np.round(rng.uniform(5.0, 18.0) + season + weather, 1)
     if rng.random() < 0.2:  # a station that failed
         first = int(rng.integers(0, count - 40))
@@ -112,23 +111,23 @@ def _timeline_of(
 
 
 CROWD_LENGTH_S = (180.0, 720.0)
-CHEERS_A_MINUTE, BURSTS_A_MINUTE = 1.1, 1.4
+CHEERS_PER_MINUTE, BURSTS_PER_MINUTE = 1.1, 1.4
 _CROWD_RATE = 1000
-"""Hz of the recording that isn't there: only its power in each step counts."""
+"""Assumed sample rate, Hz: `Steps` needs one, although no samples are generated."""
 
 
 def random_crowd(seed: int) -> Timeline:
-    """Make up the loudness of a crowd, and find its cheers and bursts.
+    """Generate the loudness of a crowd, and find its cheers and bursts.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same crowd.
+        Random seed; the same seed gives the same crowd.
 
     Returns
     -------
     Timeline
-        Of the kinds of the preset `crowd`.
+        Timeline with the event kinds of the preset `crowd`.
 
     Examples
     --------
@@ -141,15 +140,15 @@ def random_crowd(seed: int) -> Timeline:
     count = int(length * STEPS_PER_S)
     at_s = np.arange(count) / STEPS_PER_S
     wander = np.cumsum(rng.normal(0.0, 0.15, count))
-    # back to the middle within half a minute
+    # without the mean of the surrounding half minute
     slow = wander - np.convolve(np.pad(wander, 150, mode="edge"), np.full(301, 1 / 301), "valid")
     above = np.zeros(count)
-    for start in rng.uniform(2.0, length - 5.0, rng.poisson(CHEERS_A_MINUTE * length / 60.0)):
+    for start in rng.uniform(2.0, length - 5.0, rng.poisson(CHEERS_PER_MINUTE * length / 60.0)):
         rise, hold, fall = rng.uniform(0.5, 2.5), rng.uniform(2.0, 12.0), rng.uniform(2.0, 6.0)
         places = [start, start + rise, start + rise + hold, start + rise + hold + fall]
         height = rng.uniform(7.0, 18.0)
         above = np.maximum(above, np.interp(at_s, places, [0.0, height, 0.9 * height, 0.0]))
-    for start in rng.uniform(2.0, length - 5.0, rng.poisson(BURSTS_A_MINUTE * length / 60.0)):
+    for start in rng.uniform(2.0, length - 5.0, rng.poisson(BURSTS_PER_MINUTE * length / 60.0)):
         inside = (at_s >= start) & (at_s < start + rng.uniform(0.2, 0.7))
         above[inside] = np.maximum(above[inside], rng.uniform(14.0, 26.0))
     loudness = rng.uniform(-36.0, -24.0) + slow + rng.normal(0.0, 0.7, count) + above

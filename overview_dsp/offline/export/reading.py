@@ -265,7 +265,7 @@ def _xml(path: Path) -> list[str]:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: can't be read ({error})") from None
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        return ["it has a document type (<!DOCTYPE ...>), which may hide a bomb"]
+        return ["it has a document type (<!DOCTYPE ...>), which may expand to gigabytes"]
     try:
         root = ElementTree.fromstring(text.encode())
     except (ElementTree.ParseError, ValueError) as error:

@@ -91,7 +91,7 @@ class Access:
 
 
 def load_token(path: str) -> str:
-    """Return the token of a file; a new file is created for this user alone.
+    """Return the token of a file; a missing file is created, readable by this user alone.
 
     Raises
     ------

@@ -4,7 +4,7 @@
 // averaged. Movements are delayed by `LEAD_S`, which leaves time to interpolate between two pointer
 // events. Touches and releases aren't delayed.
 
-// browsers report pointers once per frame; the margin covers a second frame
+// browsers report pointers once per frame; `LEAD_S` covers two frames
 export const LEAD_S = 0.03;
 const JUMP_S = 0.1; // after a suspended output the offset is measured again
 const WEIGHT = 0.05;

@@ -3,7 +3,7 @@
 // The kernel receives one continuous input, so a change of source is neither a tap nor a jump (soft
 // takeover). The new source continues from the old position. Its offset shrinks as it moves.
 
-const CATCH_UP_SHARE = 0.5; // of the offset, removed by a movement as long as the offset
+const CATCH_UP_SHARE = 0.5; // share of a movement by which the offset shrinks
 
 /** @import { Source } from "../types" */
 /** @import { Strokes } from "./strokes.js" */

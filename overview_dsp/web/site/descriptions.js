@@ -11,7 +11,7 @@ export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
 /** Return the distance (0 to 1) at which a position is at an event. @param {View} view */
 export const toleranceOf = (view) => view.tolerance ?? TOLERANCE;
 
-// created once: each takes longer than the rest of a frame
+// created only once, because creating one takes longer than all else in a frame
 const DAYS = new Intl.DateTimeFormat("en-GB", {
   timeZone: "UTC", day: "numeric", month: "short", year: "numeric",
 });

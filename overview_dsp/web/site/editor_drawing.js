@@ -8,7 +8,7 @@ import { byId } from "./dom.js";
 const COUNT = 33;
 const WIDTH = 320;
 const HEIGHT = 96;
-const MOST_UNDONE = 50;
+const MOST_EARLIER = 50;
 
 /** @type {Drawing} */
 export const PROFILE = {
@@ -92,7 +92,7 @@ export function withLine(points, [from, before], [to, level]) {
  */
 export function drawingOf(owner, { name, label, doc, back, plain, empty }, onchange) {
   /** @type {number[][]} */
-  const undone = [];
+  const earlier = [];
   const line = svg("polyline", { class: "course" });
   const pad = svg("svg", {
     viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "drawing", role: "img",
@@ -111,12 +111,12 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
     const xy = points.map((level, k) => `${(k * WIDTH) / (COUNT - 1)},${HEIGHT * (1 - level)}`);
     line.setAttribute("points", owner.points.length > 0 || empty ? xy.join(" ") : "");
     line.classList.toggle("plain", owner.points.length === 0);
-    undo.disabled = undone.length === 0;
+    undo.disabled = earlier.length === 0;
     clear.disabled = owner.points.length === 0;
   };
   const remember = () => {
-    undone.push([...owner.points]);
-    if (undone.length > MOST_UNDONE) undone.shift();
+    earlier.push([...owner.points]);
+    if (earlier.length > MOST_EARLIER) earlier.shift();
   };
   /** @param {number[]} points */
   const setPoints = (points) => {
@@ -124,7 +124,7 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
     show();
     onchange();
   };
-  const undo = button("Undo", () => setPoints(undone.pop() ?? []));
+  const undo = button("Undo", () => setPoints(earlier.pop() ?? []));
   const clear = button(back, () => {
     remember();
     setPoints([]);

@@ -9,7 +9,7 @@ const STEPS = 400;
  * @param {Parameter} parameter
  * @param {number} part
  */
-export function valueAt({ low, high, scale }, part) {
+export function valueOfPart({ low, high, scale }, part) {
   return scale === "log" ? low * (high / low) ** part : low + (high - low) * part;
 }
 
@@ -104,7 +104,7 @@ function slider(parameter, owner, key, onchange) {
   range.value = String(Math.round(STEPS * partOfValue(parameter, owner[key])));
   show();
   range.addEventListener("input", () => {
-    const value = Number(valueAt(parameter, Number(range.value) / STEPS).toPrecision(3));
+    const value = Number(valueOfPart(parameter, Number(range.value) / STEPS).toPrecision(3));
     owner[key] = Math.min(Math.max(value, parameter.low), parameter.high);
     show();
     onchange();

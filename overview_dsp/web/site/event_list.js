@@ -7,7 +7,7 @@ import { eventText, momentText, summaryText } from "./descriptions.js";
 /** @import { Info, TimelineEvent, View } from "../types" */
 /** @import { Navigation } from "./navigation.js" */
 
-const MOST = 500;
+const MOST = 500; // maximum number of listed events
 
 export class EventList {
   /**

@@ -78,7 +78,7 @@ export function angleOf(position) {
 }
 
 /**
- * Return the position for a pointer on the disk; below the centre, the nearer end.
+ * Return the position for a pointer on the disk; below the centre, the end nearer to `last`.
  * @param {Disk} disk
  * @param {number} x
  * @param {number} y

@@ -5,7 +5,7 @@ import { post } from "./session.js";
 
 /** @import { Clock, OtherInput, Part, Preset, Status, DiskState } from "../types" */
 
-// the host delays events to the oldest age, so movements may be interpolated backwards
+// the host delays all events as long as the slowest one, so past movements may be interpolated
 /** @type {Clock} */
 const PAGE_CLOCK = { rate: 1e3, sampleAt: (time) => time, rendering: () => -Infinity };
 

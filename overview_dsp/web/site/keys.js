@@ -22,7 +22,7 @@ export const HELP = [
 ];
 
 /**
- * `open(name)` opens events, run, help or film; `onfirst()` is called before each key.
+ * `open(name)` opens events, help or film, or plays (run); `onfirst()` is called before each key.
  * @param {HTMLElement} element
  * @param {{ navigation: Navigation, open: (name: string) => void }} parts
  * @param {() => void} onfirst
@@ -36,10 +36,10 @@ export function listenToKeys(element, { navigation, open }, onfirst) {
     ArrowDown: ({ shiftKey }) => (shiftKey ? navigation.move(-STEP) : navigation.step(-1)),
     PageUp: () => navigation.move(PAGE),
     PageDown: () => navigation.move(-PAGE),
-    Home: () => navigation.first(),
-    End: () => navigation.last(),
-    x: () => navigation.highest(),
-    n: () => navigation.lowest(),
+    Home: () => navigation.toFirst(),
+    End: () => navigation.toLast(),
+    x: () => navigation.toHighest(),
+    n: () => navigation.toLowest(),
     "[": () => navigation.toEvent(-1),
     "]": () => navigation.toEvent(1),
     ",": () => navigation.toValue(-1),

@@ -121,7 +121,7 @@ export function resistanceAt(view, position) {
 }
 
 /**
- * Draw the curve, interrupted where there are no data; of many points per column the range.
+ * Draw the curve, interrupted where there are no data; for many points per column, their range.
  * @param {Scene} scene
  */
 function drawCurve({ c, g, view, colours }) {

@@ -19,7 +19,7 @@ export function listen(page) {
   const { input, viewState, navigation } = page;
   const onfirst = () => page.start();
   listenToTouch(element, input, {
-    positionOf: (event, first) => page.picture.positionUnder(event, first),
+    positionOf: (event, begins) => page.picture.positionUnder(event, begins),
     ontap: (x, y) => page.onTap(x, y),
     onpinch: (factor, x, over) => page.pinch.to(factor, x, over),
     onfirst,

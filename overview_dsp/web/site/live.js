@@ -95,7 +95,7 @@ export class Live {
   /** Receive notices, with their updates once the sample rate is known. */
   listen() {
     this.source?.close();
-    this.pushed = this.rate !== null && !document.hidden;
+    this.pushed = this.rate !== null && !document.hidden; // notices contain their updates
     const query = this.pushed ? `&rate=${this.rate}&have=${this.loadedVersion}` : "";
     const path = `live/events?since=${this.seenVersion}${query}`;
     this.source = new EventSource(new URL(path, import.meta.url));

@@ -22,7 +22,7 @@ const lines = (...ends) => (path, x, y, r) => {
   }
 };
 
-const D = 0.75;
+const D = 0.75; // half width of cross and plus
 /** @type {Record<string, Shape>} */
 const SHAPES = {
   circle: (path, x, y, r) => path.arc(x, y, r, 0, 2 * Math.PI),

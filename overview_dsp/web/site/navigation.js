@@ -44,7 +44,7 @@ export class Navigation {
   }
 
   /**
-   * Move to the next (1) or previous (-1) value or event, in steps between them without values.
+   * Move to the next (1) or previous (-1) value or event; without values, to events and even steps.
    * @param {number} direction
    */
   step(direction) {
@@ -65,7 +65,7 @@ export class Navigation {
    * Move to the next (1) or previous (-1) of some stops, also beyond the window.
    * @param {(view: View) => number[]} stopsOf
    * @param {number} direction
-   * @param {boolean} isStep whether the disk is pulled on, and each value has a stop of its own
+   * @param {boolean} isStep whether the touch continues, as of a pulled disk, instead of a new one
    */
   async toStop(stopsOf, direction, isStep = false) {
     let next = nextStop(stopsOf(this.viewState.view), this.viewState.reading, direction);
@@ -130,19 +130,19 @@ export class Navigation {
     this.input.release("keys");
   }
 
-  first() {
+  toFirst() {
     this.to(0);
   }
 
-  last() {
+  toLast() {
     this.to(1);
   }
 
-  highest() {
+  toHighest() {
     this.to(extremeOf(this.viewState.view, 1));
   }
 
-  lowest() {
+  toLowest() {
     this.to(extremeOf(this.viewState.view, -1));
   }
 

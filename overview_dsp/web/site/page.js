@@ -84,8 +84,8 @@ export class Page {
   begin(view) {
     document.documentElement.classList.toggle("host", this.atHost);
     const { windows, duration_s, server } = this.info;
-    const under = this.atHost ? view : partBetween(windows, [0, duration_s]);
-    this.viewState.begin(view, under).catch((error) => this.fault(error.message));
+    const soundingPart = this.atHost ? view : partBetween(windows, [0, duration_s]);
+    this.viewState.begin(view, soundingPart).catch((error) => this.fault(error.message));
     this.apply();
     if (server) this.served = this.makeServed(this, server);
     this.list = listen(this);
@@ -154,7 +154,7 @@ export class Page {
   }
 
   /**
-   * Open the list of events, the help or the film.
+   * Open the list of events, the help or the film, or play and pause (run).
    * @param {string} name
    */
   open(name) {

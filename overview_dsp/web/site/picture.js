@@ -45,7 +45,7 @@ export class Picture {
     this.resize();
   }
 
-  /** Read the picture's position on the screen; at every move that would be slow. */
+  /** Read the picture's position on the screen. It is stored, since reading it is slow. */
   locate() {
     const { left, top, width, height } = this.layer.getBoundingClientRect();
     this.left = left;
@@ -93,13 +93,14 @@ export class Picture {
   /**
    * Return the position under a pointer: on the curve, or on the disk if the touch began there.
    * @param {{ clientX: number, clientY: number }} pointer
+   * @param {boolean} begins whether a touch begins
    */
-  positionUnder({ clientX, clientY }, first = false) {
+  positionUnder({ clientX, clientY }, begins = false) {
     const x = clientX - this.left;
     const y = clientY - this.top;
-    if (first) this.isTurningDisk = isOnDisk(this.geometry, x, y);
+    if (begins) this.isTurningDisk = isOnDisk(this.geometry, x, y);
     if (!this.isTurningDisk) return this.geometry.position(x);
-    const last = first ? (x < this.geometry.disk.x ? 0 : 1) : this.diskPosition;
+    const last = begins ? (x < this.geometry.disk.x ? 0 : 1) : this.diskPosition;
     this.diskPosition = positionTurned(this.geometry.disk, x, y, last);
     return this.diskPosition;
   }

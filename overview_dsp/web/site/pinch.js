@@ -37,10 +37,10 @@ export class Pinch {
     const { view } = viewState;
     const position = picture.positionOf(x);
     this.origin ??= { length: view.end_s - view.start_s, moment: secondsAt(view, position) };
-    const whole = windows[0].end_s;
-    const closest = windows.at(-1).end_s - windows.at(-1).start_s;
-    const length = Math.min(Math.max(this.origin.length / factor, closest), whole);
-    const start = Math.min(Math.max(this.origin.moment - position * length, 0), whole - length);
+    const longest = windows[0].end_s;
+    const shortest = windows.at(-1).end_s - windows.at(-1).start_s;
+    const length = Math.min(Math.max(this.origin.length / factor, shortest), longest);
+    const start = Math.min(Math.max(this.origin.moment - position * length, 0), longest - length);
     /** @type {[number, number]} */
     const target = [start, start + length];
     if (over) this.origin = null;

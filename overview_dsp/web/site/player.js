@@ -1,4 +1,4 @@
-// Playback of a sweep or a tap, as a source that any other may take over.
+// Playback of a sweep or a tap, as a source that any other source may replace.
 
 const AGAIN_MS = 1500; // between two repeats
 

@@ -8,7 +8,7 @@ import { request, post } from "./session.js";
 
 /** @import { Drawing, EventKind, Parameter, Preset } from "../types" */
 /** @import { CombinedInput } from "./combined_input.js" */
-/** @typedef {[Parameter, Record<string, any>, string]} Row a parameter, whose value, its key there */
+/** @typedef {[Parameter, Record<string, any>, string]} Row parameter, object with its value, key in it */
 
 /** @param {string} path */
 const json = async (path) => (await request(path)).json();

@@ -26,9 +26,9 @@ const DEFAULTS = {
 export function loadSettings() {
   try {
     const stored = JSON.parse(localStorage.getItem(KEY) ?? "{}");
-    const entries = Object.entries(DEFAULTS).map(([name, first]) => [
+    const entries = Object.entries(DEFAULTS).map(([name, initial]) => [
       name,
-      typeof stored[name] === typeof first ? stored[name] : first,
+      typeof stored[name] === typeof initial ? stored[name] : initial,
     ]);
     return Object.fromEntries(entries);
   } catch {

@@ -20,7 +20,7 @@ export class Slider {
   constructor(parts) {
     this.parts = parts;
     /** @type {any[]} */
-    this.at = [];
+    this.at = []; // view, cursor and points of the last update
     this.position = NaN; // of the slider's text
     this.updatedAt = -Infinity;
     this.frames = 0; // since the last update

@@ -1,14 +1,14 @@
 // Movements as control events. A touch is one step; later movements are interpolated between pointer
 // events. Browsers report pointers 60 times per second, and steps of that size would be felt.
 
-const EVERY_S = 0.002;
+const STEP_S = 0.002;
 
 /** @import { Clock } from "../types" */
 const LONGEST_S = 0.025; // maximum duration of an interpolated movement
 
 export class Strokes {
   /**
-   * `send(position, touching, sample)` receives each event.
+   * `send(position, touching, sample)` receives each event; sample -1: as soon as possible.
    * @param {Clock} clock
    * @param {(position: number, touching: boolean, sample: number) => void} send
    */
@@ -44,7 +44,7 @@ export class Strokes {
     const now = this.clock.rendering(performance.now());
     const from = Math.max(this.lastSample, now, sample - Math.round(LONGEST_S * rate));
     sample = Math.max(sample, from + 1);
-    const steps = Math.ceil((sample - from) / (EVERY_S * rate));
+    const steps = Math.ceil((sample - from) / (STEP_S * rate));
     for (let i = 1; i <= steps; i += 1) {
       const share = i / steps;
       const at = Math.round(from + (sample - from) * share);

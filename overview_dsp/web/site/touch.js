@@ -15,8 +15,8 @@ const TAP_PX = 10;
 
 /**
  * `positionOf(event, first)` returns the position (0 to 1) of a pointer, `first` at its start.
- * `ontap(x, y)` is called after a short touch, `onpinch(factor, x, over)` while two fingers move, and
- * `onfirst()` at every touch: browsers allow sound to start then.
+ * `ontap(x, y)` is called after a short touch, `onpinch(factor, x, over)` while two fingers move
+ * (`over`: at their end), and `onfirst()` at every touch: browsers allow sound to start then.
  * @param {HTMLElement} element
  * @param {Pick<CombinedInput, "moveTo" | "release">} input
  * @param {TouchHandlers} handlers

@@ -18,10 +18,10 @@ export class Trace {
     this.full = full;
     this.height = new Float32Array(LENGTH);
     this.hasStrike = new Uint8Array(LENGTH);
-    this.at = 0;
+    this.at = 0; // index of the next value
     /** @type {TraceBox | null} */
     this.box = null;
-    this.fresh = true;
+    this.fresh = true; // whether there is anything new to draw
     this.turn = false;
   }
 
@@ -48,7 +48,7 @@ export class Trace {
   }
 
   /**
-   * Add the torque (N m) and the strikes since the last frame, whose torque may be over.
+   * Add the torque (N m) and the strikes since the last frame, which may have ended.
    * @param {number} torque
    * @param {Strike[]} newStrikes
    */

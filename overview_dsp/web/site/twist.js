@@ -3,7 +3,7 @@
 
 const MIN_GRAVITY = 0.25; // a phone held upright has no defined roll
 const SILENT_MS = 1500; // sensors report about 60 times per second
-const RAD = Math.PI / 180;
+const RAD_PER_DEGREE = Math.PI / 180;
 
 /** @import { CombinedInput } from "./combined_input.js" */
 
@@ -14,8 +14,8 @@ const RAD = Math.PI / 180;
  */
 export function rollOf(beta, gamma) {
   // direction of up along the phone's x and z (W3C DeviceOrientation: Z-X'-Y'')
-  const x = -Math.cos(beta * RAD) * Math.sin(gamma * RAD);
-  const z = Math.cos(beta * RAD) * Math.cos(gamma * RAD);
+  const x = -Math.cos(beta * RAD_PER_DEGREE) * Math.sin(gamma * RAD_PER_DEGREE);
+  const z = Math.cos(beta * RAD_PER_DEGREE) * Math.cos(gamma * RAD_PER_DEGREE);
   return Math.hypot(x, z) < MIN_GRAVITY ? NaN : Math.atan2(-x, z);
 }
 

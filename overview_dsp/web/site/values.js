@@ -79,11 +79,11 @@ function within(view) {
 /**
  * Return a few round values for grid lines, each as text and level (0 to 1).
  * @param {[number, number]} scale
- * @param {number} most
+ * @param {number} maxLines
  */
-export function linesOf([low, span], most) {
+export function linesOf([low, span], maxLines) {
   if (!(span > 0)) return [];
-  const least = span / most;
+  const least = span / maxLines;
   const power = 10 ** Math.floor(Math.log10(least));
   const step = power * [1, 2, 5, 10].find((one) => one * power >= least);
   const lines = [];

@@ -1,4 +1,4 @@
-// Vibration by a phone's own motor, which only knows on and off and needs about 10 ms to start. Each
+// Vibration by a phone's own motor, which can only be on or off, and needs about 10 ms to start. Each
 // event kind has a pattern; the surface between events is a row of short pulses.
 //
 // Patterns are triggered by strikes: the envelope of a strike may have decayed between two frames. A

@@ -2,7 +2,7 @@
 
 import { positionAt, secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
-import { levels, partAround, neighbourPart, partBetween } from "./windows.js";
+import { lastLevel, partAround, neighbourPart, partBetween } from "./windows.js";
 import { eventAt, momentText } from "./descriptions.js";
 
 /** @import { TimeRange, Part, AudioBackend, View } from "../types" */
@@ -76,7 +76,7 @@ export class ViewState {
 
   /** @param {number} direction */
   zoom(direction, position = this.input.position) {
-    const level = Math.min(Math.max(this.view.zoom + direction, 0), levels(this.windows));
+    const level = Math.min(Math.max(this.view.zoom + direction, 0), lastLevel(this.windows));
     if (level === this.view.zoom) return Promise.resolve(false);
     return this.go(partAround(this.windows, level, secondsAt(this.view, position)));
   }
@@ -131,7 +131,7 @@ export class ViewState {
   }
 
   /**
-   * Show a part and activate its surface; keys and a released input keep their time.
+   * Show a part and activate its surface. The position of keys and of a released input keeps its time.
    * @param {Part} part
    */
   go(part) {
@@ -202,7 +202,7 @@ export class ViewState {
     const level = view.zoom;
     byId("window").textContent =
       `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
-    byId("in").disabled = level >= levels(windows);
+    byId("in").disabled = level >= lastLevel(windows);
     byId("out").disabled = level === 0;
     byId("earlier").hidden = byId("later").hidden = level === 0;
     byId("earlier").disabled = neighbourPart(windows, view, -1) === null;

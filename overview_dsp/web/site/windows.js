@@ -127,7 +127,7 @@ export function neighbourPart(windows, part, direction) {
 }
 
 /** @param {Window[]} windows */
-export function levels(windows) {
+export function lastLevel(windows) {
   return windows.at(-1).level;
 }
 

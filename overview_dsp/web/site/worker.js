@@ -27,7 +27,7 @@ self.addEventListener("activate", (event) => {
   );
 });
 
-// requested once the page sounds: the windows are large
+// requested when the sound starts, because the windows are large
 self.addEventListener("message", (event) => {
   if (event.data !== "keep windows") return;
   event.waitUntil(

@@ -125,7 +125,7 @@ def test_the_layout_and_duration_of_the_user_take_precedence_over_the_feed(match
 
 
 def test_a_header_with_the_keys_of_version_0_1_is_read():
-    live = timeline_of({"overview_feed": 1, "expected_duration_s": 5700, "map": "so far"})
+    live = timeline_of({"overview_feed": 1, "expect_s": 5700, "map": "so far"})
     assert (live.expected_duration_s, live.layout) == (5700.0, "so far")
 
 

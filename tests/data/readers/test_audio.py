@@ -222,7 +222,7 @@ def test_what_libsndfile_does_not_open_says_how_to_convert_it(
 
 
 @pytest.mark.parametrize("name", ["wav", "aiff", "w64", "rf64", "au", "flac", "caf"])
-def test_a_file_cut_off_is_one_line(name: str, tmp_path: Path) -> None:
+def test_a_file_cut_off_gives_a_one_line_error(name: str, tmp_path: Path) -> None:
     path = tmp_path / "x"
     soundfile.write(path, murmur(4.0), RATE, format=name.upper())
     data = path.read_bytes()
@@ -252,7 +252,7 @@ def test_an_ogg_stream_without_its_end_says_so(tmp_path: Path) -> None:
     assert any("end mark" in note for note in load_timeline(path).notes)
 
 
-def test_mpeg_frames_without_a_header_are_counted_and_a_cut_one_is_said(tmp_path: Path) -> None:
+def test_mpeg_frames_without_a_header_are_counted_and_a_cut_one_is_noted(tmp_path: Path) -> None:
     whole, path = tmp_path / "whole.mp3", tmp_path / "x.mp3"
     soundfile.write(whole, murmur(20.0, 44_100), 44_100, subtype="MPEG_LAYER_III")
     data = whole.read_bytes()
@@ -279,14 +279,14 @@ def test_a_recording_too_long_is_refused_before_it_is_read(
     refused(path, "more than the 1 MB")
 
 
-def test_a_sample_rate_or_channels_beyond_reason_are_one_line(tmp_path: Path) -> None:
+def test_a_sample_rate_or_channels_beyond_reason_give_a_one_line_error(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "x.wav", np.zeros(1000), 1000)
     refused(tmp_path / "x.wav", "mono at 1000 Hz; must be at least 4000 Hz")
     soundfile.write(tmp_path / "x.wav", np.zeros((10, 100)), 96_000)
     refused(tmp_path / "x.wav", "100 channels at 96000 Hz; .*4000000 samples per second")
 
 
-def test_a_sound_file_without_samples_is_one_line(tmp_path: Path) -> None:
+def test_a_sound_file_without_samples_gives_a_one_line_error(tmp_path: Path) -> None:
     soundfile.write(tmp_path / "x.wav", np.zeros(0), RATE)
     refused(tmp_path / "x.wav", "has no samples")
 
@@ -320,7 +320,7 @@ SIZES = {"tag": 2, "channels": 2, "align": 2, "bits": 2}
 
 @HYPOTHESIS
 @given(st.sampled_from(["riff", "fmt", "rate", "bytes", "data", *SIZES]), st.data())
-def test_any_number_in_a_header_ends_in_a_timeline_or_one_line(
+def test_any_number_in_a_header_ends_in_a_timeline_or_a_one_line_error(
     tmp_path: Path, field: str, data: st.DataObject
 ) -> None:
     top = 2 ** (8 * SIZES.get(field, 4)) - 1
@@ -342,7 +342,7 @@ def encoded(name: str, folder: Path) -> bytes:
 
 @HYPOTHESIS
 @given(st.sampled_from(["WAV", "FLAC", "OGG", "AIFF", "MP3", "CAF", "RF64"]), st.data())
-def test_any_damage_ends_in_a_timeline_or_one_line(
+def test_any_damage_ends_in_a_timeline_or_a_one_line_error(
     tmp_path: Path, name: str, data: st.DataObject
 ) -> None:
     whole = bytearray(encoded(name, tmp_path))
@@ -363,7 +363,7 @@ def test_any_damage_ends_in_a_timeline_or_one_line(
     ),
     st.binary(max_size=300),
 )
-def test_arbitrary_bytes_end_in_a_timeline_or_one_line(
+def test_arbitrary_bytes_end_in_a_timeline_or_a_one_line_error(
     tmp_path: Path, head: bytes, rest: bytes
 ) -> None:
     (tmp_path / "x").write_bytes(head + rest)

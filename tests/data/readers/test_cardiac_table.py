@@ -142,12 +142,14 @@ def test_times_in_whole_milliseconds_give_the_mean_rate(tmp_path: Path) -> None:
         (lambda rows: [*rows[:100], "", "9.9", *rows[100:]], "line 103"),
     ],
 )
-def test_a_broken_row_is_one_line_that_names_it(tmp_path: Path, change: Any, words: str) -> None:
+def test_a_broken_row_gives_a_one_line_error_that_names_it(
+    tmp_path: Path, change: Any, words: str
+) -> None:
     rows = [f"{t:.3f},{v:.4f}" for t, v in zip(TIMES, LEAD, strict=True)]
     refused(write(tmp_path, ["time,ecg", *change(rows)]), words)
 
 
-def test_what_is_no_heart_is_one_line(tmp_path: Path) -> None:
+def test_unsuitable_heart_tables_give_a_one_line_error(tmp_path: Path) -> None:
     flat = write(tmp_path, ["1.0"] * 5000)
     refused(flat, "no heartbeat was found", rate=RATE)
     lead = write(tmp_path, [f"{v:.4f}" for v in LEAD], "lead2.csv")
@@ -182,10 +184,10 @@ def test_a_noisy_stretch_is_a_gap_that_says_why(tmp_path: Path) -> None:
     assert 46.0 < end < 56.0
     assert silent == (86.0, 90.0)
     assert not any(start < event.time_s < end for event in timeline.events)
-    assert any("too noisy to find beats: gaps" in note for note in timeline.notes)
+    assert any("too noisy to find beats, which makes gaps" in note for note in timeline.notes)
 
 
-def test_noise_alone_is_one_line_that_says_so(tmp_path: Path) -> None:
+def test_noise_alone_gives_a_one_line_error_that_says_so(tmp_path: Path) -> None:
     samples = electrode_noise(60.0, RATE, 5)
     path = write(tmp_path, [f"{v:.4f}" for v in samples])
     refused(path, r"no heartbeat was found \(\d+ s of it are too noisy to find beats\)", rate=RATE)
@@ -193,7 +195,9 @@ def test_noise_alone_is_one_line_that_says_so(tmp_path: Path) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
-def test_any_damage_ends_in_a_timeline_or_one_line(tmp_path: Path, data: st.DataObject) -> None:
+def test_any_damage_ends_in_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: st.DataObject
+) -> None:
     rows = [f"{t:.3f},{v:.3f}" for t, v in zip(TIMES[:1500], LEAD[:1500], strict=True)]
     text = "\n".join(["time,ecg", *rows]) + "\n"
     for _ in range(data.draw(st.integers(1, 4))):
@@ -228,7 +232,7 @@ def test_the_european_ecg_has_its_mean_rate(data_folder: Path) -> None:
     assert intervals.mean() == pytest.approx(1005.08, abs=3.0)
 
 
-def test_the_pulse_wave_is_one(data_folder: Path) -> None:
+def test_a_ppg_recording_is_read_as_a_pulse_wave(data_folder: Path) -> None:
     timeline = load_timeline(data_folder / "ecg" / "heartpy_data_ppg_100hz.csv", rate=100.0)
     assert timeline.provenance.startswith("pulse wave")
     assert timeline.duration_s == pytest.approx(24.83)

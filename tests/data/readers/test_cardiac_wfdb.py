@@ -127,7 +127,7 @@ def test_annotations_without_beats_leave_the_search_to_the_detector(record: Path
     assert any("has no beats" in note for note in timeline.notes)
 
 
-def test_annotations_beyond_the_end_are_left_out_and_said(record: Path) -> None:
+def test_annotations_beyond_the_end_are_left_out_and_noted(record: Path) -> None:
     annotate(record, [100, 300, 99_999], ["N", "N", "N"])
     timeline = load_timeline(record)
     assert timeline.kinds() == {"beat": 2}
@@ -287,7 +287,7 @@ def test_a_signal_file_elsewhere_is_refused(name: str, record: Path) -> None:
     refused(record, r"made_up\.hea: line 2: the signal file is .*; must be a plain name")
 
 
-def test_a_claim_of_a_trillion_samples_is_one_line(record: Path) -> None:
+def test_a_header_with_a_trillion_samples_gives_a_one_line_error(record: Path) -> None:
     record.write_text("made_up 1 250 1000000000000\nmade_up.dat 16 200 12 0 0 0 0 II\n")
     refused(record, r"made_up\.dat has \d+ bytes, but 1000000000000 frames require 2000000000000")
     record.write_text("made_up 1 250 1000000000000\nmade_up.dat 516 200 12 0 0 0 0 II\n")
@@ -328,14 +328,14 @@ def test_a_claim_of_a_trillion_samples_is_one_line(record: Path) -> None:
         ),
     ],
 )
-def test_a_broken_header_is_one_line_that_names_the_line(
+def test_a_broken_header_gives_a_one_line_error_that_names_the_line(
     text: str, words: str, record: Path
 ) -> None:
     record.write_text(text)
     refused(record, words)
 
 
-def test_a_folder_in_place_of_the_signal_file_is_one_line(record: Path) -> None:
+def test_a_folder_in_place_of_the_signal_file_gives_a_one_line_error(record: Path) -> None:
     record.with_suffix(".dat").unlink()
     record.with_suffix(".dat").mkdir()
     refused(record, "not a regular file")
@@ -353,7 +353,9 @@ def test_a_record_of_noise_or_nothing_has_no_heartbeat(tmp_path: Path) -> None:
     refused(header, "no heartbeat was found")
 
 
-def test_a_missing_package_is_one_line(record: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_gives_a_one_line_error(
+    record: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")
 
@@ -373,7 +375,7 @@ GOOD = "made_up 2 250 7500 10:00:00 1/2/2003\nmade_up.dat 16 200 12 0 1 2 0 II\n
 @HYPOTHESIS
 @given(st.data())
 @example(None)
-def test_any_damage_to_a_header_ends_in_a_timeline_or_one_line(
+def test_any_damage_to_a_header_ends_in_a_timeline_or_a_one_line_error(
     record: Path, data: st.DataObject | None
 ) -> None:
     words = GOOD
@@ -393,7 +395,7 @@ def test_any_damage_to_a_header_ends_in_a_timeline_or_one_line(
 
 @HYPOTHESIS
 @given(st.binary(max_size=200))
-def test_any_header_text_parses_or_is_one_line(tmp_path: Path, data: bytes) -> None:
+def test_any_header_text_parses_or_gives_a_one_line_error(tmp_path: Path, data: bytes) -> None:
     caught = None
     try:
         parse_header(data.decode("ascii", "replace"), tmp_path / "x.hea")
@@ -404,7 +406,7 @@ def test_any_header_text_parses_or_is_one_line(tmp_path: Path, data: bytes) -> N
 
 @HYPOTHESIS
 @given(st.binary(max_size=400), st.booleans())
-def test_any_annotation_bytes_end_in_a_timeline_or_one_line(
+def test_any_annotation_bytes_end_in_a_timeline_or_a_one_line_error(
     record: Path, data: bytes, valid_start: bool
 ) -> None:
     start = bytes.fromhex("6404c804") if valid_start else b""
@@ -417,7 +419,7 @@ def test_any_annotation_bytes_end_in_a_timeline_or_one_line(
     st.sampled_from(["8", "16", "24", "32", "61", "80", "160", "212", "310", "311", "516", "524"]),
     st.binary(min_size=1, max_size=3000),
 )
-def test_any_signal_bytes_end_in_a_timeline_or_one_line(
+def test_any_signal_bytes_end_in_a_timeline_or_a_one_line_error(
     tmp_path: Path, fmt: str, data: bytes
 ) -> None:
     (tmp_path / "x.dat").write_bytes(data)

@@ -132,7 +132,7 @@ def test_a_single_event_at_0_needs_a_duration_and_takes_one(tmp_path: Path) -> N
     assert load(tmp_path, "time_s,kind\n0,a\n", 30.0).duration_s == 30.0
 
 
-def test_a_field_beyond_the_csv_modules_limit_is_one_line(tmp_path: Path) -> None:
+def test_a_field_beyond_the_csv_modules_limit_gives_a_one_line_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="line 2: field larger"):
         load(tmp_path, f"time_s,kind,label\n1,a,{'x' * 200_000}\n")
 
@@ -183,7 +183,7 @@ def test_any_list_written_as_csv_is_read_back(
 
 
 @given(st.data())
-def test_any_change_of_a_list_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
+def test_any_change_of_a_list_gives_a_timeline_or_a_one_line_error(data: st.DataObject) -> None:
     text = '# title: x\n# duration_s: 99\ntime_s,kind,label,weight\n1,goal,"a, b",2\n3,foul,,\n'
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text)))

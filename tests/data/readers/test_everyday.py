@@ -1,4 +1,4 @@
-"""Everyday event lists: labels, cues, calendars, lines of clock and words; broken ones too."""
+"""Everyday event lists: labels, cues, calendars, lines of a time and words; broken ones too."""
 
 from __future__ import annotations
 
@@ -123,7 +123,9 @@ def test_a_calendars_entries_lie_where_they_happened(tmp_path: Path) -> None:
         ("20241027T013000Z", "20241399", "line 13, DTSTART"),
     ],
 )
-def test_a_broken_calendar_is_one_line(tmp_path: Path, old: str, new: str, words: str) -> None:
+def test_a_broken_calendar_gives_a_one_line_error(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
     with pytest.raises(InputError, match=words):
         load(tmp_path, CALENDAR.replace(old, new))
 
@@ -183,7 +185,7 @@ def test_markers_by_measures_and_beats_are_refused_with_the_fix(tmp_path: Path) 
     assert "ruler" in second
 
 
-def test_rows_without_a_time_and_repeated_rows_are_said(tmp_path: Path) -> None:
+def test_rows_without_a_time_and_repeated_rows_are_noted(tmp_path: Path) -> None:
     timeline = load(tmp_path, "start,what\n0:10,a\n,b\n0:10,a\n0:50,c\n")
     assert len(timeline.events) == 2
     assert any("1 rows without a time" in note for note in timeline.notes)
@@ -212,7 +214,7 @@ WISHES = {
 
 @relaxed
 @given(changed(LISTS), st.fixed_dictionaries({}, optional=WISHES))
-def test_a_changed_list_gives_a_timeline_or_two_lines(
+def test_a_changed_list_gives_a_timeline_or_a_short_error(
     tmp_path: Path, data: bytes, options: dict[str, Any]
 ) -> None:
     check(tmp_path / "x", data, options)
@@ -228,7 +230,7 @@ def test_a_changed_list_gives_a_timeline_or_two_lines(
         max_size=18,
     ),
 )
-def test_any_header_of_known_columns_gives_a_timeline_or_two_lines(
+def test_any_header_of_known_columns_gives_a_timeline_or_a_short_error(
     names: list[str], cells: list[str], tmp_path: Path
 ) -> None:
     width = max(len(names), 1)

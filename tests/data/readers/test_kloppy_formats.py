@@ -82,7 +82,7 @@ def test_a_providers_match_has_its_goals(
     timeline = load_timeline(copied(tmp_path, name))
     assert timeline.title == title
     assert [label for _, label in told(timeline, "goal", "own_goal")] == goals
-    assert not any("but goals for" in note for note in timeline.notes)
+    assert not any("but its goals make" in note for note in timeline.notes)
     assert {"foul", "near_miss", "period"} <= timeline.kinds().keys()
     assert len(timeline.details) > 500
 
@@ -111,7 +111,7 @@ def test_own_goals_count_for_the_other_team(tmp_path: Path) -> None:
         "1-0 Petersen",
         "2-0 own goal, Pléa",  # made up for kloppy's tests
     ]
-    assert any("has the final score 1-0, but goals for 2-0" in note for note in timeline.notes)
+    assert any("has the final score 1-0, but its goals make 2-0" in note for note in timeline.notes)
 
 
 def test_a_shoot_out_and_times_outside_of_a_period_are_left_out(tmp_path: Path) -> None:
@@ -123,7 +123,7 @@ def test_a_shoot_out_and_times_outside_of_a_period_are_left_out(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("name", FEEDS)
-def test_each_id_is_said_to_be_there_once_or_more_often(name: str, tmp_path: Path) -> None:
+def test_only_repeated_event_ids_are_noted(name: str, tmp_path: Path) -> None:
     said = "event ids occur more than once"
     path = copied(tmp_path, name)
     repeated = [note for note in load_timeline(path).notes if said in note]
@@ -148,14 +148,16 @@ def test_each_id_is_said_to_be_there_once_or_more_often(name: str, tmp_path: Pat
         ("metrica", "the folder lacks the match's EPTS metadata"),
     ],
 )
-def test_what_must_lie_beside_is_named(name: str, lacks: str, tmp_path: Path) -> None:
+def test_a_missing_companion_file_is_named(name: str, lacks: str, tmp_path: Path) -> None:
     path = copied(tmp_path, name)
     (tmp_path / FEEDS[name][1]).unlink()
     with pytest.raises(InputError, match=lacks):
         load_timeline(path)
 
 
-def test_of_several_beside_it_the_one_called_alike_is_taken(tmp_path: Path) -> None:
+def test_of_several_companion_files_the_one_with_the_most_similar_name_is_taken(
+    tmp_path: Path,
+) -> None:
     for match in ("a_001", "b_002"):
         shutil.copy(FILES / "opta_f24.xml", tmp_path / f"{match}_f24.xml")
         shutil.copy(FILES / "opta_f7.xml", tmp_path / f"{match}_f7.xml")
@@ -165,7 +167,7 @@ def test_of_several_beside_it_the_one_called_alike_is_taken(tmp_path: Path) -> N
         load_timeline(tmp_path / "events.xml")
 
 
-def test_a_name_that_is_no_text_is_one_line(tmp_path: Path) -> None:
+def test_a_name_that_is_no_text_gives_a_one_line_error(tmp_path: Path) -> None:
     path = copied(tmp_path, "wyscout v3")
     document = json.loads(path.read_text())
     for player in document["players"].values():
@@ -176,7 +178,9 @@ def test_a_name_that_is_no_text_is_one_line(tmp_path: Path) -> None:
         load_timeline(path)
 
 
-def test_a_missing_kloppy_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_kloppy_gives_a_one_line_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def fail(name: str) -> None:
         raise ImportError(f"No module named '{name}'")
 
@@ -218,7 +222,7 @@ def test_a_file_too_large_for_a_match_is_refused(tmp_path: Path) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.data())
-def test_any_change_of_json_gives_a_timeline_or_one_line(
+def test_any_change_of_json_gives_a_timeline_or_a_one_line_error(
     tmp_path: Path, data: st.DataObject
 ) -> None:
     name = data.draw(st.sampled_from(["datafactory", "wyscout v3"]))
@@ -232,7 +236,7 @@ def test_any_change_of_json_gives_a_timeline_or_one_line(
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.data())
-def test_any_damage_of_xml_gives_a_timeline_or_one_line(
+def test_any_damage_of_xml_gives_a_timeline_or_a_one_line_error(
     tmp_path: Path, data: st.DataObject
 ) -> None:
     name = data.draw(st.sampled_from(["opta", "sportec"]))

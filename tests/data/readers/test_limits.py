@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import data_file, load_timeline, opening, save_timeline
-from overview_dsp.data.readers.data_file import MOST_DEPTH, extent
+from overview_dsp.data.readers.data_file import DEEPEST, extent
 from overview_dsp.data.readers.opening import packing
 from overview_dsp.errors import InputError
 from tests.data.readers.football_files import METRICA, MINUTES, OPENFOOTBALL_TEXT, WYSCOUT_TEXT
@@ -141,13 +141,13 @@ def test_deep_json_is_read_with_the_option(tmp_path: Path) -> None:
     (tmp_path / "x").write_text(text)
     refused(tmp_path / "x", "nested too deep")
     refused(tmp_path / "x", "unknown key 'x'", max_depth=201)
-    for bad in (0, MOST_DEPTH + 1, 2.5, "9", True):
+    for bad in (0, DEEPEST + 1, 2.5, "9", True):
         refused(tmp_path / "x", "max_depth is .*1 to 500", max_depth=bad)
 
 
 def test_the_deepest_allowed_json_does_not_end_the_stack(tmp_path: Path) -> None:
-    (tmp_path / "x").write_text("[" * MOST_DEPTH + "]" * MOST_DEPTH)
-    refused(tmp_path / "x", "a JSON list of 1 entries", max_depth=MOST_DEPTH)
+    (tmp_path / "x").write_text("[" * DEEPEST + "]" * DEEPEST)
+    refused(tmp_path / "x", "a JSON list of 1 entries", max_depth=DEEPEST)
 
 
 def test_brackets_in_text_are_no_depth(tmp_path: Path) -> None:
@@ -271,7 +271,7 @@ def test_a_zip_of_too_many_files_is_refused_by_its_table_of_contents(tmp_path: P
     refused(tmp_path / "z", "ZIP archive of too many files")
 
 
-def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
+def test_an_archive_of_several_files_gives_a_one_line_error(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "z.zip", "w") as archive:
         archive.writestr("a.json", NATIVE)
         archive.writestr("b.json", NATIVE)
@@ -302,7 +302,9 @@ def test_an_archive_of_several_files_is_one_line(tmp_path: Path) -> None:
         (b"7z\xbc\xaf\x27\x1c" + b"x" * 20, "a 7z archive can't be read"),
     ],
 )
-def test_a_damaged_archive_is_one_line(content: bytes, words: str, tmp_path: Path) -> None:
+def test_a_damaged_archive_gives_a_one_line_error(
+    content: bytes, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "a").write_bytes(content)
     refused(tmp_path / "a", f"a: .*{words}")
 
@@ -321,7 +323,7 @@ def test_xz_takes_no_memory_of_its_choice(tmp_path: Path) -> None:
     length=st.integers(0, 30),
     put=st.binary(max_size=8),
 )
-def test_any_change_of_an_archive_gives_a_timeline_or_one_line(
+def test_any_change_of_an_archive_gives_a_timeline_or_a_one_line_error(
     suffix: str, at: int, length: int, put: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     from tests.data.readers.outcome import timeline_or_one_line

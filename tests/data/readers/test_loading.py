@@ -43,16 +43,16 @@ def test_a_file_is_detected_by_its_content_not_by_its_name(name: str, tmp_path: 
         assert load_timeline(str(path)) == load_timeline(path)
 
 
-def test_a_missing_file_is_one_line_that_knows_the_bundled_names(tmp_path: Path) -> None:
+def test_a_missing_file_gives_a_one_line_error_that_knows_the_bundled_names(tmp_path: Path) -> None:
     refused(tmp_path / "no.json", r"no\.json: no such file.*world-cup-final-2018")
     refused("", "no such file")
 
 
-def test_a_folder_is_one_line(tmp_path: Path) -> None:
+def test_a_folder_gives_a_one_line_error(tmp_path: Path) -> None:
     assert refused(tmp_path, "folder") == f"{tmp_path}: is a folder; name a file in it"
 
 
-def test_a_file_as_a_folder_is_one_line(tmp_path: Path) -> None:
+def test_a_file_as_a_folder_gives_a_one_line_error(tmp_path: Path) -> None:
     (tmp_path / "x").write_text("a")
     refused(tmp_path / "x" / "y", "can't be read")
 
@@ -65,11 +65,11 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", ["a\0b", "x" * 5000, None, 3, 3.5, load_timeline])
-def test_what_is_no_path_is_one_line(path: Any) -> None:
+def test_an_invalid_path_gives_a_one_line_error(path: Any) -> None:
     refused(path, "can't be read|is not a path")
 
 
-def test_an_empty_file_is_one_line(tmp_path: Path) -> None:
+def test_an_empty_file_gives_a_one_line_error(tmp_path: Path) -> None:
     (tmp_path / "e.json").write_bytes(b"")
     refused(tmp_path / "e.json", r"e\.json: is empty")
     for blanks in (b"\n \n", b"\xef\xbb\xbf"):
@@ -78,14 +78,14 @@ def test_an_empty_file_is_one_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("start", [b"", b"{", b"[", b"time_s,kind\n", b"\xff\xfe", b"\xef\xbb\xbf"])
-def test_a_megabyte_of_noise_is_one_line(start: bytes, tmp_path: Path) -> None:
+def test_a_megabyte_of_noise_gives_a_one_line_error(start: bytes, tmp_path: Path) -> None:
     noise = np.random.default_rng(1).bytes(1_000_000)
     (tmp_path / "noise").write_bytes(start + noise)
     text = refused(tmp_path / "noise", r"noise: binary data, not a format that can be read")
     assert "\nnearest: " in text
 
 
-def test_noise_after_a_long_good_start_is_one_line(tmp_path: Path) -> None:
+def test_noise_after_a_long_good_start_gives_a_one_line_error(tmp_path: Path) -> None:
     (tmp_path / "n").write_bytes(b"time_s,kind\n" + b"1,a\n" * 20_000 + b"\xff\x00")
     refused(tmp_path / "n", r"n: byte 80012 isn't utf-8 text")
     (tmp_path / "n").write_bytes(b"[" + b" " * 70_000 + b"\xff")
@@ -143,7 +143,7 @@ def test_lists_that_are_not_utf8_are_read_as_windows_writes_them(
     assert "the file isn't UTF-8; read as Windows-1252" in timeline.notes
 
 
-def test_json_that_is_not_utf8_is_one_line(tmp_path: Path) -> None:
+def test_json_that_is_not_utf8_gives_a_one_line_error(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes('[{"time": 1, "event": "Müller"}]'.encode("cp1252"))
     refused(tmp_path / "x", "text that isn't UTF-8 .save it as UTF-8.")
 
@@ -180,7 +180,7 @@ def test_cut_off_json_of_any_shape_is_named_with_line_and_column(
     refused(tmp_path / "x", r"x: broken JSON at line 1, column \d+ .*cut off")
 
 
-def test_a_file_without_permission_is_one_line(
+def test_a_file_without_permission_gives_a_one_line_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "locked"
@@ -228,7 +228,7 @@ def test_a_duration_is_taken_only_by_formats_that_lack_one(tmp_path: Path) -> No
         refused(tmp_path / "x", "duration_s is", duration_s=bad)
 
 
-def test_a_format_more_is_one_entry_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_new_format_needs_only_one_entry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def read(found: data_file.DataFile, options: data_file.LoadOptions) -> Any:
         return loading.bundled_timeline()
 

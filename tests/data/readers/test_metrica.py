@@ -53,7 +53,7 @@ def test_a_goal_without_a_shot_is_an_own_goal_of_the_team_that_kicks_off_next() 
     assert (3498.8, "2-0 Player5") in found(crossed, "goal")
 
 
-def test_a_row_given_twice_is_left_out_and_said() -> None:
+def test_a_row_given_twice_is_left_out_and_noted() -> None:
     lines = METRICA.splitlines()
     goal = next(i for i, line in enumerate(lines) if ",91.56," in line and "GOAL" in line)
     again = decode("\n".join([*lines[: goal + 1], lines[goal], *lines[goal + 1 :]]))
@@ -61,7 +61,7 @@ def test_a_row_given_twice_is_left_out_and_said() -> None:
     assert again.notes == (f"line {goal + 2} repeats line {goal + 1}: omitted",)
 
 
-def test_a_penalty_long_after_it_was_set_is_none() -> None:
+def test_a_shot_long_after_the_award_of_a_penalty_is_not_a_penalty() -> None:
     late = METRICA.replace("PENALTY,2,1,4000,", "PENALTY,2,1,3960,")
     assert (4000.0, "1-2 Player8") in found(late, "goal")
 
@@ -127,7 +127,7 @@ def test_a_wrong_row_is_named(before: str, after: str, words: str) -> None:
 
 
 @given(st.integers(0, len(METRICA)), st.integers(0, 80), st.text(max_size=6))
-def test_any_change_gives_a_timeline_or_one_line(at: int, length: int, put: str) -> None:
+def test_any_change_gives_a_timeline_or_a_one_line_error(at: int, length: int, put: str) -> None:
     timeline_or_one_line(lambda: decode(METRICA[:at] + put + METRICA[at + length :]))
 
 

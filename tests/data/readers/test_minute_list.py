@@ -90,7 +90,7 @@ def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path:
         st.sampled_from(("45+2", "goal", "x", "", "1", "TRUE", '"', "2014-01-01")), max_size=12
     ),
 )
-def test_any_header_of_known_columns_gives_a_timeline_or_one_line(
+def test_any_header_of_known_columns_gives_a_timeline_or_a_one_line_error(
     names: list[str], cells: list[str], tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     path = tmp_path_factory.mktemp("h") / "x"
@@ -281,7 +281,7 @@ def test_minutes_are_parsed(text: str, minute: Minute) -> None:
     "text",
     ["", "x", "-1", "1.5", "12:60", "999", "90+99", "٣", "1e2", "9" * 9],
 )
-def test_what_is_no_minute_is_one_line(text: str) -> None:
+def test_an_invalid_minute_gives_a_one_line_error(text: str) -> None:
     with pytest.raises(InputError, match=r"^line 3: .*minute"):
         parse_minute(text, "line 3")
 
@@ -362,7 +362,7 @@ def test_a_wrong_row_is_named(text: str, words: str) -> None:
     st.text(max_size=6),
     st.sampled_from((None, "1", "Northport")),
 )
-def test_any_change_gives_a_timeline_or_one_line(
+def test_any_change_gives_a_timeline_or_a_one_line_error(
     text: str, at: int, length: int, put: str, match: str | None
 ) -> None:
     timeline_or_one_line(lambda: decode(text[:at] + put + text[at + length :], match))

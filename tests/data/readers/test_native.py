@@ -67,19 +67,19 @@ def test_a_saved_file_can_be_read_by_a_person() -> None:
     ]
 
 
-def test_why_a_gap_is_one_is_kept(tmp_path: Path) -> None:
+def test_the_reason_of_a_gap_is_saved_and_loaded(tmp_path: Path) -> None:
     timeline = decode({**SMALL, "gap_reasons": ["the lead is off"]})
     assert timeline.gap_reasons == ("the lead is off",)
     save_timeline(timeline, tmp_path / "t.json")
     assert load_timeline(tmp_path / "t.json") == timeline
 
 
-def test_saving_where_one_cannot_is_one_line(tmp_path: Path) -> None:
+def test_saving_where_one_cannot_gives_a_one_line_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="can't be written"):
         save_timeline(decode(SMALL), tmp_path / "nowhere" / "t.json")
 
 
-def test_every_key_is_understood() -> None:
+def test_every_key_of_the_native_format_is_read() -> None:
     timeline = decode(SMALL)
     assert timeline == Timeline(
         "Home 1-0 Away",
@@ -182,7 +182,7 @@ def test_a_wrong_key_or_type_is_named_with_file_and_place(
         ('"Home 1-0 Away"', "{" + '"a":{' * 50_000, "nested too deep"),
     ],
 )
-def test_a_hostile_value_is_one_printable_line(
+def test_a_hostile_value_gives_a_printable_one_line_error(
     old: str, new: str, words: str, tmp_path: Path
 ) -> None:
     text = json.dumps(SMALL)
@@ -234,7 +234,9 @@ JSON = st.recursive(
     ),
     JSON,
 )
-def test_any_value_anywhere_gives_a_timeline_or_one_line(path: tuple[Any, ...], new: Any) -> None:
+def test_any_value_anywhere_gives_a_timeline_or_a_one_line_error(
+    path: tuple[Any, ...], new: Any
+) -> None:
     document = json.loads(json.dumps(SMALL))
     inside = document
     for step in path[:-1]:

@@ -73,7 +73,7 @@ def test_extra_time_is_laid_out_and_a_shoot_out_left_out_and_noted() -> None:
 def test_goals_that_do_not_make_the_score_are_noted() -> None:
     timeline = decode(openfootball(fixture(score={"ft": [3, 1]})))
     assert timeline.title.startswith("Northport 3-1 Sudbury")
-    assert any("has the final score 3-1, but goals for 2-1" in note for note in timeline.notes)
+    assert any("has the final score 3-1, but its goals make 2-1" in note for note in timeline.notes)
 
 
 def test_a_match_without_goals_is_a_match_without_goals() -> None:
@@ -127,7 +127,9 @@ def test_a_match_is_chosen_by_number_or_words(match: str, teams: str) -> None:
         (" - ", "match is .*must be a number, 1 to 4, or words"),
     ],
 )
-def test_no_or_an_unclear_choice_is_one_line(match: str | None, words: str, tmp_path: Path) -> None:
+def test_no_or_an_unclear_choice_gives_a_one_line_error(
+    match: str | None, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "cup.json").write_text(json.dumps(CUP))
     with pytest.raises(InputError, match=rf"cup\.json: {words}"):
         load_timeline(tmp_path / "cup.json", match=match)
@@ -163,7 +165,7 @@ def test_a_wrong_goal_is_named(goal: Any, words: str) -> None:
 
 
 @given(st.data())
-def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
+def test_any_change_gives_a_timeline_or_a_one_line_error(data: st.DataObject) -> None:
     document = mutated(data, copy.deepcopy(openfootball(fixture())))
     timeline_or_one_line(lambda: decode(document))
 
@@ -178,7 +180,7 @@ def test_every_match_of_the_real_cup_is_read(data_folder: Path) -> None:
     penalties = stoppage = 0
     for number in range(1, 65):
         timeline = decode(document, str(number))
-        assert not any("but goals for" in note for note in timeline.notes), timeline.title
+        assert not any("but its goals make" in note for note in timeline.notes), timeline.title
         for event in timeline.events:
             if event.kind in counts:
                 counts[event.kind] += 1

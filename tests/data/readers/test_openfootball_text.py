@@ -78,7 +78,7 @@ def test_goals_are_at_their_minutes_for_their_team(cup: Path) -> None:
         "3-3 Chico 90+4'",
     ]
     assert any(
-        "the file has the final score 4-2, but goals for 3-3" in note for note in final.notes
+        "the file has the final score 4-2, but its goals make 3-3" in note for note in final.notes
     )
 
 
@@ -93,7 +93,7 @@ def test_extra_time_shoot_outs_and_goals_of_the_second_team_alone(cup: Path) -> 
     assert [label for _, label in told(load_timeline(cup, match="3"))] == ["0-1 Sponsz 105+1'"]
 
 
-def test_it_is_the_match_that_the_json_has(cup: Path) -> None:
+def test_football_txt_and_json_give_the_same_match(cup: Path) -> None:
     goal: dict[str, Any] = {"name": "Ada Berg", "minute": 7}
     document = {
         "name": "Made-up Cup 2031",
@@ -155,7 +155,7 @@ def test_a_match_without_any_goal_is_whole(tmp_path: Path) -> None:
         "time,event\n1,it's\n",
     ],
 )
-def test_other_texts_are_none(text: str, tmp_path: Path) -> None:
+def test_other_texts_are_not_detected_as_football_txt(text: str, tmp_path: Path) -> None:
     (tmp_path / "x.txt").write_text(text)
     if "letter" not in text:
         assert not openfootball.sniff_text(DataFile.open(tmp_path / "x.txt"))
@@ -163,6 +163,6 @@ def test_other_texts_are_none(text: str, tmp_path: Path) -> None:
 
 
 @given(st.integers(0, len(CUP) - 1), st.text(max_size=4), st.integers(0, 9))
-def test_any_change_gives_a_timeline_or_one_line(at: int, put: str, cut: int) -> None:
+def test_any_change_gives_a_timeline_or_a_one_line_error(at: int, put: str, cut: int) -> None:
     text = CUP[:at] + put + CUP[at + cut :]
     timeline_or_one_line(lambda: openfootball.decode(openfootball.document_of(text), "1"))

@@ -77,27 +77,29 @@ def test_the_guide_names_the_group_that_is_looked_up() -> None:
     assert f'[project.entry-points."{GROUP}"]' in guide.read_text(encoding="utf-8")
 
 
-def test_options_it_does_not_take_are_refused(install: Install, walk: Path) -> None:
+def test_an_option_that_a_package_reader_does_not_take_is_refused(
+    install: Install, walk: Path
+) -> None:
     install(STEPS)
     with pytest.raises(InputError, match=r"walk.txt: steps .*: value does not apply"):
         load_timeline(walk, value="x")
 
 
-def test_it_is_listed_before_the_formats_of_this_package(install: Install) -> None:
+def test_a_package_format_is_listed_before_the_own_formats(install: Install) -> None:
     install(STEPS)
     listed = overview("timeline", "formats").out.splitlines()
     assert listed[0].startswith("steps (STEPS, then")
     assert len(listed) == len(FORMATS) + 2
 
 
-def test_its_own_refusal_is_the_line_that_is_shown(install: Install, walk: Path) -> None:
+def test_the_error_of_a_package_reader_is_shown_as_it_is(install: Install, walk: Path) -> None:
     install(STEPS)
     walk.write_text("STEPS\n")
     with pytest.raises(InputError, match=r"walk\.txt: no step in it$"):
         load_timeline(walk)
 
 
-def test_compressed_files_are_unpacked_for_it(install: Install, walk: Path) -> None:
+def test_compressed_files_are_unpacked_for_a_package_reader(install: Install, walk: Path) -> None:
     import gzip
 
     install(STEPS)
@@ -113,7 +115,7 @@ def test_compressed_files_are_unpacked_for_it(install: Install, walk: Path) -> N
         ("return ov.Timeline(", "return (", "gave a tuple, not a Timeline"),
     ],
 )
-def test_a_faulty_reader_is_one_line(
+def test_a_faulty_reader_gives_a_one_line_error(
     changed: str, to: str, words: str, install: Install, walk: Path
 ) -> None:
     install(STEPS.replace(changed, to))
@@ -127,7 +129,7 @@ def test_a_faulty_reader_is_one_line(
     [
         ("import nothing_of_this_name", "can't be loaded .ModuleNotFoundError"),
         ("name = 'x'\ndef sniff(head): return True", "has no read"),
-        (STEPS.replace('("rate",)', '("speed",)'), "can't be loaded .*options speed; known are"),
+        (STEPS.replace('("rate",)', '("speed",)'), "can't be loaded .*unknown: speed; known: "),
         (STEPS.replace("return head.startswith", "return head.begins"), "failed to look at a file"),
     ],
 )

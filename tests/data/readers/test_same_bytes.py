@@ -17,7 +17,7 @@ from overview_dsp.data.readers.events import event_table
 from overview_dsp.data.readers.football import minute_list
 from overview_dsp.data.readers.formats import FORMATS
 from overview_dsp.data.readers.tables.delimited import DelimitedTable, records
-from overview_dsp.data.readers.tables.dialect import detect, headed
+from overview_dsp.data.readers.tables.dialect import detect, header_dialect
 from overview_dsp.errors import InputError
 
 KINDS = st.sampled_from(("goal", "foul", "yellow_card", "lunch", "walk"))
@@ -130,7 +130,7 @@ def test_a_dialect_found_or_known_by_its_header_holds_the_same_cells(rows, way):
     assert [tuple(fields.values()) for _, fields in whole] == [
         tuple(cell.strip() for cell in cells) for cells in streamed
     ]
-    known = headed(content.decode("utf-8-sig"))
+    known = header_dialect(content.decode("utf-8-sig"))
     assert known is not None
     assert (known.separator, known.first) == (dialect.separator, dialect.first)
 

@@ -387,7 +387,7 @@ VALUES = st.one_of(
 
 
 @given(st.data())
-def test_any_change_of_a_match_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
+def test_any_change_of_a_match_gives_a_timeline_or_a_one_line_error(data: st.DataObject) -> None:
     document: Any = copy.deepcopy(FULL)
     for _ in range(data.draw(st.integers(1, 4))):
         inside: Any = document

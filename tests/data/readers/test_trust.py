@@ -199,14 +199,16 @@ def test_a_list_without_footballs_words_is_no_match(tmp_path: Path) -> None:
     assert best_preset(match.kinds()) == "football"
 
 
-def test_an_event_id_that_is_there_twice_is_said(tmp_path: Path) -> None:
+def test_an_event_id_that_is_there_twice_is_noted(tmp_path: Path) -> None:
     rows = "id,time,event\na1,0:10,start\na1,0:20,stop\na2,0:30,start\n"
     timeline = load_timeline(write(tmp_path, rows))
     assert len(timeline.events) == 3
     assert any("event ids occur more than once: 'a1'" in note for note in timeline.notes)
 
 
-def test_a_statsbomb_id_that_is_there_twice_is_said(statsbomb_folder: Path, tmp_path: Path) -> None:
+def test_a_statsbomb_id_that_is_there_twice_is_noted(
+    statsbomb_folder: Path, tmp_path: Path
+) -> None:
     records = json.loads((statsbomb_folder / "69321.json").read_bytes())
     shot = next(r for r in records if r["type"]["name"] == "Shot")
     path = write(tmp_path, json.dumps([*records, shot]), "m.json")

@@ -119,11 +119,11 @@ def test_a_companion_whose_score_differs_is_noted(tmp_path: Path) -> None:
     write(tmp_path, [other], "matches.json")
     timeline = load_timeline(write(tmp_path, wyscout_match()))
     assert timeline.title.startswith("Northport City 4-3 Sudbury")
-    assert any("has the final score 4-3, but goals for 1-3" in note for note in timeline.notes)
+    assert any("has the final score 4-3, but its goals make 1-3" in note for note in timeline.notes)
 
 
 @pytest.mark.parametrize("content", ["{", "[1]", "{}", '[{"wyId": 2499773}]', "\x00", "hello"])
-def test_a_broken_companion_is_no_obstacle(content: str, tmp_path: Path) -> None:
+def test_a_broken_companion_does_not_stop_the_reader(content: str, tmp_path: Path) -> None:
     (tmp_path / "matches.json").write_text(content)
     timeline = load_timeline(write(tmp_path, wyscout_match()))
     assert timeline.kinds()["goal"] == 3
@@ -183,7 +183,7 @@ def test_a_goal_tagged_twice_counts_once() -> None:
     assert any("event 23 repeats the goal of event 3" in note for note in timeline.notes)
 
 
-def test_an_id_of_several_events_is_said() -> None:
+def test_an_id_of_several_events_is_noted() -> None:
     events = wyscout_match()
     words = "event ids occur more than once"
     assert not any(words in note for note in decode(events).notes)
@@ -193,7 +193,7 @@ def test_an_id_of_several_events_is_said() -> None:
 
 
 @given(st.data())
-def test_any_change_gives_a_timeline_or_one_line(data: st.DataObject) -> None:
+def test_any_change_gives_a_timeline_or_a_one_line_error(data: st.DataObject) -> None:
     document = mutated(data, {"events": copy.deepcopy(wyscout_match()), "teams": {}, "players": {}})
     timeline_or_one_line(lambda: decode(document))
 

@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets import library
-from overview_dsp.measure.perceived_level import STEP_DB
+from overview_dsp.measure.perceived_level import JND_DB
 from tests.feel.curves import steps_of
 
 FOLDER = library.LIBRARY.bundled_folder
@@ -144,11 +144,11 @@ SENTENCES = {
         longest(name, "goal") > 4.0 * longest("football", "goal")
     ),
     ("football-discreet", "hardly a hum, the crowd not at all"): lambda name: (
-        abs(crowd_db(name)) < 0.3 and quieter(name, "football", "event_free_db", 2.0 * STEP_DB)
+        abs(crowd_db(name)) < 0.3 and quieter(name, "football", "event_free_db", 2.0 * JND_DB)
     ),
     ("football-discreet", "light taps for what matters and a firm one for a goal"): lambda name: (
         all(
-            found["goal"] > max(found["yellow_card"], found["foul"]) + STEP_DB
+            found["goal"] > max(found["yellow_card"], found["foul"]) + JND_DB
             for found in each_stroke(name, "level_db")
         )
     ),
@@ -185,7 +185,7 @@ SENTENCES = {
             for other in ov.bundled_presets()
             if other != name
         )
-        - STEP_DB
+        - JND_DB
     ),
     # --- what an observer tells of the others
     (
@@ -276,7 +276,7 @@ def gaps(name, order):
     for stroke in feel(name)["strokes"]:
         level = {kind["kind"]: kind["level_db"] for kind in stroke["kinds"]}
         pairs = itertools.pairwise(order)
-        found[stroke["name"]] = [(level[one] - level[other]) / STEP_DB for one, other in pairs]
+        found[stroke["name"]] = [(level[one] - level[other]) / JND_DB for one, other in pairs]
     return found
 
 

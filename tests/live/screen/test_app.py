@@ -145,7 +145,7 @@ def test_keys_that_come_faster_than_the_screen_all_count(player):
     drive(player, script)
 
 
-def test_brackets_go_from_event_to_event(player):
+def test_bracket_keys_move_from_event_to_event(player):
     async def script(app, pilot):
         await pilot.press("right_square_bracket")
         first = player.engine.surface.position[0]
@@ -206,7 +206,7 @@ def test_mutes_silence_what_they_name(player):
 
 
 @pytest.mark.parametrize("size", [(20, 8), (80, 24), (200, 50)])
-def test_it_fits_any_terminal_and_shows_the_finger_and_the_disk(player, size):
+def test_the_timeline_fits_any_terminal_and_shows_finger_and_disk(player, size):
     async def script(app, pilot):
         player.touch(1.0)
         await until(pilot, lambda: cursor(player) > 0.99)
@@ -306,7 +306,7 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
     run(inside())
 
 
-def test_a_message_goes_when_it_was_read(player, monkeypatch):
+def test_a_message_disappears_after_its_time(player, monkeypatch):
     monkeypatch.setattr(app_module, "MESSAGE_S", 0.5)
 
     async def inside():
@@ -335,7 +335,7 @@ def test_the_load_of_the_callbacks_is_on_the_screen(player):
 
 
 @pytest.mark.parametrize("size", [(80, 24), (200, 60)])
-def test_what_is_felt_goes_by_beside_the_timeline_and_the_marks_are_explained(player, size):
+def test_the_trace_scrolls_beside_the_timeline_and_its_marks_are_explained(player, size):
     async def script(app, pilot):
         trace = app.query_one(TraceView)
 

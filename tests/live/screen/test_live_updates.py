@@ -12,7 +12,7 @@ from overview_dsp.live.session.presets import PresetWatch
 from tests.live.screen.test_app import run
 
 
-def test_it_says_how_far_the_data_reach_and_what_is_new():
+def test_the_screen_shows_how_far_live_data_reach_and_new_events():
     live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
     live.append(events=[ov.Event(300.0, "foul")], clock_s=800.0)
 

@@ -49,7 +49,7 @@ def test_a_burst_is_noticed_where_it_is_with_its_level_rise_and_duration():
     assert one["next_db"] == one["last_db"] == -30.0
 
 
-def test_a_rise_of_less_than_a_step_is_not_noticed_and_one_of_more_is():
+def test_a_rise_is_an_onset_only_above_one_jnd():
     assert not len(
         stroke_features(signal([(0.5, QUIET_DB + 1.5, 60.0)]), RATE, ["touch"])["touch"].at_ms
     )
@@ -107,7 +107,7 @@ def test_a_click_has_its_level_its_pitch_and_its_decay():
         assert one["click_decay_ms"] == pytest.approx(10.4, abs=3.0)
 
 
-def test_both_is_what_is_felt_with_its_click_and_what_is_only_heard():
+def test_the_modality_both_has_felt_onsets_with_clicks_and_heard_onsets():
     samples = signal([(0.3, -20.0, 20.0)], [(0.31, -20.0), (0.9, -20.0)])
     found = stroke_features(samples, RATE, ["touch", "sound", "both"])
     assert [len(one.at_ms) for one in found.values()] == [1, 2, 2]
@@ -161,7 +161,7 @@ def test_each_feature_is_blurred_by_what_a_person_cannot_know_better(name, value
     assert np.array_equal(features, before)
 
 
-def test_a_neighbour_that_is_not_there_stays_away():
+def test_noise_does_not_change_features_of_a_missing_neighbour():
     names = TOUCH_FEATURES
     features = np.zeros((100, len(names)))
     features[:, names.index("next_db")] = -30.0

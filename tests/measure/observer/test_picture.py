@@ -20,7 +20,7 @@ def report(strokes=("1 s", "recoil", "tap"), modalities=("touch", "sound")):
     return ObserverReport("football", "steady", 120, (SetScores("random timelines", 40, found),))
 
 
-def test_each_stroke_and_modality_has_its_matrix_in_hundredths_of_the_kinds_that_were_met():
+def test_each_stroke_and_modality_has_a_matrix_in_per_cent_of_the_passed_kinds():
     figure = plot_observer(report())
     assert [axes.get_title().partition(":")[0] for axes in figure.axes] == [
         f"{stroke}, {modality}"
@@ -40,7 +40,7 @@ def test_each_stroke_and_modality_has_its_matrix_in_hundredths_of_the_kinds_that
 @pytest.mark.parametrize(
     "what", [{}, {"strokes": ("mixed",), "modalities": ("touch",)}], ids=["many", "one"]
 )
-def test_its_words_are_where_they_can_be_read(what):
+def test_the_labels_of_the_picture_do_not_overlap(what):
     figure = plot_observer(report(**what))
     figure.canvas.draw()
     width, height = figure.canvas.get_width_height()

@@ -39,7 +39,7 @@ def test_of_several_events_the_one_with_the_strongest_profile_has_the_onset():
     assert rows_of_onsets(np.array([110]), there).tolist() == [1]
 
 
-def test_no_event_owns_nothing():
+def test_no_onset_has_an_event_without_events():
     none = PassedEvents(np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0))
     assert rows_of_onsets(np.array([5, 9]), none).tolist() == [-1, -1]
 
@@ -58,7 +58,7 @@ def test_a_fouls_strength_is_its_own_even_on_top_of_a_goal(football):
     assert found[0]["goal"] > 5.0 * found[0]["foul"]
 
 
-def test_an_event_is_met_each_time_that_the_disk_passes_it(football):
+def test_an_event_has_a_row_for_each_time_that_the_disk_passes_it(football):
     timeline = ov.Timeline("", 100.0, (ov.Event(50.0, "goal"),))
     surface = ov.build_surface(timeline, football)
     corners = np.array([0.0, 1.0, 2.0, 4.0])  # s; so fine that no step leaps over a goal
@@ -104,7 +104,7 @@ def test_recall_counts_events_and_precision_counts_reports():
     assert scores.confusion.tolist() == [[1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 1, 1], [1, 0, 0, 0]]
 
 
-def test_an_event_with_several_onsets_is_told_if_one_is():
+def test_an_event_with_several_onsets_is_recognised_if_one_is():
     rows = [(GOAL, 100, 200, 9.0)]
     assert counted([110, 150], [CARD, GOAL], rows).recall[GOAL] == 1.0
     wrong = counted([110, 150], [NOTHING, CARD], rows)
@@ -118,7 +118,7 @@ def test_reports_of_one_event_within_120_ms_are_one_and_others_are_not():
     assert counted([110, 150], [GOAL] * 2, rows, owner=[0, -1]).reports[GOAL] == 2
 
 
-def test_what_is_taken_for_nothing_is_no_report():
+def test_an_onset_answered_with_nothing_is_not_a_report():
     scores = counted([100, 600], [NOTHING, NOTHING], [(FOUL, 95, 105, 1.0)])
     assert scores.reports.sum() == 0
     assert scores.confusion[FOUL].tolist() == [0, 0, 0, 1]
@@ -130,7 +130,7 @@ def test_a_group_counts_what_any_of_its_kinds_was_taken_for():
     assert tally.scores(1).recall[0] == 1.0
 
 
-def test_football_is_asked_for_goals_cards_and_minor_things_and_other_kinds_for_themselves():
+def test_kinds_of_football_form_groups_and_other_kinds_stay_single():
     groups = groups_of(("default", "goal", "own_goal", "red_card", "yellow_card", "foul"))
     assert groups == ("minor", "goal", "goal", "card", "card", "minor")
     assert groups_of(("strong", "light")) == ("strong", "light")

@@ -22,21 +22,21 @@ def trained(points, classes, seed=0, weights=None):
     return fit_forest(points, classes, weights, np.random.default_rng(seed))
 
 
-def test_it_comes_near_the_best_possible_answer():
+def test_a_forest_is_nearly_as_accurate_as_the_best_classifier():
     forest = trained(*clouds(4000, 2.0, seed=1))
     points, classes = clouds(4000, 2.0, seed=2)
     # half the distance: a normal deviate of 1 is below it in 84.1 % of cases
     assert np.mean(forest.predict(points) == classes) == pytest.approx(0.841, abs=0.025)
 
 
-def test_it_asks_about_what_matters():
+def test_a_forest_finds_the_informative_features():
     forest = trained(*clouds(2000, 3.0, seed=1, features=24))
     points, classes = clouds(2000, 3.0, seed=2, features=24)
     # at its best 93.3 %: a normal deviate of 1.5
     assert np.mean(forest.predict(points) == classes) > 0.90
 
 
-def test_it_learns_what_no_single_question_tells():
+def test_a_forest_learns_a_class_that_no_single_split_separates():
     rng = np.random.default_rng(0)
     points = rng.uniform(-1.0, 1.0, (3000, 2))
     classes = (points[:, 0] * points[:, 1] > 0.0).astype(np.int64)
@@ -44,7 +44,7 @@ def test_it_learns_what_no_single_question_tells():
     assert np.mean(forest.predict(points[2000:]) == classes[2000:]) > 0.93
 
 
-def test_it_tells_many_classes_and_never_one_that_it_has_not_met():
+def test_a_forest_separates_many_classes_and_predicts_no_unseen_one():
     rng = np.random.default_rng(0)
     classes = rng.choice([0, 2, 3, 6], 2000)
     points = rng.normal(classes[:, None] * [1.0, -1.0, 0.0], 0.2)
@@ -90,5 +90,5 @@ def test_equal_samples_of_different_classes_give_their_shares():
     assert np.allclose(shares, [[0.25, 0.75]])
 
 
-def test_nobody_to_judge_is_no_fault():
+def test_a_forest_predicts_no_classes_for_no_samples():
     assert trained(*clouds(50, 1.0, seed=1)).predict(np.zeros((0, 4))).shape == (0,)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.library import bundled_presets
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.perceived_level import STEP_DB, stroke_feel, strokes, window_db
+from overview_dsp.measure.perceived_level import JND_DB, stroke_feel, strokes, window_db
 from overview_dsp.offline.plots.strokes import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.signal.surface.gaps import GROOVE, MIN_GAP_CELLS, ribs
@@ -87,7 +87,7 @@ def test_a_gaps_grooves_are_felt_below_the_bare_surface_and_its_ribs_above(felt,
     bare = np.median(levels(felt[case], BASE))
     gap = levels(felt[case], GAP)
     assert np.percentile(gap, 5) <= max(bare - JUST_NOTICEABLE_DB, SILENT_DB)
-    assert np.percentile(gap, 95) >= bare + STEP_DB
+    assert np.percentile(gap, 95) >= bare + JND_DB
 
 
 @pytest.mark.parametrize("case", CASES)

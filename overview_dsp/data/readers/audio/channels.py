@@ -6,10 +6,10 @@ the side, 0 for low-frequency effects, 1 for all others.
 
 from __future__ import annotations
 
-SIDE = 1.41
+SIDE_WEIGHT = 1.41
 """Weight of the power of a side speaker."""
 
-# names of libsndfile; "Lr" and "Rr" are the rear speakers of 7.1, beyond 120 degrees
+# usual speakers by number of channels; "Lr", "Rr": rear speakers of 7.1, beyond 120 degrees
 _LAYOUTS: dict[int, tuple[str, ...]] = {
     1: ("M",),
     2: ("L", "R"),
@@ -28,7 +28,7 @@ _XIPH_LAYOUTS: dict[int, tuple[str, ...]] = {
     7: ("L", "C", "R", "Ls", "Rs", "Cs", "LFE"),
     8: ("L", "C", "R", "Ls", "Rs", "Lr", "Rr", "LFE"),
 }
-_WEIGHTS = {"LFE": 0.0, "Ls": SIDE, "Rs": SIDE}
+_WEIGHTS = {"LFE": 0.0, "Ls": SIDE_WEIGHT, "Rs": SIDE_WEIGHT}
 
 # bits of the channel mask in a WAVE header for speakers with a weight other than 1
 _MASK_LFE = 0x8
@@ -58,4 +58,4 @@ def weights_of_mask(mask: int, channels: int) -> tuple[float, ...] | None:
     if len(bits) != channels:
         return None
     side = _MASK_SIDE if any(bit in _MASK_SIDE for bit in bits) else _MASK_BACK
-    return tuple(0.0 if bit == _MASK_LFE else SIDE if bit in side else 1.0 for bit in bits)
+    return tuple(0.0 if bit == _MASK_LFE else SIDE_WEIGHT if bit in side else 1.0 for bit in bits)

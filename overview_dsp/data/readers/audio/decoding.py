@@ -17,8 +17,8 @@ from overview_dsp.data.readers.audio.channels import layout_of, weights_of, weig
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.errors import InputError
 
-_V1, _V2, _V25 = 3, 2, 0
-_L1, _L2, _L3 = 3, 2, 1
+_V1, _V2, _V25 = 3, 2, 0  # codes of MPEG versions 1, 2 and 2.5 in the header of a frame
+_L1, _L2, _L3 = 3, 2, 1  # codes of MPEG layers
 _RATES = {
     _V1: (44_100, 48_000, 32_000),
     _V2: (22_050, 24_000, 16_000),
@@ -61,7 +61,7 @@ def begins_with_frames(head: bytes) -> bool:
     return same and head[2] & 0x0C == following[2] & 0x0C
 
 
-def frames_of(data: mmap.mmap) -> tuple[float, bool]:
+def mpeg_duration(data: mmap.mmap) -> tuple[float, bool]:
     """Return the duration of all MPEG frames, s, and whether the last one is complete.
 
     Returns (0, True) if other data are between the frames.
@@ -118,7 +118,7 @@ _SUPPORTED = (
 _UNMARKED = frozenset(
     {"htk", "mpc2k", "sds", "sd2", "sf", "ircam", "xi", "wve", "paf", "pvf", "avr"}
 )
-_CUT = re.compile(r"^\s*(\S[^:\n]*?)\s*: (\d+) \(should be (\d+)\)", re.MULTILINE)
+_TRUNCATED = re.compile(r"^\s*(\S[^:\n]*?)\s*: (\d+) \(should be (\d+)\)", re.MULTILINE)
 _MASK = re.compile(r"^\s*Channel Mask\s*: 0x([0-9A-F]+)", re.MULTILINE)
 # the chunks with the samples; for W64 and RF64 libsndfile reports only the size of the file
 _SAMPLE_CHUNKS = {"data", "SSND", "Data Size"}
@@ -267,9 +267,9 @@ def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recordin
         raise InputError(f"{where}: the audio file has no samples; {_repair(where)}")
     if rate < MIN_RATE or rate * channels > MAX_SAMPLES_PER_S:
         raise InputError(
-            f"{where}: {_count(channels)} at {rate} Hz; must be at least {MIN_RATE} Hz and at most "
-            f"{MAX_SAMPLES_PER_S} samples per second, all channels together: resample the file or "
-            "reduce its channels"
+            f"{where}: {_channels(channels)} at {rate} Hz; must be at least {MIN_RATE} Hz and at "
+            f"most {MAX_SAMPLES_PER_S} samples per second, all channels together: resample the "
+            "file or reduce its channels"
         )
     limit = max_mb if max_mb is not None else float(MAX_DECODED_MB)
     size = frames * channels * 2 / 2**20
@@ -288,18 +288,18 @@ def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recordin
             notes.append(f"the {channels} channels were read as {speakers}")
     if not any(weights):
         weights = (1.0,) * channels  # a single LFE channel would have no loudness
-    kind = f"{file.format} {file.subtype}, {_count(channels)}, {rate} Hz"
+    kind = f"{file.format} {file.subtype}, {_channels(channels)}, {rate} Hz"
     return Recording(where, rate, frames, weights, kind, tuple(notes), file)
 
 
 def _length_notes(source: DataFile, file: Any, log: str) -> Iterator[str]:
     """Yield notes about an uncertain length; InputError if the end of the sound is missing."""
     chunks = {*_SAMPLE_CHUNKS, _FILE_CHUNKS.get(file.format, "data")}
-    for name, expected, actual in _CUT.findall(log):
+    for name, expected, actual in _TRUNCATED.findall(log):
         if name not in chunks or int(expected) <= int(actual):
             continue
         if _UNKNOWN_FROM <= int(expected) < 2**32:
-            yield "its header has no length; it was read to the end of the file"
+            yield "its header has no length; the sound was read to the end of the file"
             continue
         part = int(actual) / int(expected)
         raise InputError(
@@ -318,9 +318,9 @@ def _mpeg_notes(source: DataFile, file: Any) -> Iterator[str]:
         open(source.path, "rb") as stream,
         mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data,
     ):
-        seconds, whole = frames_of(data)
+        seconds, whole = mpeg_duration(data)
     if not whole:
-        yield "its last frame is incomplete: it may be truncated"
+        yield "its last frame is incomplete: the file may be truncated"
     read_s = file.frames / file.samplerate
     if seconds > 1.0 + 1.01 * read_s:
         yield (
@@ -338,7 +338,7 @@ def _ogg_ends(source: DataFile) -> bool:
 
 
 def _unsupported(source: DataFile) -> str | None:
-    """Return the name of an audio or video format that libsndfile cannot open; else None."""
+    """Return the name of a known audio or video format that libsndfile cannot open, or None."""
     return next((name for mark, offset, name in _UNSUPPORTED if _has(source, mark, offset)), None)
 
 
@@ -360,5 +360,5 @@ def _quoted(name: str) -> str:
     return f"'{name}'" if " " in name else name
 
 
-def _count(channels: int) -> str:
+def _channels(channels: int) -> str:
     return {1: "mono", 2: "stereo"}.get(channels, f"{channels} channels")

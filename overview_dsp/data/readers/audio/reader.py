@@ -89,11 +89,11 @@ def timeline_of(
     rate = steps.sample_rate
     gaps = tuple((first / rate, end / rate) for first, end in steps.missing)
     integrated = steps.integrated()
-    second = steps.loudness(cheers.WINDOW_STEPS)
-    second[in_gap(gaps, time_s)] = np.nan
-    if np.isnan(second).all():
+    loudness_1s = steps.loudness(cheers.WINDOW_STEPS)
+    loudness_1s[in_gap(gaps, time_s)] = np.nan
+    if np.isnan(loudness_1s).all():
         raise InputError("no sample is a number; record the sound again")
-    above = cheers.excitement(second, cheers.background(second, integrated))
+    above = cheers.excitement(loudness_1s, cheers.background(loudness_1s, integrated))
     events = cheers.peaks(above, time_s)
     value = {
         "loudness": lambda: steps.loudness(SHORT_TERM_STEPS),

@@ -110,7 +110,7 @@ def heart_timeline(
     curve = rhythm.variability if options.map == "variability" else rhythm.heart_rate
     events, omitted = rhythm.beat_events(beats, spans)
     mean = rhythm.mean_rate(beats.time_s, spans)
-    omitted += (f"{noisy_s:.0f} s are {TOO_NOISY}: gaps",) if noisy_s else ()
+    omitted += (f"{noisy_s:.0f} s are {TOO_NOISY}, which makes gaps",) if noisy_s else ()
     rate = f", mean heart rate {mean:.2f} bpm" if mean is not None else ""
     timeline = Timeline(
         title=description.title,

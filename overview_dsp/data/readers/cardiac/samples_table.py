@@ -91,7 +91,7 @@ class _Layout:
         return self.dialect.header
 
     @property
-    def headed(self) -> bool:
+    def has_header(self) -> bool:
         return not all(re.fullmatch(r"column \d+", name) for name in self.names)
 
     def holds_times(self, i: int) -> bool:
@@ -102,7 +102,7 @@ class _Layout:
     def time_column(self) -> int | None:
         """Return the first column of times, by its name or its first cell; None without one."""
         for i, name in enumerate(self.names):
-            if self.headed and _TIME.match(name) and (self.numeric[i] or self.holds_times(i)):
+            if self.has_header and _TIME.match(name) and (self.numeric[i] or self.holds_times(i)):
                 return i
         return next((i for i in range(len(self.names)) if self.holds_times(i)), None)
 
@@ -117,7 +117,9 @@ class _Layout:
     def _named(self, pattern: re.Pattern[str]) -> list[int]:
         columns = enumerate(zip(self.names, self.numeric, strict=True))
         return [
-            i for i, (name, numeric) in columns if self.headed and numeric and pattern.search(name)
+            i
+            for i, (name, numeric) in columns
+            if self.has_header and numeric and pattern.search(name)
         ]
 
 
@@ -429,7 +431,7 @@ def _unit_of(
     assert time is not None
     if not layout.numeric[time]:
         return 1.0, None
-    header = layout.names[time] if layout.headed else ""
+    header = layout.names[time] if layout.has_header else ""
     header += " " + layout.dialect.units[time]
     for pattern, seconds in _UNITS:
         if pattern.search(header):

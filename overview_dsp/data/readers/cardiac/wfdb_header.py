@@ -61,12 +61,12 @@ _FILE_NAME = re.compile(r"[-\w]+(\.[-\w]+)*", re.ASCII)
 
 @dataclass(frozen=True)
 class HeaderSignal:
-    """Signal of a record: `frame` samples per frame, data from `offset` bytes in the file."""
+    """Signal of a record: `per_frame` samples per frame, data from `offset` bytes in the file."""
 
     name: str
     file: str
     format: str
-    frame: int = 1
+    per_frame: int = 1
     offset: int = 0
     units: str = "mV"
 
@@ -115,7 +115,7 @@ class Header:
         for file in dict.fromkeys(signal.file for signal in self.signals if signal.file != NO_FILE):
             group = [signal for signal in self.signals if signal.file == file]
             size = BYTES[group[0].format]
-            yield file, group, size and size * sum(signal.frame for signal in group)
+            yield file, group, size and size * sum(signal.per_frame for signal in group)
 
 
 def looks_like_header(text: str) -> bool:
@@ -182,7 +182,7 @@ def parse_header(text: str, path: Path) -> Header:
     for number, line in lines[1 : 1 + count]:
         with validation.located(f"line {number}: "):
             signals.append(_signal(line, len(signals), signals))
-    if sum(signal.frame for signal in signals) > MAX_FRAME:
+    if sum(signal.per_frame for signal in signals) > MAX_FRAME:
         raise InputError(
             f"a frame has more than {MAX_FRAME} samples, the maximum; the file is not a heart "
             "recording"

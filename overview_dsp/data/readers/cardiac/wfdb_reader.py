@@ -35,19 +35,19 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import require_package
 
-_ANNOTATIONS = ".atr"
+_ANNOTATION_SUFFIX = ".atr"
 
-_OTHERS = re.compile(rb"[A-Za-z]{4}|PAR1|ID3|PK\x03|.(NUMPY|HDF|PNG)", re.DOTALL)
+_FOREIGN = re.compile(rb"[A-Za-z]{4}|PAR1|ID3|PK\x03|.(NUMPY|HDF|PNG)", re.DOTALL)
 """First bytes of files in other formats (RIFF, Parquet, ZIP) that may share a record's name."""
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is a WFDB header, or a binary file with a header of its name."""
+    """Return whether the file is a WFDB header, or a binary file beside a header of that name."""
     if source.head_text is not None and not source.looks_like_json:
         return looks_like_header(source.head_text)
     header = _header_of(source.path) if source.head_text is None else None
     return header is not None and (
-        _OTHERS.match(source.head) is None or _is_signal_file(source.path, read_header(header))
+        _FOREIGN.match(source.head) is None or _is_signal_file(source.path, read_header(header))
     )
 
 
@@ -68,7 +68,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     header = read_header(path)
     signal = signal_of(header, options.value)
     is_annotation = not is_header and not _is_signal_file(source.path, header)
-    annotation_path = source.path if is_annotation else path.with_suffix(_ANNOTATIONS)
+    annotation_path = source.path if is_annotation else path.with_suffix(_ANNOTATION_SUFFIX)
     if signal is not None:
         duration_s: float | None = signal.length / signal.rate
     else:
@@ -91,7 +91,7 @@ def _timeline(
     notes = annotations.notes if annotations is not None else ()
     beats = annotations.beats if annotations is not None and len(annotations.beats.time_s) else None
     if annotations is not None and beats is None:
-        notes = (*notes, f"{annotation_file} has no beats: they were found in the signal")
+        notes = (*notes, f"{annotation_file} has no beats; beats were detected in the signal")
     gaps: tuple[Gaps, tuple[str, ...]] = ((), ())
     record, origin = f"WFDB record {header.name}", f"beats and their kinds from {annotation_file}"
     if signal is None:
@@ -155,7 +155,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
     path
         Path of the file; its name without the suffix is the name of the record.
     rate
-        Frame rate, Hz. Annotations have frame numbers.
+        Frame rate, Hz. The file stores the frame number of each annotation.
     duration_s
         Duration of the record, s; None if unknown. Later annotations are omitted with a note.
 

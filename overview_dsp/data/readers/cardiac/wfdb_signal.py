@@ -28,10 +28,10 @@ MAX_SAMPLES = 1 << 31
 _PREFERRED = ("MLII", "II", "ML2", "MLI", "I", "V5", "V2", "V1")
 _ECG = re.compile(r"ecg|ekg|^(i{1,3}|av[rlf]|v\d|ml?(i{1,3}|\d)|mv\d|mcl\d?)$|lead", re.I)
 _PULSE = re.compile(r"ppg|pleth|pulse|bvp|abp|art\b|bp\b|press", re.I)
-MAX_OPEN = 1 << 24
+MAX_UNSIZED_SAMPLES = 1 << 24
 """Maximum number of samples, all signals together, of a record without a length."""
 
-_PART = 1 << 20
+MAX_PART = 1 << 20
 """Maximum number of samples, all signals together, that are decoded at a time."""
 
 
@@ -51,38 +51,38 @@ class RecordSignal:
     @property
     def rate(self) -> float:
         """Sample rate, Hz."""
-        return self.header.rate * self._signal.frame
+        return self.header.rate * self._signal.per_frame
 
     @property
     def length(self) -> int:
         """Number of samples."""
-        return self.frames * self._signal.frame
+        return self.frames * self._signal.per_frame
 
     @property
     def _signal(self) -> HeaderSignal:
         return self.header.signals[self.index]
 
     def read(self, first: int, end: int) -> NDArray[np.float64]:
-        """Return samples in the header's unit, with NaN for missing ones; InputError."""
-        each = self._signal.frame
-        low, high = first // each, -(-end // each)
-        step = max(1, _PART // sum(signal.frame for signal in self.header.signals))
-        parts = [self._frames(start, min(start + step, high)) for start in range(low, high, step)]
+        """Return samples in the header's unit, NaN for missing ones; InputError if unreadable."""
+        per_frame = self._signal.per_frame
+        low, high = first // per_frame, -(-end // per_frame)
+        step = max(1, MAX_PART // sum(signal.per_frame for signal in self.header.signals))
+        parts = [self._decoded(start, min(start + step, high)) for start in range(low, high, step)]
         whole = np.concatenate(parts) if parts else np.zeros(0)
-        return whole[first - low * each : end - low * each]
+        return whole[first - low * per_frame : end - low * per_frame]
 
-    def _frames(self, low: int, high: int) -> NDArray[np.float64]:
-        file, each = self._signal.file, self._signal.frame
+    def _decoded(self, low: int, high: int) -> NDArray[np.float64]:
+        file, per_frame = self._signal.file, self._signal.per_frame
         if file == NO_FILE:
-            return np.full((high - low) * each, np.nan)
+            return np.full((high - low) * per_frame, np.nan)
         if self.header.frames is None:
-            samples = self._whole[low * each : high * each]
+            samples = self._whole[low * per_frame : high * per_frame]
         else:
             samples = self._decode(sampfrom=low, sampto=high)
-        if len(samples) != (high - low) * each:
+        if len(samples) != (high - low) * per_frame:
             raise InputError(
                 f"{file} has {len(samples)} samples in frames {low} to {high}; must have "
-                f"{(high - low) * each}: download the record again"
+                f"{(high - low) * per_frame}: download the record again"
             )
         return samples
 
@@ -160,7 +160,7 @@ def signal_of(header: Header, selector: str | None) -> RecordSignal | JoinedSign
     frames = header.frames if header.frames is not None else frames_in_files(header)
     if not frames:
         raise InputError(f"{header.where}: the record has no samples; write its length in line 1")
-    if header.frames is None and frames * len(header.signals) > MAX_OPEN:
+    if header.frames is None and frames * len(header.signals) > MAX_UNSIZED_SAMPLES:
         raise InputError(
             f"{header.where}: line 1 has no length, which a record of this size requires; write "
             f"{frames} after the rate"
@@ -189,7 +189,7 @@ def _joined_signal(header: Header, selector: str | None) -> JoinedSignal:
     if not names:
         raise InputError(f"{header.where}: no segment has a signal; download the record again")
     name = names[_select(names, selector, header.where)]
-    each = 1
+    per_frame = 1
     found: list[tuple[int, RecordSignal | None]] = []
     for segment_name, frames in header.segments:
         segment_header = headers.get(segment_name)
@@ -206,18 +206,18 @@ def _joined_signal(header: Header, selector: str | None) -> JoinedSignal:
                 f"must be {frames}, as in the record"
             )
         found.append((frames, RecordSignal(segment_header, index, frames)))
-        if each not in (1, signals[index].frame):
+        if per_frame not in (1, signals[index].per_frame):
             raise InputError(
                 f"{header.where}: the rate of {name} changes in the segment {segment_name}; must "
                 "be constant"
             )
-        each = signals[index].frame
+        per_frame = signals[index].per_frame
     parts: list[tuple[int, int, RecordSignal | None]] = []
     first = 0
     for frames, signal in found:
-        parts.append((first, frames * each, signal))
-        first += frames * each
-    joined = JoinedSignal(name, header.rate * each, tuple(parts))
+        parts.append((first, frames * per_frame, signal))
+        first += frames * per_frame
+    joined = JoinedSignal(name, header.rate * per_frame, tuple(parts))
     _check(joined, header)
     return joined
 
@@ -255,7 +255,7 @@ def index_of(names: Sequence[str], selector: str) -> int | None:
 
 
 def best_signal(names: list[str]) -> int:
-    """Return the index of the signal that is best for finding beats, by its name; else 0."""
+    """Return the index of the best signal for finding beats, by its name; 0 if none is known."""
     for name in _PREFERRED:
         if name in names:
             return names.index(name)

@@ -58,7 +58,7 @@ from overview_dsp.data.readers.tables.column_roles import (
     roles_of,
 )
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
-from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, headed
+from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, header_dialect
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
@@ -285,7 +285,7 @@ def sniff_list(source: DataFile) -> bool:
         return False
     if options.time or options.kind or options.label:
         return False
-    dialect = headed(source.head_text, COLUMNS)
+    dialect = header_dialect(source.head_text, COLUMNS)
     names = dialect.header if dialect is not None else ()
     if "kind" not in names or "time_s" in names:
         return "kind" in names
@@ -317,7 +317,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         A column, number, time or kind is invalid or missing, a row is repeated, or an event is
         after the end. The message contains line and column.
     """
-    dialect = headed(text, COLUMNS)
+    dialect = header_dialect(text, COLUMNS)
     if dialect is None:
         raise InputError(f"no header; the first row must have the columns {', '.join(COLUMNS)}")
     _check_header(dialect.header, dialect.first - 1)

@@ -51,7 +51,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             notes.append("entries without a time zone were read as UTC, because others have one")
         if recurring := sum("RRULE" in entry for entry in entries):
             notes.append(f"{recurring} entries recur; only the first time of each was read")
-        listed = [_listed(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
+        listed = [_entry(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
         first = min(moments, key=_seconds)
         if len(zones) > 1 and first.tzinfo is None:
             first = first.replace(tzinfo=UTC)
@@ -62,7 +62,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         return timeline_of(listed, description)
 
 
-def _listed(entry: Entry, moment: datetime) -> ListEntry:
+def _entry(entry: Entry, moment: datetime) -> ListEntry:
     begin = _seconds(moment)
     end = _seconds(_moment(entry, "DTEND")) if "DTEND" in entry else begin
     categories = entry.get("CATEGORIES", ("", "", 0))[0].split(",")

@@ -34,7 +34,7 @@ class ListEntry:
     label
         Label of the event.
     location
-        CellLocation for error messages, such as `line 7`.
+        Position in the file for error messages, such as `line 7`.
     weight
         Strength relative to an ordinary event, 1.
     id
@@ -84,7 +84,7 @@ def are_kinds(texts: Sequence[str]) -> bool:
 
 
 def with_kinds(listed: Sequence[ListEntry], default_kind: str = DEFAULT_KIND) -> list[ListEntry]:
-    """Return a list with its texts as kinds if they are kinds, else as labels of `default_kind`."""
+    """Return the list as it is if all its texts are kinds, else events of one kind with labels."""
     if are_kinds([one.kind_text for one in listed]):
         return list(listed)
     return [replace(one, kind_text=default_kind, label=one.kind_text) for one in listed]

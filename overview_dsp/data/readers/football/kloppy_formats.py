@@ -54,7 +54,7 @@ _CARDS = {
     "SECOND_YELLOW": ("red_card", "second yellow"),
     "RED": ("red_card", ""),
 }
-_NEAR = {"SAVED": "saved", "POST": "on the post"}
+_NEAR_MISS = {"SAVED": "saved", "POST": "on the post"}
 _BALL_TOUCHES = {
     "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
     "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
@@ -141,7 +141,7 @@ _FORMATS = (
         ("the match's EPTS metadata (XML)", _xml("main", "<Metadata")),
     ),
     _Format(
-        "DataFactory match", _json("incidences", "goals"), ("datafactory", "load", "event_data")
+        "DataFactory events", _json("incidences", "goals"), ("datafactory", "load", "event_data")
     ),
     _Format(
         "Wyscout v3 events",
@@ -288,7 +288,7 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
 
 
 def _unique_ids(events: Iterable[Any]) -> Iterator[str]:
-    """Yield the ids of events; once if kloppy splits an event, such as a pass that goes out."""
+    """Yield each event's id, once if kloppy makes two of it, such as a pass that goes out."""
     seen: set[tuple[int, str]] = set()
     for event in events:
         key = (id(event.raw_event), str(event.event_id))
@@ -303,13 +303,13 @@ def _classify(event: Any) -> Iterator[tuple[str, str]]:
     raw = event.raw_event if isinstance(event.raw_event, Mapping) else {}
     if kind == "FOUL_COMMITTED":
         yield "foul", ""
-        secondary = _table(raw.get("type")).get("secondary")
+        secondary = _mapping(raw.get("type")).get("secondary")
         for card in ("yellow_card", "red_card"):  # Wyscout v3
             if isinstance(secondary, list) and card in secondary:
                 yield card, ""
     elif kind == "CARD":
         # cards of Wyscout v3 are read from the fouls above
-        if event.card_type is not None and "primary" not in _table(raw.get("type")):
+        if event.card_type is not None and "primary" not in _mapping(raw.get("type")):
             yield _CARDS[event.card_type.name]
     elif kind == "SHOT":
         penalty = any(
@@ -320,22 +320,22 @@ def _classify(event: Any) -> Iterator[tuple[str, str]]:
             yield "own_goal", ""
         elif result == "GOAL":
             yield "goal", "pen" if penalty else ""
-        elif result in _NEAR or "WOODWORK" in names:
-            yield "near_miss", "penalty saved" if penalty else _NEAR.get(result, "on the post")
+        elif result in _NEAR_MISS or "WOODWORK" in names:
+            yield "near_miss", "penalty saved" if penalty else _NEAR_MISS.get(result, "on the post")
         elif penalty:
             yield "near_miss", "penalty missed"
-    elif _table(raw.get("type")).get("name") == "CARD":  # Metrica
+    elif _mapping(raw.get("type")).get("name") == "CARD":  # Metrica
         yield ("red_card" if "RED" in _subtypes(raw) else "yellow_card"), ""
 
 
-def _table(value: object) -> Mapping[str, object]:
+def _mapping(value: object) -> Mapping[str, object]:
     return value if isinstance(value, Mapping) else {}
 
 
 def _subtypes(raw: Mapping[str, object]) -> list[object]:
     """Return the names of Metrica's subtypes, which are a list or one object."""
     value = raw.get("subtypes")
-    return [_table(one).get("name") for one in (value if isinstance(value, list) else [value])]
+    return [_mapping(one).get("name") for one in (value if isinstance(value, list) else [value])]
 
 
 def _result(event: Any) -> str:

@@ -31,12 +31,12 @@ MAX_PERIOD_S = 7200.0
 """Maximum time in a period, s."""
 
 SHOT_WEIGHT = 1.5
-"""Weight of a shot among ball touches of weight 1; of two close ones, the shot is shown."""
+"""Weight of a shot; other ball touches have 1. Where both are too close, the shot is shown."""
 
 _RECORDS_CHECKED = 50
 
 BallTouch = tuple[float, str, str]
-"""Detail event: time (s), action such as `shot`, `pass` or `duel`, and name of the player."""
+"""Time (s), action such as `shot` or `pass`, and player's name; shown only when zoomed in."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class MatchEvent:
     minute
         Minute as written in the source; "" if the time is exact.
     location
-        CellLocation of the record for notes and error messages.
+        Position of the record in the file, for notes and error messages.
     """
 
     time_s: float
@@ -142,7 +142,7 @@ def match_timeline(
     final
         Final score in the source, without a shoot-out. A note reports a different count of goals.
     ball_touches
-        Detail events.
+        Touches of the ball, which become the details of the timeline.
     end_label
         Label of the end. "": "full time", or "end" for a single period.
     """
@@ -170,7 +170,7 @@ def match_timeline(
         all_notes.append(f"{uncounted} goals have no team of the match: the score is not counted")
     elif final is not None and final != counted:
         all_notes.append(
-            f"the file has the final score {final[0]}-{final[1]}, but goals for "
+            f"the file has the final score {final[0]}-{final[1]}, but its goals make "
             f"{counted[0]}-{counted[1]}; the title has the final score"
         )
     intensity, derived, derived_notes = derive_intensity(events, end_s)

@@ -14,7 +14,7 @@ Event kinds:
 - `yellow_card`, `red_card`: a CARD with YELLOW or RED (red for a second yellow, too).
 - `period`: the start of each period and the end of the last action.
 
-All other actions with the ball are detail events (`ball_touches`).
+All other actions with the ball are `ball_touches`, shown in windows only.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 )
 from overview_dsp.data.readers.football.minutes import STARTS
 from overview_dsp.data.readers.tables.delimited import records
-from overview_dsp.data.readers.tables.dialect import headed
+from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
@@ -70,7 +70,7 @@ def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with the columns of Metrica's raw events."""
     if source.head_text is None or source.looks_like_json:
         return False
-    found = headed(source.head_text)
+    found = header_dialect(source.head_text)
     return found is not None and set(_NEEDED) <= set(found.header)
 
 

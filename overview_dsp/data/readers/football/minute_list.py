@@ -56,7 +56,7 @@ from overview_dsp.data.readers.football.minutes import (
 )
 from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
 from overview_dsp.data.readers.tables.delimited import records
-from overview_dsp.data.readers.tables.dialect import headed
+from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
@@ -94,10 +94,10 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 """Accepted column names, in lower case and without punctuation and accents."""
 
 PROVENANCE_GOALS = (
-    "goals: a CSV list of goals, each in the middle of its minute (true to 30 s of the match clock)"
+    "goals: a CSV list of goals, each in the middle of its minute (within 30 s of the match clock)"
 )
 PROVENANCE_MINUTES = (
-    "events: a CSV list of minutes, each at its minute times 60 s (true to 60 s of the match clock)"
+    "events: a CSV list of minutes, each at its minute times 60 s (within 60 s of the match clock)"
 )
 PROVENANCE_SECONDS = "events: a CSV list with minutes and seconds of the match clock"
 
@@ -172,7 +172,7 @@ def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with minutes, and with football events or scorers."""
     if source.head_text is None or source.looks_like_json:
         return False
-    found = headed(source.head_text)
+    found = header_dialect(source.head_text)
     if found is None or "time_s" in found.header or len(found.header) > MAX_COLUMNS:
         return False
     columns = _columns(found.header)
@@ -436,7 +436,7 @@ def _period(text: str, location: CellLocation) -> int | None:
 
 
 def _ended_period(minute: Minute, kind: str) -> int:
-    """Return the period that ends with a whistle of this kind."""
+    """Return the period that this end of a half or match ends."""
     if minute.period in (1, 2, 3, 4):
         return minute.period
     if kind == "half_end" and minute.base < ENDS[2]:

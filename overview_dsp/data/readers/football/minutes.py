@@ -1,6 +1,6 @@
 """Conversion of match minutes (`38`, `90+3`) into times on a timeline of consecutive periods.
 
-A list of minutes has no length of stoppage time. Unless the list has its end, a half lasts 45
+A list of minutes has no length of stoppage time. Unless the list has the end of a half, it lasts 45
 minutes (15 in extra time), or until its last listed minute if that is later. The next half starts
 then, so `45+2` and `46` are different times.
 """

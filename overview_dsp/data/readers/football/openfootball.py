@@ -54,8 +54,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
 PROVENANCE = (
-    "goals: an openfootball file, each in the middle of its minute (true to 30 s of the match "
-    "clock)"
+    "goals: an openfootball file, each in the middle of its minute (within 30 s of the match clock)"
 )
 
 STOPPAGE_NOTE = (

@@ -21,7 +21,7 @@ Event kinds:
 - `foul`: each Foul Committed, also with a card.
 - `period`: kick-off at 0, the start of each later period, and the end of the match.
 
-Detail events are the players' actions with the ball (`BALL_TOUCHES`).
+The players' actions with the ball (`BALL_TOUCHES`) are shown in windows only.
 """
 
 from __future__ import annotations
@@ -159,10 +159,10 @@ def _lengths_us(played: Sequence[Record], notes: list[str]) -> dict[int, int]:
     lengths = {}
     for period in sorted({record.period for record in played}):
         records = [record for record in played if record.period == period]
-        whistles = [record for record in records if record.kind == "Half End"]
-        if not whistles:
+        half_ends = [record for record in records if record.kind == "Half End"]
+        if not half_ends:
             notes.append(f"period {period} has no 'Half End': it ends with its last event")
-        lengths[period] = max(record.clock_us for record in whistles or records)
+        lengths[period] = max(record.clock_us for record in half_ends or records)
     return lengths
 
 
@@ -329,7 +329,7 @@ class Record:
 
     @property
     def location(self) -> str:
-        """CellLocation for error messages and notes."""
+        """Position in the file, for error messages and notes."""
         id_ = f" (id {shown(self.id)[1:-1]})" if self.id else ""
         return f"event {self.number}{id_}"
 

@@ -1,4 +1,4 @@
-"""Vocabulary of lists of minutes: the football event kinds of their texts."""
+"""Words for football events in tables with a minute per row (`minute_list`), by event kind."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ _SAVED = re.compile(
 )
 _POST = re.compile(r"\bpost\b|woodwork|crossbar|\bhit (?:the )?bar\b|frame of the goal")
 _CHANCE = re.compile(r"near miss|big chance|clear chance|great chance|good chance")
-_WON = re.compile(r"\bwon\b|suffered|drawn|received|fouled|against")
+_SUFFERED = re.compile(r"\bwon\b|suffered|drawn|received|fouled|against")
 _SHOOT_OUT = re.compile(r"shoot ?out|penalty series|kicks from the (?:penalty )?mark")
-_END_1 = re.compile(
+_HALF_END = re.compile(
     r"half ?time|^ht$|^(?:half |period )?end$|end (?:of )?(?:the )?(?:first|1st) half"
     r"|(?:first|1st) half end"
 )
-_END = re.compile(
+_MATCH_END = re.compile(
     r"full ?time|^ft$|end (?:of )?(?:the )?(?:second|2nd) half|(?:second|2nd) half end|match end"
     r"|end (?:of )?(?:the )?match|final whistle|game end|^aet$"
 )
@@ -71,7 +71,7 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
     details
         Normalized text of further columns, such as outcome, card and description.
     own, penalty
-        Flags in columns of their own.
+        Whether the row has its own column for own goals or penalties, and it is set.
 
     Returns
     -------
@@ -101,9 +101,9 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
     if _CHANCE.search(both):
         return "near_miss", ""
     if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind):
-        suffered = _WON.search(both) or details == "successful"
+        suffered = _SUFFERED.search(both) or details == "successful"
         return ("", "suffered") if suffered else ("foul", "")
-    return _whistle(kind, both), ""
+    return _period_kind(kind, both), ""
 
 
 def _card(kind: str, details: str) -> tuple[str, str] | None:
@@ -131,10 +131,10 @@ def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
     return bool(_SHOT.search(kind)) and bool(re.search(r"\bgoal\b|\bscored\b", details))
 
 
-def _whistle(kind: str, both: str) -> str:
+def _period_kind(kind: str, both: str) -> str:
     for text in (kind, both):
-        if _END_1.search(text):
+        if _HALF_END.search(text):
             return "half_end"
-        if _END.search(text):
+        if _MATCH_END.search(text):
             return "match_end"
     return "period" if _PERIOD.search(kind) else ""

@@ -16,7 +16,7 @@ The numbers of events and tags determine the event kind:
 - `foul`: event 2; `yellow_card`: 1702; `red_card`: 1701, 1703 (second yellow).
 - `period`: kick-off, the start of each later period, and the end.
 
-All other events with the ball are detail events (`ball_touches`).
+All other events with the ball are `ball_touches`, shown in windows only.
 
 The companion file `matches_*.json` in the same folder has names, home team and score.
 """

@@ -35,7 +35,7 @@ USUAL_WINDOWS = 500
 """Maximum number of windows without a requested length."""
 
 _DAY = 86_400.0
-_ROUND = {
+_ROUND_WINDOWS = {
     "1s": 1.0, "5s": 5.0, "10s": 10.0, "30s": 30.0, "1min": 60.0, "5min": 300.0, "15min": 900.0,
     "1h": 3600.0, "6h": 21_600.0, "1d": _DAY, "1w": 7 * _DAY, "30d": 30 * _DAY, "1y": 365.25 * _DAY,
     "10y": 3652.5 * _DAY, "100y": 36_525.0 * _DAY,
@@ -49,7 +49,7 @@ def counts_rows(table: Table, options: LoadOptions) -> bool:
 
 @dataclass(frozen=True)
 class _Windows:
-    """Consecutive windows: name of their length, length, start of the first, and number."""
+    """Consecutive windows: their length as text (`6h`) and in s, start of the first, and number."""
 
     name: str
     span_s: float
@@ -87,9 +87,9 @@ def count_rows(table: Table, options: LoadOptions, title: str) -> Timeline:
     if not np.isfinite(last - first) or last - first > 1e15:
         raise InputError("the times span more than 30 million years; check their unit")
     windows = _windows(requested, first, last, reader.time.start(first))
-    numbers = _numbers(store.finish(), windows)
+    counts = _rows_per_window(store.finish(), windows)
     start = reader.time.start(windows.first_s)
-    return _timeline(table, reader, windows, numbers, start, title)
+    return _timeline(table, reader, windows, counts, start, title)
 
 
 def _span(option: str) -> tuple[str, float] | None:
@@ -109,52 +109,52 @@ def _windows(
     requested: tuple[str, float] | None, first: float, last: float, start: datetime | None
 ) -> _Windows:
     text, span = requested or next(
-        (item for item in _ROUND.items() if (last - first) / item[1] < USUAL_WINDOWS - 1),
+        (item for item in _ROUND_WINDOWS.items() if (last - first) / item[1] < USUAL_WINDOWS - 1),
         ("1000y", 365_250.0 * _DAY),
     )
-    begin = first - _since_round(first, span, start)
+    begin = first - _since_window_start(first, span, start)
     count = int((last - begin) // span) + 1
     if count > MAX_WINDOWS:
         raise InputError(
-            f"map count:{text} makes {count} windows of {last - first:.6g} s; up to {MAX_WINDOWS} "
-            "are made: give a longer window"
+            f"map count:{text} makes {count} windows in {last - first:.6g} s; must be at most "
+            f"{MAX_WINDOWS}: give a longer window"
         )
     return _Windows(text, span, begin, count)
 
 
-def _since_round(first: float, span: float, start: datetime | None) -> float:
+def _since_window_start(first: float, span: float, start: datetime | None) -> float:
     """Return the time from the start of the first window to the first row, s."""
     if start is None:
         return first % span
     midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
-    of_day = (start - midnight).total_seconds()
+    seconds_of_day = (start - midnight).total_seconds()
     if span < _DAY:
-        since = of_day % span
+        since = seconds_of_day % span
     elif span % (7 * _DAY) == 0.0:
-        since = of_day + start.weekday() * _DAY
+        since = seconds_of_day + start.weekday() * _DAY
     else:
-        since = of_day
+        since = seconds_of_day
     # no window before the first day of the calendar
     earliest = datetime.min.replace(tzinfo=start.tzinfo) + timedelta(days=1)
     return since if start - earliest > timedelta(seconds=since) else 0.0
 
 
-def _numbers(seconds: NDArray[np.float64], windows: _Windows) -> NDArray[np.float64]:
-    """Return the number of times in each window."""
-    numbers = np.zeros(windows.count, np.int64)
+def _rows_per_window(seconds: NDArray[np.float64], windows: _Windows) -> NDArray[np.float64]:
+    """Return the number of rows in each window."""
+    counts = np.zeros(windows.count, np.int64)
     for begin in range(0, len(seconds), 1 << 20):
         part = np.asarray(seconds[begin : begin + (1 << 20)])
         at = np.floor((part - windows.first_s) / windows.span_s).astype(np.int64)
-        # rounding may put the last one past the end
-        numbers += np.bincount(np.clip(at, 0, windows.count - 1), minlength=windows.count)
-    return numbers.astype(np.float64)
+        # rounding may put the last row past the last window
+        counts += np.bincount(np.clip(at, 0, windows.count - 1), minlength=windows.count)
+    return counts.astype(np.float64)
 
 
 def _timeline(
     table: Table,
     reader: RowReader,
     windows: _Windows,
-    numbers: NDArray[np.float64],
+    counts: NDArray[np.float64],
     start: datetime | None,
     title: str,
 ) -> Timeline:
@@ -163,16 +163,16 @@ def _timeline(
     middle = (np.arange(windows.count, dtype=np.float64) + 0.5) * span
     unit = f"per {windows.name.removeprefix('1') if windows.name[1:].isalpha() else windows.name}"
     calendar = Calendar(start, dates_only=False)
-    step = np.concatenate(([np.nan], np.diff(numbers)))
-    series = Series(middle, numbers, step, False, unit, calendar)
+    step = np.concatenate(([np.nan], np.diff(counts)))
+    series = Series(middle, counts, step, False, unit, calendar)
     events, event_notes = find_events(series, duration_s)
-    # the first and the last window reach to the ends
+    # the values of the first and last window also hold at the timeline's ends
     time_s = np.concatenate(([0.0], middle, [duration_s]))
-    value = np.concatenate((numbers[:1], numbers, numbers[-1:]))
-    busiest = int(np.argmax(numbers))
+    value = np.concatenate((counts[:1], counts, counts[-1:]))
+    busiest = int(np.argmax(counts))
     notes = [
         f"{reader.rows} rows, counted in {windows.count} windows of {windows.name} "
-        f"(map count:{windows.name}); {numbers[busiest]:g} in the fullest, from "
+        f"(map count:{windows.name}); {counts[busiest]:g} in the fullest, from "
         f"{calendar.text(busiest * span)} on"
     ]
     if reader.skipped:

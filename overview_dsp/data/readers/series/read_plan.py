@@ -2,7 +2,7 @@
 
 The plan follows the options, or is detected from the first rows. Values are the price of a share,
 another price, or plain. The type comes from header, symbol, currency or option, never from the size
-of the numbers. Steps of prices are per cent, and only shares have splits. A note states the type
+of the numbers. Steps of prices are in per cent, and only shares have splits. A note states the type
 and the option for another one (`--value-column COLUMN:share`, `COLUMN:price`, `COLUMN:plain`).
 
 A share has a close and an adjusted close, or a close in a table with volume or a ticker symbol (in
@@ -73,7 +73,7 @@ class ValueType:
 
     @property
     def relative(self) -> bool:
-        """True if steps are per cent."""
+        """True if steps are in per cent."""
         return self.kind != "plain"
 
 
@@ -223,9 +223,9 @@ def _with_note(kind: str, column: Column, why: str) -> ValueType:
     splits = "are" if kind == "share" else "aren't"
     return ValueType(
         kind,
-        f"{header} is {what} ({why}): steps are per cent, splits {splits} looked for; "
-        f"value='{column.header}:{other}' or '{column.header}:plain' (--value-column) says "
-        "otherwise",
+        f"{header} is {what} ({why}): steps are in per cent, splits {splits} looked for; "
+        f"value='{column.header}:{other}' or '{column.header}:plain' (--value-column) selects "
+        "another type",
     )
 
 

@@ -1,4 +1,4 @@
-"""Scan of the samples of a series: gaps, steps, share splits and mapped curve; its Timeline.
+"""Scan of the samples of a series for gaps, steps and share splits, and the Timeline made from it.
 
 Times of samples stay exact: time 0 is that of the first row, and the timeline ends at the last row.
 The curve is the mapped column (`curve_maps`) in its own unit; two of its percentiles become 0 and
@@ -7,8 +7,8 @@ between rows (`series_gaps`).
 
 A series of up to `LONG_ROWS` rows is one block in memory, sorted by time. A longer one is scanned
 block by block, and its curve is stored on disk. Its rows must be in order, and share splits are not
-detected. Its events are at the lowest and highest samples of equal runs and at the largest steps
-(`Thinner`).
+detected. Its events are at the largest steps, and at the lowest and highest of every N consecutive
+samples (`Thinner`).
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
     if not reader.rows:
         raise InputError("no rows with a time; a series has one row per time")
     following = next(rows, None)
-    scan = SampleScan(plan, reader, every=following is None)
+    scan = SampleScan(plan, reader, in_one_block=following is None)
     if following is None:
         whole, scan.notes = in_order(reader, np.concatenate(head, axis=1))
         scan.add(whole)
@@ -99,11 +99,11 @@ def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
 
 @dataclass
 class SampleScan:
-    """Scanner of consecutive blocks of samples; `every` if one block has all samples."""
+    """Scanner of consecutive blocks of samples; `in_one_block` if one block has all samples."""
 
     plan: ReadPlan
     reader: RowReader
-    every: bool
+    in_one_block: bool
     notes: list[str] = field(default_factory=list)
     builder: CurveBuilder = field(default_factory=CurveBuilder)
     times: Store = field(default_factory=lambda: Store(np.float64))
@@ -119,28 +119,28 @@ class SampleScan:
     _first_s: float = 0.0
     _step_s: float = 0.0
     _even: bool = True
-    _absent: list[float | None] = field(default_factory=list)
-    _before: Floats = field(default_factory=lambda: np.empty((3, 0)))
+    _missing: list[float | None] = field(default_factory=list)
+    _context: Floats = field(default_factory=lambda: np.empty((3, 0)))
     _change: Floats = field(default_factory=lambda: np.empty(0))
     _samples: tuple[Floats, Floats, Floats] | None = None
     _points: tuple[Floats, Floats] | None = None
 
     def _begin(self, block: Rows) -> None:
         """Set what applies to all blocks, from the first one."""
-        self._absent = [sentinel(value) for value in block[2:]]
-        for index, values, absent in zip(self.plan.columns, block[2:], self._absent, strict=True):
+        self._missing = [sentinel(value) for value in block[2:]]
+        for index, values, absent in zip(self.plan.columns, block[2:], self._missing, strict=True):
             if absent is not None:
-                many = f"{np.count_nonzero(values == absent)} " if self.every else ""
+                many = f"{np.count_nonzero(values == absent)} " if self.in_one_block else ""
                 header = shown(self.plan.table.columns[index].header)
                 self.notes.append(f"{many}values of {absent:g} in column {header} count as missing")
-        value = self._known(block, 0)
-        if self.every and np.isnan(value).all():
+        value = self._column(block, 0)
+        if self.in_one_block and np.isnan(value).all():
             raise self._no_value()
         number, seconds = block[:2]
         if len(seconds) < 2:
             raise InputError(
                 f"only one time ({self.plan.table.row_word} {int(number[0])}); a series has "
-                "two or more, name another time column if this isn't it"
+                "two or more; name another column if this one doesn't have the times"
             )
         self._first_s = float(seconds[0])
         self._require_span(seconds)
@@ -161,9 +161,9 @@ class SampleScan:
         header = shown(self.plan.value_column.header)
         return InputError(f"column {header} has no value in any row; name another")
 
-    def _known(self, block: Rows, i: int) -> Floats:
+    def _column(self, block: Rows, i: int) -> Floats:
         """Return a column of a block, with NaN for the number that means "no value"."""
-        value, absent = block[2 + i], self._absent[i]
+        value, absent = block[2 + i], self._missing[i]
         return value if absent is None else np.where(value == absent, np.nan, value)
 
     def add(self, block: Rows) -> None:
@@ -173,30 +173,30 @@ class SampleScan:
         self._require_span(block[1])
         time_s = block[1] - self._first_s
         if (np.diff(time_s) <= 0.0).any():
-            raise InputError("times lie too close together to be distinguished; count them from 0")
-        columns = {index: self._known(block, i) for i, index in enumerate(self.plan.columns)}
+            raise InputError("times are too large to be distinguished; subtract the first one")
+        columns = {index: self._column(block, i) for i, index in enumerate(self.plan.columns)}
         value, level = columns[self.plan.value], columns[self.plan.mapped]
-        self._watch_steps(time_s)
+        self._check_even(time_s)
         self.missing += int(np.isnan(value).sum())
         self.count += len(value)
 
-        tail = self._before.shape[1]
-        whole = np.concatenate((self._before, [time_s, value, level]), axis=1)
-        since = max(tail - 1, 0)  # steps from the last sample before the block on
+        carried = self._context.shape[1]
+        whole = np.concatenate((self._context, [time_s, value, level]), axis=1)
+        since = max(carried - 1, 0)  # index of the last sample before the block, if there is one
         holes = self._holes(whole[0], since)
         self._add_gaps(whole, since, holes)
-        factors = self._find_splits(columns, time_s) if self.every else {}
+        factors = self._find_splits(columns, time_s) if self.in_one_block else {}
         step = curve_maps.steps(whole[1, since:], holes - since, self.relative, factors)
         known = ~np.isnan(value)
-        found = time_s[known], value[known], step[tail - since :][known]
-        if self.every:
+        found = time_s[known], value[known], step[carried - since :][known]
+        if self.in_one_block:
             self._samples = found
             self._dates_only = only_dates(self.start, time_s)
         else:
             self.times.append(time_s)
             self.thinner.add(*found)
-        self._add_curve(whole, since, tail, holes, step, factors)
-        self._before = whole[:, -CONTEXT_ROWS:].copy()
+        self._add_curve(whole, since, carried, holes, step, factors)
+        self._context = whole[:, -CONTEXT_ROWS:].copy()
 
     def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
         """Find share splits, add notes, and return the factor by the index of each split."""
@@ -210,7 +210,7 @@ class SampleScan:
         self.splits = tuple(Split(int(index[s.index]), s.ratio, s.factor) for s in splits)
         return {split.index: split.factor for split in splits}
 
-    def _watch_steps(self, time_s: NDArray[np.float64]) -> None:
+    def _check_even(self, time_s: NDArray[np.float64]) -> None:
         if self._even:
             ideal = np.arange(self.count, self.count + len(time_s)) * self._step_s
             self._even = bool(np.abs(time_s - ideal).max() <= _EVEN * self._step_s)
@@ -229,7 +229,7 @@ class SampleScan:
         value = np.where(np.isnan(level), np.nan, value)
         found = list(find_gaps(time_s, value, holes - since))
         if self.gaps and found and found[0][0] == self.gaps[-1][1] and np.isnan(value[0]):
-            found[0] = self.gaps.pop()[0], found[0][1]  # it continues from the previous block
+            found[0] = self.gaps.pop()[0], found[0][1]  # a gap that began in the previous block
         self.gaps += found
         if len(self.gaps) > MAX_GAPS:
             raise InputError(
@@ -241,7 +241,7 @@ class SampleScan:
         self,
         whole: Floats,
         since: int,
-        tail: int,
+        carried: int,
         holes: NDArray[np.int64],
         step: Floats,
         factors: dict[int, float],
@@ -249,10 +249,10 @@ class SampleScan:
         mapping, (time_s, _, level) = self.plan.map, whole
         if mapping.in_per_cent(self.relative) != self.relative:
             step = curve_maps.steps(level[since:], holes - since, not self.relative, factors)
-        change = np.concatenate((self._change, step[tail - since :]))
+        change = np.concatenate((self._change, step[carried - since :]))
         kept = len(change)
         curve = curve_maps.curve(mapping, level[-kept:], change, time_s[-kept:])
-        if self.every:
+        if self.in_one_block:
             known = ~np.isnan(curve)
             if not known.any():
                 raise InputError("the mapped column has no value in any row; name another")
@@ -260,9 +260,9 @@ class SampleScan:
             return
         self.builder.append(curve[len(self._change) :])
         if mapping.name == "volatility":
-            self._change = change[-self._needed(time_s) :]
+            self._change = change[-self._changes_needed(time_s) :]
 
-    def _needed(self, time_s: NDArray[np.float64]) -> int:
+    def _changes_needed(self, time_s: NDArray[np.float64]) -> int:
         """Return the number of changes before a block that its first volatility requires."""
         size, seconds = self.plan.map.window()
         if seconds:
@@ -284,10 +284,10 @@ class SampleScan:
             raise self._no_value()
         curve = self._curve(plan.map.unit(mapped_unit, plan.map.in_per_cent(self.relative)))
         unit, calendar = column.unit or units[0], Calendar(self.start, self._dates_only)
-        series = Series(*samples, self.relative, unit, calendar, self.splits, self.every)
+        series = Series(*samples, self.relative, unit, calendar, self.splits, self.in_one_block)
         gaps, duration_s = tuple(self.gaps), max(self._last_s, curve.last_s)
         events, event_notes = find_events(series, duration_s)
-        is_level = plan.map.name == "level" and not self.every
+        is_level = plan.map.name == "level" and not self.in_one_block
         names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
         times = f"over {names} ({plan.time.format.description})" if names else "evenly spaced"
         return Timeline(
@@ -299,14 +299,14 @@ class SampleScan:
             provenance=(
                 f"a {plan.table.kind} table, column {shown(column.header)} {times}; events by rule"
             ),
-            notes=(*plan.notes, *self.notes, *self._late_notes(curve), *event_notes),
+            notes=(*plan.notes, *self.notes, *self._closing_notes(curve), *event_notes),
             start=self.start,
             # events of windows are found in all samples, even if the series has only some
             rules=WindowRules(series, 0.0, duration_s, curve if is_level else None, gaps),
         )
 
-    def _late_notes(self, curve: Intensity) -> Iterator[str]:
-        if not self.every:
+    def _closing_notes(self, curve: Intensity) -> Iterator[str]:
+        if not self.in_one_block:
             if self.reader.skipped:
                 yield skipped_note(self.reader)
             yield (
@@ -314,7 +314,7 @@ class SampleScan:
                 f"{self.thinner.run} and the largest steps; share splits are not detected"
             )
         if self.missing:
-            yield f"{self.missing} of {self.count} values are missing: gaps"
+            yield f"{self.missing} of {self.count} values are missing, which makes gaps"
         yield _gap_note(self.gaps, self.gap_rule)
         if curve.count > LONG:
             low, high = curve.scale_outside(tuple(self.gaps))
@@ -324,12 +324,12 @@ class SampleScan:
         yield (
             f"friction follows {words}: 0 at {value_text(low, curve.unit)} and 1 at "
             f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and "
-            f"{PERCENTILES[1]:g}); values beyond are clipped in that scale alone"
+            f"{PERCENTILES[1]:g}); only the friction is clipped there, not the values"
         )
 
     @property
     def _last_s(self) -> float:
-        return float(self._before[0, -1])
+        return float(self._context[0, -1])
 
     def _curve(self, unit: str) -> Intensity:
         if self._points is not None:
@@ -358,7 +358,7 @@ def _blocks(plan: ReadPlan, rows: Iterator[Rows]) -> Iterator[Rows]:
         waiting.append(part)
         count += part.shape[1]
         if count >= BLOCK_ROWS:
-            block = _in_order(plan, waiting)
+            block = _sorted_block(plan, waiting)
             # rows of the last time may continue in the next part
             end = int(np.searchsorted(block[1], block[1, -1]))
             if not end:
@@ -366,10 +366,10 @@ def _blocks(plan: ReadPlan, rows: Iterator[Rows]) -> Iterator[Rows]:
             waiting, count = [block[:, end:]], count - end
             yield last_of_each_time(block[:, :end])
     if count:
-        yield last_of_each_time(_in_order(plan, waiting))
+        yield last_of_each_time(_sorted_block(plan, waiting))
 
 
-def _in_order(plan: ReadPlan, parts: list[Rows]) -> Rows:
+def _sorted_block(plan: ReadPlan, parts: list[Rows]) -> Rows:
     block = np.concatenate(parts, axis=1)
     back = np.flatnonzero(np.diff(block[1]) < 0.0)
     if back.size:
@@ -400,9 +400,9 @@ def _split_notes(
     adjusted = price_columns(plan.table.columns).get("adjusted")
     if adjusted is not None:
         header = shown(plan.table.columns[adjusted].header)
-        advice = f"take {header} with value (--value-column), which is"
+        advice = f"select the adjusted column {header} with value (--value-column)"
     else:
-        advice = "the table has no adjusted column; get prices that are"
+        advice = "the table has no adjusted column; use a file with adjusted prices"
     examples = []
     known = np.flatnonzero(~np.isnan(value))
     for split in splits[:6]:
@@ -414,7 +414,7 @@ def _split_notes(
     more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
     return [
         f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
-        f"{', '.join(examples)}{more}; steps leave them out, but the level jumps: {advice}"
+        f"{', '.join(examples)}{more}; steps are corrected for them, but the level jumps: {advice}"
     ]
 
 

@@ -1,1 +1,1 @@
-"""Series: tables of times and values (CSV, JSON, Parquet) into timelines with events by rule."""
+"""Readers of tables of times and values (CSV, JSON, Parquet), whose events are found by rules."""

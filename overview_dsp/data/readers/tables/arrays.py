@@ -89,7 +89,7 @@ def open_npy(source: DataFile) -> ColumnTable:
     if dtype.itemsize * math.prod(shape) != source.size - offset:
         raise InputError(
             f"the header says an array of shape {shape}, {dtype.itemsize * math.prod(shape)} "
-            f"bytes, and {source.size - offset} follow; get the file again"
+            f"bytes, but {source.size - offset} bytes follow; get the file again"
         )
     if not math.prod(shape):
         raise InputError(NO_ROWS)
@@ -211,13 +211,13 @@ class ParquetTable(Table):
         arrow = _library()
         self._arrow = arrow
         self._path = str(source.path)
-        with _one_line():
+        with _one_line_errors():
             file = arrow.parquet.ParquetFile(self._path, memory_map=False)
             with file:
                 schema = file.schema_arrow
                 self._rows = file.metadata.num_rows
         if self._rows > MAX_ROWS:
-            raise InputError(f"{self._rows} rows, more than the {MAX_ROWS} that are read; cut it")
+            raise InputError(f"{self._rows} rows; must be at most {MAX_ROWS}: cut it into parts")
         if self._rows == 0:
             raise InputError(NO_ROWS)
         require_few_columns(len(schema))
@@ -241,7 +241,7 @@ class ParquetTable(Table):
         names = [self._names[i] for i in columns]
         first = 1
         with (
-            _one_line(),
+            _one_line_errors(),
             self._arrow.parquet.ParquetFile(
                 self._path, memory_map=False, buffer_size=1 << 20, pre_buffer=False
             ) as file,
@@ -284,7 +284,7 @@ class ParquetTable(Table):
 
 
 @contextmanager
-def _one_line() -> Iterator[None]:
+def _one_line_errors() -> Iterator[None]:
     """Convert errors of pyarrow to an InputError of one line."""
     try:
         yield

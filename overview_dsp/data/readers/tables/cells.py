@@ -205,7 +205,7 @@ def sentinel(value: NDArray[np.float64]) -> float | None:
     Parameters
     ----------
     value
-        Shape (n,), NaN = missing.
+        Values of the column, NaN if missing.
     """
     known = value[~np.isnan(value)]
     if not known.size:

@@ -66,16 +66,8 @@ SERIES_TIMES = (
 """Times of a series."""
 
 SERIES_TIME_PARTS = (
-    "date",
-    "time",
-    "datum",
-    "zeit",
-    "fecha",
-    "epoch",
-    "unix",
-    "seconds",
-    "elapsed",
-)
+    "date", "time", "datum", "zeit", "fecha", "epoch", "unix", "seconds", "elapsed",
+)  # fmt: skip
 """Names that contain one of these are times of a series."""
 
 ROW_COUNTERS = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
@@ -97,7 +89,7 @@ OTHER_PRICES = ("price", "lastprice", "settle")
 """Members of `CLOSE` that are no exchange's closing price."""
 
 PRICES_ALONE = (*OTHER_PRICES, "close", "closelast", "closeprice", "closing", "schlusskurs")
-"""Prices even in a table without other prices."""
+"""Names that mean prices even in a table without other prices."""
 
 OPEN = ("open", "openprice", "eröffnung", "eröffn", "apertura", "ouverture", "o")
 """Opening prices."""
@@ -141,7 +133,7 @@ JSON_TIME_PARTS = ("date", "time", "timestamp", "day", "month", "year", "period"
 CHART_LETTERS = {
     "t": "time", "o": "open", "h": "high", "l": "low", "c": "close", "v": "volume",
 }  # fmt: skip
-"""Names of the single letters in share charts."""
+"""Meanings of the single letters in share charts."""
 
 CANDLE = ("time", "open", "high", "low", "close", "volume")
 """Columns of a price chart without names."""
@@ -150,4 +142,4 @@ QUOTES = ("open", "high", "low", "close", "volume")
 """Columns of a price chart from Yahoo."""
 
 TIME_HEADER_PARTS = ("date", "time", "datum", "zeit", "year", "fecha")
-"""Headers that contain one of these are times, of a table without any value yet."""
+"""In a table without any value yet, headers that contain one of these are times."""

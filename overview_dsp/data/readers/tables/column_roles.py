@@ -105,7 +105,7 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one with time "
             "(--time-column COLUMN:FORMAT; row numbers are not times), or give the "
-            "samples a second of evenly spaced rows with rate (--read rate=HZ)"
+            "samples per second of evenly spaced rows with rate (--read rate=HZ)"
         )
     index, form = found
     if written:
@@ -156,7 +156,7 @@ def _form_notes(form: Format) -> tuple[str, ...]:
 
 
 def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
-    """Return the column of times: named and dated, dated, named, or first and rising."""
+    """Return the column of dates (a named one first), or a named one, or the first if it rises."""
     ranked: list[tuple[int, int, Format]] = []
     for i, (column, cells) in enumerate(zip(columns, head, strict=True)):
         form = detected_format(column, cells)
@@ -313,7 +313,7 @@ def choose_value(
     ] or numeric
     if len(series) == 1:
         left = [columns[i] for i in numeric if i not in series]
-        note = f"left out, as row counts or one number throughout: {listed(left)}"
+        note = f"left out, as row numbers or constants: {listed(left)}"
         return series[0], note if left else ""
     offered = [columns[i] for i in series]
     raise InputError(
@@ -323,7 +323,7 @@ def choose_value(
 
 
 def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
-    """Return whether three or more cells are equal, like the number of a station."""
+    """Return whether three or more cells are equal; `zero` allows 0."""
     known = [cell for cell in cells if not is_missing(cell)]
     if len(known) < 3 or any(cell != known[0] for cell in known):
         return False

@@ -1,7 +1,7 @@
 """The decimal mark of a table's numbers, point or comma, detected from its first rows.
 
-One mark holds for a whole file. Where both would do, columns that are separated by anything but a
-comma tell: semicolons come from programs that write a decimal comma.
+One mark holds for a whole file. Where cells fit both marks, a comma is chosen if columns have a
+separator other than a comma: programs that write semicolons also write a decimal comma.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ def detect_decimal_mark(cells: Iterable[Any]) -> str | None:
     """Return the decimal mark that most deciding cells have, None if no cell decides.
 
     A cell decides if it has both marks (the last is the decimal one), a mark that repeats (it
-    groups thousands), or one mark that does not stand before exactly three digits (`12,5`, `0.250`
-    by its zero).
+    groups thousands), or one mark that does not stand before exactly three digits (`12,5`), or
+    a number that begins with 0 (`0.250`).
     """
     votes = {".": 0, ",": 0}
     for cell in cells:

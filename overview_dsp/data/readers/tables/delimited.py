@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.readers.data_file import DataFile
-from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, headed
+from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, header_dialect
 from overview_dsp.data.readers.tables.table import (
     CHUNK_CELLS,
     CHUNK_ROWS,
@@ -83,7 +83,7 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
     InputError
         No header, a column named twice, more fields than columns, broken quotes, too many rows.
     """
-    dialect = headed(text)
+    dialect = header_dialect(text)
     if dialect is None:
         raise InputError("no header; the first row names the columns")
     if len(dialect.header) > MAX_COLUMNS:
@@ -150,7 +150,7 @@ class DelimitedTable(Table):
             if not block:
                 continue
             whole = block if block.endswith("\n") else block + "\n"
-            marks = marks_of(whole, separator, width, dialect.comments)
+            marks = field_ends(whole, separator, width, dialect.comments)
             if marks is None:
                 return first
             cells = cells_of(whole, marks, separator, width, columns)
@@ -348,7 +348,7 @@ def _line_ends(text: str) -> int:
     return text.count("\n") + text.count("\r") - text.count("\r\n")
 
 
-def marks_of(
+def field_ends(
     block: str, separator: str, width: int, comments: tuple[str, ...]
 ) -> NDArray[np.int64] | None:
     """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.

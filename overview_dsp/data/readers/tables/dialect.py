@@ -1,8 +1,8 @@
 """Layout of a text table, detected from its first lines: separator, header, units, comments.
 
-Fields are separated by commas, semicolons, tabs, bars or blanks. There may be lines before the
+Fields are separated by commas, semicolons, tabs, `|` or blanks. There may be lines before the
 table, a header, a row of units below it, and comment lines that begin with `#` (the last of which
-may be the header). For known column names (`headed`), the header alone decides.
+may be the header). For readers that know the column names, `header_dialect` detects the header.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ def split(lines: list[tuple[int, str]], separator: str | None) -> list[tuple[int
     return rows
 
 
-def headed(text: str, known: Collection[str] = ()) -> Dialect | None:
+def header_dialect(text: str, known: Collection[str] = ()) -> Dialect | None:
     """Return the dialect of a text from its header, the first line that is not blank or a comment.
 
     The separator is the one with the most names in `known`, then the most fields. Names become
@@ -128,7 +128,7 @@ def _names(line: str, separator: str) -> tuple[str, ...]:
 
 
 def detect(
-    source: DataFile, accepts: Accepts | None = None, signs: tuple[str, ...] = COMMENTS
+    source: DataFile, accepts: Accepts | None = None, marks: tuple[str, ...] = COMMENTS
 ) -> Dialect | None:
     """Detect the layout of a text table; None without numbers, or if `accepts` returns False."""
     if source.looks_like_json:
@@ -142,8 +142,8 @@ def detect(
         del lines[0]
     # if most lines begin with # (a rank, a hash tag), they are rows, and so is a header "#,name"
     ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
-    comments = not ranked and 2 * sum(line.startswith(signs) for _, line in lines) <= len(lines)
-    kept = [entry for entry in lines if not (comments and entry[1].startswith(signs))]
+    comments = not ranked and 2 * sum(line.startswith(marks) for _, line in lines) <= len(lines)
+    kept = [entry for entry in lines if not (comments and entry[1].startswith(marks))]
     separation = _separation(kept)
     if separation is None:
         return None
@@ -153,17 +153,17 @@ def detect(
     if begin is None or width > MAX_COLUMNS:
         return None
     before = [
-        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(signs)
+        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(marks)
     ]
     named = split([(0, line.lstrip("#%/").strip()) for line in before[-1:]], separator)
-    commented = named[0][1] if named else []
+    comment = named[0][1] if named else []
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
-    header, units, first, note = _header(rows[begin:], commented)
+    header, units, first, note = _header(rows[begin:], comment)
     below = [row for i, row in rows[begin:] if i >= first]
     if accepts is None and note and not _is_bare(below):
         return None
-    claims = accepts or (_has_times if source.options.counts else _is_series)
-    if not claims(header, below):
+    is_table = accepts or (_has_times if source.options.counts else _is_series)
+    if not is_table(header, below):
         return None
     return Dialect(
         encoding,
@@ -171,7 +171,7 @@ def detect(
         header,
         units,
         first,
-        signs if comments else (),
+        marks if comments else (),
         tuple(filter(None, (*notes, note))),
     )
 
@@ -198,7 +198,7 @@ def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
 
 
 def _begin(rows: Rows, width: int) -> int | None:
-    """Return the index of the first of several rows of the table's width, None without any."""
+    """Return the index where several rows of the table's width begin, None without such rows."""
     least = max(min(width, 2), width - 1)  # a header may omit the column of row names
     lengths = [len(row) for _, row in rows]
     for k in range(len(rows)):
@@ -207,7 +207,7 @@ def _begin(rows: Rows, width: int) -> int | None:
     return next((k for k, length in enumerate(lengths) if length >= least), None)
 
 
-def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[str, ...], int, str]:
+def _header(rows: Rows, comment: list[str]) -> tuple[tuple[str, ...], tuple[str, ...], int, str]:
     """Return header, units, line of the first row, and a note."""
     (first, top), below = rows[0], [row for _, row in rows[1:]]
     units: list[str] = []
@@ -220,8 +220,8 @@ def _header(rows: Rows, commented: list[str]) -> tuple[tuple[str, ...], tuple[st
             first, below = rows[1][0] + 1, below[1:]
     else:
         below = [top, *below]
-        header = commented
-        if len(commented) != len(top):
+        header = comment
+        if len(comment) != len(top):
             header = [f"column {i}" for i in range(1, len(top) + 1)]
             note = "the file has no header: columns are called column 1, column 2 ..."
     named = bool(below) and all(len(row) == len(header) + 1 for row in below)

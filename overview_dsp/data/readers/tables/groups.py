@@ -88,11 +88,11 @@ def select_group(table: Table, option: str) -> OneGroup:
     if found:
         names = ", ".join(shown(table.columns[i].header) for i in found)
         raise InputError(
-            f"match {shown(option)}: columns {names} contain it; give match (--select) as "
+            f"match {shown(option)}: columns {names} contain this text; give match (--select) as "
             f"'COLUMN={wanted}'"
         )
     there = f"; texts are {', '.join(examples)}" if examples else ""
-    raise InputError(f"match {shown(option)}: no row contains it{there}")
+    raise InputError(f"match {shown(option)}: no row contains this text{there}")
 
 
 def require_single_series(table: Table, times: Sequence[int], value: int) -> None:

@@ -68,7 +68,7 @@ _SAMPLE = 50
 
 @dataclass(frozen=True)
 class _Shape:
-    """Column names, number of rows, function that cuts out rows, and units by column name."""
+    """Column names, number of rows, units, and `cut(column, first, end)`, which returns cells."""
 
     names: tuple[str, ...]
     rows: int

@@ -1,4 +1,4 @@
-"""A log as a table of one column, to count its lines (`--map count`): their times.
+"""A log as a table of one column, the times of its lines, which are counted (`--map count`).
 
 The time of a line is the first one in its first 100 characters, in one of these forms:
 
@@ -27,10 +27,10 @@ from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import CHUNK_ROWS, Chunk, Column, Table
 from overview_dsp.data.timeline.time_parsing import LINE_FORMS, in_line
 
-_REACH = 100
+_TIME_WITHIN = 100
 _SNIFFED = 50
 _FIRST_YEAR = 2000
-_NO_YEAR = f"its lines name no year: {_FIRST_YEAR} stands for the first"
+_NO_YEAR = f"its lines have no year; the first year is called {_FIRST_YEAR}"
 
 _COMMIT = re.compile(r"commit [0-9a-f]{7,64}\b")
 
@@ -40,8 +40,8 @@ def _time_in(form: str, line: str) -> str | None:
     if form == "git":
         if not line.startswith("Date:"):
             return None
-        return in_line(line[:_REACH], "long") or in_line(line[:_REACH], "iso")
-    return in_line(line[:_REACH], form)
+        return in_line(line[:_TIME_WITHIN], "long") or in_line(line[:_TIME_WITHIN], "iso")
+    return in_line(line[:_TIME_WITHIN], form)
 
 
 def sniff(source: DataFile) -> bool:
@@ -92,7 +92,7 @@ class LogTable(Table):
         while part := list(islice(rest, CHUNK_ROWS)):
             times = [_time_in(self._form, line) for line in part]
             if self._form == "short":
-                times = list(map(years.named, times))
+                times = list(map(years.with_year, times))
             yield Chunk((times,), first, None, lines.part)
             first += len(part)
 
@@ -103,7 +103,7 @@ class _Years:
     def __init__(self) -> None:
         self._year, self._month = _FIRST_YEAR, 0
 
-    def named(self, time: str | None) -> str | None:
+    def with_year(self, time: str | None) -> str | None:
         if time is None:
             return None
         month = int(time[5:7])

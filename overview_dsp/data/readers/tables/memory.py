@@ -121,8 +121,8 @@ def is_document(data: Any) -> bool:
     """Return whether data are nested objects, as in a JSON file."""
     if isinstance(data, Mapping):
         values = list(data.values())
-        return any(isinstance(value, Mapping) or _holds_more(value) for value in values)
-    return _holds_more(data) and any(
+        return any(isinstance(value, Mapping) or _has_records(value) for value in values)
+    return _has_records(data) and any(
         isinstance(value, Mapping | list)
         for entry in data[:_SAMPLE]
         if isinstance(entry, Mapping)
@@ -130,7 +130,7 @@ def is_document(data: Any) -> bool:
     )
 
 
-def _holds_more(data: Any) -> bool:
+def _has_records(data: Any) -> bool:
     return isinstance(data, list) and bool(data) and isinstance(data[0], Mapping)
 
 
@@ -373,9 +373,9 @@ def _numbers(values: list[Any], kinds: set[type]) -> InputColumn:
 
 
 def _moments(values: list[Any]) -> InputColumn:
-    """Return a column of datetimes; a mixture with and without zone stays text, an error later."""
+    """Return a column of datetimes; a mixture with and without zone is text, rejected later."""
     offsets = [None if v is None or v != v else v.utcoffset() for v in values]
-    known = [v is not None and v == v for v in values]  # NaT isn't itself
+    known = [v is not None and v == v for v in values]  # NaT isn't equal to itself
     zoned = [offset is not None for offset in offsets]
     if any(zoned) and zoned != known:
         both = zip(values, known, strict=True)
@@ -446,7 +446,7 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself
         return library, _index(frame) or [("value", _of_index(frame))]
-    frame = _one_header_a_column(frame)
+    frame = _with_joined_headers(frame)
     try:
         known: Any = nw.from_native(frame, eager_only=True, allow_series=True)
         if isinstance(known, nw.Series):
@@ -462,7 +462,7 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
     return library, [*_index(index), *columns]
 
 
-def _one_header_a_column(frame: Any) -> Any:
+def _with_joined_headers(frame: Any) -> Any:
     """Join headers of several levels (`Close`, `AAPL`), except levels that are equal in all."""
     headers: Any = getattr(frame, "columns", None)
     if getattr(headers, "nlevels", 1) == 1:

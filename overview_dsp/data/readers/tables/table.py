@@ -19,7 +19,7 @@ CHUNK_ROWS = 65_536
 """Rows read at a time: some 10 MB as text cells, whatever the file's size."""
 
 CHUNK_CELLS = 2_000_000
-"""Cells read at a time, of a wide table."""
+"""Most cells read at a time from a wide table."""
 
 _HEAD_CELLS = 150_000
 

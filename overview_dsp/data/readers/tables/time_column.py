@@ -139,7 +139,7 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
         return Format("iso")
 
     def most(count: int) -> bool:
-        # up to one in three may be a mistake, an error when it is read
+        # up to a third of the cells may be mistakes, which are errors when they are read
         return 3 * count >= 2 * len(known)
 
     numbers = [(cell, number) for cell in known if (number := as_number(cell)) is not None]
@@ -162,9 +162,9 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
 def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool]) -> Format | None:
     """Distinguish times of day from times in a recording; a note explains ambiguous cases."""
     of_day = most(sum(day_clock_s(text) is not None for text in texts))
-    halves = most(sum(text[-1:] in "mM." for text in texts))
+    has_am_pm = most(sum(text[-1:] in "mM." for text in texts))
     running = most(sum(clock_s(text) is not None for text in texts))
-    if of_day and (halves or _names_time_of_day(column)):
+    if of_day and (has_am_pm or _names_time_of_day(column)):
         form, other, reads = "hhmm", "clock", "minutes:seconds"
     elif running:
         form, other, reads = "clock", "hhmm", "hours:minutes"
@@ -438,8 +438,8 @@ class TimeColumn:
     def _wrong(self, cell: Any, location: CellLocation) -> InputError:
         return location.error(
             cell,
-            f"isn't a time as the column's others ({self.format.description}); correct it, or give "
-            f"the format with time (--time-column COLUMN:FORMAT; {', '.join(FORMATS)})",
+            f"isn't a time like others in the column ({self.format.description}); correct it, or "
+            f"give the format with time (--time-column COLUMN:FORMAT; {', '.join(FORMATS)})",
         )
 
     def _of_datetimes(
@@ -466,7 +466,7 @@ class TimeColumn:
         wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
         if wide:
             raise locate(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
-        # a division is exact to the last locate, a factor of 1e-9 isn't
+        # a division is exact to the last digit, a factor of 1e-9 isn't
         since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
         seconds[~missing] = since - rest / NS
         return seconds

@@ -86,7 +86,7 @@ def open_table(source: DataFile) -> ColumnTable:
     table |= {name: known[name] for name in _COLUMNS}
     present = [name for name, values in table.items() if not _is_empty(values)]
     if len(present) < 2:
-        raise InputError("its points have neither positions nor anything else but times")
+        raise InputError("its points have times, but no positions or other values")
     points = array_table(present, [table[name] for name in present], notes)
     zoned = (replace(points.columns[0], zoned=True), *points.columns[1:])
     kind = "GPX" if source.xml_root == "gpx" else "TCX"
@@ -135,7 +135,7 @@ class _Reader:
         self._path.append(name)
         self._text = ""
         if len(self._path) > MAX_DEPTH:
-            raise InputError(f"XML nested more than {MAX_DEPTH} deep; a track isn't")
+            raise InputError(f"XML nested more than {MAX_DEPTH} levels deep, unlike any track")
         if name in _POINTS:
             self._point = {key: _number(attributes.get(key)) for key in ("lat", "lon")}
 

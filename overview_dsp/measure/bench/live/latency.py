@@ -28,7 +28,7 @@ BACK_S = 0.3  # the disk returns to rest within this time after a tap
 TAP_POSITION = 0.8
 
 
-def probe() -> Engine:
+def probe_engine() -> Engine:
     """Return an engine whose disk follows a tap within 25 ms and returns after it.
 
     It sounds from its first sample, is prepared at `RATE` and has one event, at the middle.
@@ -49,8 +49,8 @@ def probe() -> Engine:
 
 
 def strike_delay() -> float:
-    """Return the number of samples from a tap of the probe to its strike."""
-    engine = probe()
+    """Return the number of samples from a tap of the probe engine to its strike."""
+    engine = probe_engine()
     out = np.zeros((HOLD, 2), dtype=np.float32)
     engine.process(out)
     engine.control(TAP_POSITION * HALF_TURN, True, HOLD)
@@ -93,7 +93,7 @@ class LatencyResult:
 
 
 def tap_while_playing(engine: Engine, delay: float) -> Tap:
-    """Tap the resting probe that a stream plays, hold for `HOLD` samples, wait until it is back.
+    """Tap the resting engine that a stream plays, hold for `HOLD` samples, wait until it is back.
 
     `delay` is the result of `strike_delay`.
 
@@ -128,7 +128,7 @@ def tap_while_playing(engine: Engine, delay: float) -> Tap:
 def measure_latency(
     device: int | str | None, block_size: int, seconds: float, seed: int = 0
 ) -> LatencyResult:
-    """Tap at random moments for about `seconds`, at least three times, native callback.
+    """Tap at random moments for about `seconds`, at least three times, with the native callback.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def measure_latency(
     """
     rng = random.Random(seed)
     delay = strike_delay()
-    engine = probe()
+    engine = probe_engine()
     taps: list[Tap] = []
     with OutputStream(engine, device=device, block_size=block_size) as stream:
         time.sleep(SETTLE_S)

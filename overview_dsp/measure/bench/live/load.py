@@ -46,8 +46,8 @@ class LoadResult:
     rate x seconds), `underflows` reported, `late` (callbacks longer than their own frames last),
     `p50_us`, `p99_us`, `max_us` (callback time; the native callback's first two are exact to a
     fifth), `latency_ms` (reported by PortAudio). A Python callback's time includes its wait for the
-    interpreter (in whole frames on a JACK server, whose clock counts those).
-    The last six count from the stream's start.
+    interpreter (in whole frames on a JACK server, whose clock counts frames). The last six values
+    are since the start of the stream.
     """
 
     seconds: float
@@ -106,14 +106,14 @@ def measure_load(
     stream = TimedStream(engine, device=device, block_size=block_size, callback=callback)
     with stream:
         _sweep_for(engine, SETTLE_S)
-        began, first = edge(stream, block_size)
+        began, first = counter_edge(stream, block_size)
         before = stream.meters.callbacks
         if loaded:
             with load():
                 _sweep_for(engine, seconds)
         else:
             _sweep_for(engine, seconds)
-        ended, last = edge(stream, block_size)
+        ended, last = counter_edge(stream, block_size)
         meters = stream.meters
     due = (ended - began) * RATE
     p50, p99, longest, late = meters.median_s, meters.p99_s, meters.longest_s, meters.late
@@ -134,7 +134,7 @@ def measure_load(
     )
 
 
-def edge(stream: OutputStream, block_size: int) -> tuple[float, int]:
+def counter_edge(stream: OutputStream, block_size: int) -> tuple[float, int]:
     """Return a time (s, monotonic) just after the frame counter changed, and the counter.
 
     A window between two such times contains whole blocks. At any other time the counter may be up

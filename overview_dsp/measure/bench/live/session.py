@@ -1,6 +1,6 @@
 """Cost of a whole session: processor time of `overview play`, and the output of its screen.
 
-Blocks are small. Each session runs with or without the screen, idle or with keys that move the
+Blocks have 64 frames. Each session runs with or without the screen, idle or with keys that move the
 finger. It runs in its own pseudo-terminal, as a user's session runs in a terminal; Linux only.
 """
 
@@ -60,7 +60,7 @@ def measure_session(
     Raises
     ------
     InputError
-        It could not play: the device does not exist or does not allow these settings.
+        The session can't play: the device does not exist or does not allow these settings.
     """
     arguments = ["play", "world-cup-final-2018", "--block-size", str(BLOCK)]
     if device is not None:

@@ -1,4 +1,4 @@
-"""The live figures of this machine: load test, control latency, sessions, in one report.
+"""Live measurements of this machine in one report: load test, control latency, sessions.
 
 Each run has its own process, `python -m overview_dsp.measure.bench.live.table RUN`. RUN is one JSON
 object, and the process prints its result as one JSON object. PortAudio and the interpreter start
@@ -17,7 +17,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.output.devices import devices
-from overview_dsp.measure.bench.live.latency import LatencyResult, measure_latency, probe
+from overview_dsp.measure.bench.live.latency import LatencyResult, measure_latency, probe_engine
 from overview_dsp.measure.bench.live.load import RATE, LoadResult, measure_load
 from overview_dsp.measure.bench.live.session import (
     SessionRow,
@@ -32,12 +32,12 @@ START_WITHIN_S = 120.0
 """Time allowed for a run besides its window: import, a first compile, PortAudio's start."""
 
 SESSIONS = ((False, False), (True, False), (True, True))
-"""Pairs: with a screen, moving."""
+"""Measured sessions: whether they have a screen, and whether keys move the finger."""
 
 SHORTEST_S = 3.0
 """Shortest window of a session, as the system counts processor time in units of 10 ms."""
 
-TABLE_CELLS = (("native", False), ("python", False), ("native", True), ("python", True))
+LOAD_CASES = (("native", False), ("python", False), ("native", True), ("python", True))
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def measure_live(
     """
     done = 0.0
     sessions_run = SESSIONS if can_measure() else ()
-    total = rounds * len(TABLE_CELLS) * seconds + seconds + seconds * bool(sessions_run)
+    total = rounds * len(LOAD_CASES) * seconds + seconds + seconds * bool(sessions_run)
 
     def run(window: float, **what: Any) -> dict[str, Any]:
         nonlocal done
@@ -117,9 +117,9 @@ def measure_live(
         LatencyResult(**run(seconds / len(BLOCKS), block_size=block_size, test="latency"))
         for block_size in BLOCKS
     ]
-    found: dict[tuple[str, bool], list[LoadResult]] = {cell: [] for cell in TABLE_CELLS}
+    found: dict[tuple[str, bool], list[LoadResult]] = {cell: [] for cell in LOAD_CASES}
     for _ in range(rounds):
-        for callback, loaded in TABLE_CELLS:
+        for callback, loaded in LOAD_CASES:
             result = run(seconds, test="load", callback=callback, loaded=loaded, block_size=BLOCK)
             found[callback, loaded].append(LoadResult(**result))
     sessions = []
@@ -127,7 +127,7 @@ def measure_live(
         window = max(seconds / len(sessions_run), SHORTEST_S)
         sessions.append(SessionRow(**run(window, test="session", screen=screen, moving=moving)))
     rows = [_row(*cell, results) for cell, results in found.items()]
-    lost, smoothing = lost_ratio(rows, seconds), probe().latency_samples
+    lost, smoothing = lost_ratio(rows, seconds), probe_engine().latency_samples
     return Report(RATE, BLOCK, seconds, rounds, rows, *lost, latency, smoothing, sessions)
 
 
@@ -194,8 +194,8 @@ def latency_table(report: Report) -> list[str]:
         for row in report.latency
     ]
     lines.append(
-        f"a moving hand: {report.smoothing_frames} frames "
-        f"({1e3 * report.smoothing_frames / report.sample_rate:.1f} ms) of smoothing more"
+        f"a movement: {report.smoothing_frames} frames "
+        f"({1e3 * report.smoothing_frames / report.sample_rate:.1f} ms) more, by smoothing"
     )
     return lines
 

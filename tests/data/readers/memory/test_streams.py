@@ -69,7 +69,7 @@ def test_an_open_file_is_read_up_to_the_limit() -> None:
     assert endless.given <= 4 * 2**20
 
 
-def test_what_fails_while_it_is_read_is_one_line() -> None:
+def test_a_stream_that_fails_while_it_is_read_gives_a_one_line_error() -> None:
     class Broken(io.RawIOBase):
         def read(self, size: int = -1) -> bytes:
             raise ConnectionResetError("the line is dead")
@@ -95,7 +95,7 @@ def test_what_fails_while_it_is_read_is_one_line() -> None:
         ({"overview_timeline": 1, "events": [{"time_s": np.nan, "kind": "a"}]}, "duration_s"),
     ],
 )
-def test_what_is_no_series_is_one_line(data: Any, words: str) -> None:
+def test_data_that_are_not_a_series_give_a_one_line_error(data: Any, words: str) -> None:
     with pytest.raises(ov.InputError, match=words):
         ov.load_timeline(data, rate=2.0 if words.startswith("row 2, col") else None)
 

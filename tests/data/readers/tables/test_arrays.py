@@ -64,15 +64,17 @@ def test_arrays_of_an_archive_are_its_columns(save: Any, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (header((10**15,)) + bytes(80), r"shape \(10{15},\), 8\d+ bytes, and 80 follow"),
-        (header((20,)) + bytes(80), "160 bytes, and 80 follow"),
+        (header((10**15,)) + bytes(80), r"shape \(10{15},\), 8\d+ bytes, but 80 bytes follow"),
+        (header((20,)) + bytes(80), "160 bytes, but 80 bytes follow"),
         (header((0,)), "no rows"),
         (header((2, 2, 2)) + bytes(64), "3 dimensions"),
         (header((2,), "|O") + bytes(16), "Python objects"),
         (b"\x93NUMPY\x01\x00\x05\x00{a()}", "no NumPy array"),
     ],
 )
-def test_what_is_no_such_array_is_one_line(data: bytes, words: str, tmp_path: Path) -> None:
+def test_an_unsuitable_array_gives_a_one_line_error(
+    data: bytes, words: str, tmp_path: Path
+) -> None:
     (tmp_path / "x.npy").write_bytes(data)
     with pytest.raises(InputError, match=words):
         load_timeline(tmp_path / "x.npy", rate=10.0)
@@ -98,7 +100,9 @@ def test_a_zip_of_other_files_is_still_refused(tmp_path: Path) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.data())
-def test_any_damage_ends_in_a_timeline_or_one_line(tmp_path: Path, data: st.DataObject) -> None:
+def test_any_damage_ends_in_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: st.DataObject
+) -> None:
     path = tmp_path / data.draw(st.sampled_from(["x.npy", "x.npz"]))
     if path.suffix == ".npy":
         np.save(path, np.stack([TIMES, VALUES], axis=1))

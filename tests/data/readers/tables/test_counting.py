@@ -121,7 +121,7 @@ def test_times_without_a_year_go_on_after_december(tmp_path: Path) -> None:
     path = write(tmp_path, "Dec 31 23:10:00 h: a\nDec 31 23:50:00 h: b\nJan  1 01:20:00 h: c\n")
     timeline = load_timeline(path, map="count:1h")
     assert numbers(timeline) == [2.0, 0.0, 1.0]
-    assert "its lines name no year: 2000 stands for the first" in timeline.notes
+    assert "its lines have no year; the first year is called 2000" in timeline.notes
 
 
 def test_a_log_that_is_not_counted_is_refused_with_the_option(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_an_event_list_is_counted_too(tmp_path: Path) -> None:
     assert numbers(load_timeline(path, map="count:1min")) == [2.0, 1.0]
 
 
-def test_what_is_not_counted_is_said(tmp_path: Path) -> None:
+def test_what_is_not_counted_is_noted(tmp_path: Path) -> None:
     text = "\n".join([f"{m.isoformat(' ')} x\n  rest" for m in MOMENTS])
     notes = load_timeline(write(tmp_path, text), map="count:1h").notes
     assert "8 rows without a time aren't counted" in notes
@@ -164,12 +164,14 @@ def test_a_window_that_is_not_given_is_a_round_one(tmp_path: Path) -> None:
         ({"map": "count:5"}, "count:'5': give a window as a time"),
         ({"map": "count:soon"}, "give a window as a time"),
         ({"map": "count:0h"}, "give a window as a time"),
-        ({"map": "count:0.001s"}, r"makes 9\d{7} windows .* up to 2000000"),
+        ({"map": "count:0.001s"}, r"makes 9\d{7} windows .* at most 2000000"),
         ({"map": "count", "value": "who"}, "leave value out"),
         ({"map": "count", "rate": 5.0}, "leave rate out"),
     ],
 )
-def test_what_says_nothing_is_one_line(options: dict[str, Any], words: str, tmp_path: Path) -> None:
+def test_a_count_option_that_does_not_apply_gives_a_one_line_error(
+    options: dict[str, Any], words: str, tmp_path: Path
+) -> None:
     path = write(tmp_path, "\n".join(["when,who", *rows_of(MOMENTS)]))
     with pytest.raises(InputError, match=words):
         load_timeline(path, **options)

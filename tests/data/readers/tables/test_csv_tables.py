@@ -82,7 +82,7 @@ def test_a_file_without_a_header_is_read(tmp_path: Path) -> None:
     assert noted(timeline, "no header")
 
 
-def test_columns_of_blanks_are_read(tmp_path: Path) -> None:
+def test_columns_separated_by_blanks_are_read(tmp_path: Path) -> None:
     timeline = load(tmp_path, "  time     level\n   0.0      5\n   0.5     16\n   1.0      7\n")
     assert values(timeline) == [5.0, 16.0, 7.0]
     assert timeline.start is None
@@ -166,7 +166,7 @@ def test_a_bad_byte_in_an_unused_column_does_not_matter(tmp_path: Path) -> None:
     assert "column 'temp'" in refusal(lambda: load(tmp_path, text))
 
 
-def test_rows_in_any_order_are_sorted_and_that_is_said(tmp_path: Path) -> None:
+def test_rows_in_any_order_are_sorted_and_that_is_noted(tmp_path: Path) -> None:
     head, *rows = DAILY.splitlines()
     down = load(tmp_path, "\n".join([head, *reversed(rows)]))
     assert values(down) == values(load(tmp_path, DAILY))
@@ -193,7 +193,7 @@ def test_several_series_below_each_other_are_asked_about_and_distinguished(tmp_p
     assert "column 'symbol' distinguishes 2 series ('AAA', 'BBB'); choose one with match" in words
     for match in ("BBB", "bbb", "symbol=BBB"):
         assert values(load(tmp_path, text, match=match)) == [10.0, 20.0, 30.0, 40.0, 50.0]
-    assert "no row contains it" in refusal(lambda: load(tmp_path, text, match="CCC"))
+    assert "no row contains this text" in refusal(lambda: load(tmp_path, text, match="CCC"))
 
 
 def test_a_file_larger_than_the_limit_is_refused_and_the_limit_can_be_raised(

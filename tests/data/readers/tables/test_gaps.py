@@ -32,7 +32,7 @@ def test_a_word_for_missing_becomes_a_gap_from_value_to_value(tmp_path: Path, wo
     assert timeline.gaps == ((2 * DAY, 5 * DAY),)
     assert values(timeline) == [0.5, 1.5, 2.5, 5.5, 6.5, 7.5, 8.5]
     assert timeline.intensity_at(3 * DAY) == 0.0  # not interpolated
-    assert noted(timeline, "2 of 9 values are missing: gaps")
+    assert noted(timeline, "2 of 9 values are missing, which makes gaps")
     assert noted(timeline, "1 gap, the longest 3 days")
 
 
@@ -140,7 +140,7 @@ def test_a_loggers_number_for_nothing_is_no_value(tmp_path: Path) -> None:
     assert load(tmp_path, series(rows)).gaps == ()
 
 
-def test_no_time_at_all_for_a_row_without_a_value_is_no_row(tmp_path: Path) -> None:
+def test_a_row_without_time_and_value_is_ignored(tmp_path: Path) -> None:
     text = series([(day, i) for i, day in enumerate(days(5))]) + ",\n,\n"
     timeline = load(tmp_path, text)
     assert times(timeline) == [i * DAY for i in range(5)]

@@ -35,7 +35,7 @@ RECORDS = [{"date": d, "temp": v} for d, v in zip(DATES, LEVELS, strict=True)]
         [[1577836800000 + i * 86_400_000, v] for i, v in enumerate(LEVELS)],
     ],
 )
-def test_the_same_series_in_any_shape(tmp_path: Path, document: Any) -> None:
+def test_a_series_is_the_same_in_every_shape_of_json(tmp_path: Path, document: Any) -> None:
     timeline = load(tmp_path, json.dumps(document), "made.json")
     assert times(timeline) == [0.0, 2 * DAY, 3 * DAY]
     assert values(timeline) == [3.5, 2.25, 6.0]
@@ -44,7 +44,7 @@ def test_the_same_series_in_any_shape(tmp_path: Path, document: Any) -> None:
     assert timeline.start.replace(tzinfo=None) == datetime(2020, 1, 1)
 
 
-def test_one_object_a_line_is_read(tmp_path: Path) -> None:
+def test_json_lines_are_read(tmp_path: Path) -> None:
     text = "\n".join(map(json.dumps, RECORDS))
     timeline = load(tmp_path, text, "made.jsonl")
     assert values(timeline) == [3.5, 2.25, 6.0]
@@ -106,7 +106,7 @@ def test_deeply_nested_json_is_refused_in_one_line(tmp_path: Path) -> None:
     assert "nested too deep" in refusal(lambda: load(tmp_path, "[" * 200_000))
 
 
-def test_what_geojson_says_of_its_places_is_a_table(tmp_path: Path) -> None:
+def test_the_properties_of_geojson_features_are_a_table(tmp_path: Path) -> None:
     features = [
         {
             "type": "Feature",

@@ -190,7 +190,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_it_is_read_as_it_is_written(tmp_path: Path, name: str) -> None:
+def test_every_known_table_gives_the_values_written_in_it(tmp_path: Path, name: str) -> None:
     case = CASES[name]
     timeline = load(tmp_path, case.text.encode(case.encoding), **case.options)
     assert values(timeline) == case.value

@@ -39,7 +39,9 @@ def test_the_level_is_the_default_and_keeps_its_unit(tmp_path: Path) -> None:
         ("LOAD", [0.0, 100.0, 200.0, 300.0, 400.0, 500.0]),
     ],
 )
-def test_what_is_mapped(tmp_path: Path, wish: str, expected: list[float]) -> None:
+def test_each_map_gives_its_curve_and_events_stay_those_of_the_value(
+    tmp_path: Path, wish: str, expected: list[float]
+) -> None:
     timeline = load(tmp_path, table(LEVEL), value="level", map=wish)
     assert values(timeline) == pytest.approx(expected)
     # events stay those of the value
@@ -53,7 +55,7 @@ def test_a_price_changes_in_per_cent_unless_asked_otherwise(tmp_path: Path) -> N
     assert values(timeline)[4] == 9.0
 
 
-def test_a_split_is_no_change(tmp_path: Path) -> None:
+def test_a_split_does_not_count_as_a_change(tmp_path: Path) -> None:
     level = 100.0 + np.sin(np.arange(100.0))
     level[60] = level[59]
     split = level.copy()
@@ -94,7 +96,7 @@ def test_a_change_is_not_taken_over_a_gap(tmp_path: Path) -> None:
         ("level:2", "map level takes no argument"),
     ],
 )
-def test_an_unknown_map_is_one_line(tmp_path: Path, wish: str, words: str) -> None:
+def test_an_unknown_map_gives_a_one_line_error(tmp_path: Path, wish: str, words: str) -> None:
     assert words in refusal(lambda: load(tmp_path, daily(LEVEL), map=wish))
 
 
@@ -110,4 +112,4 @@ def test_one_wild_value_moves_the_scale_little_and_is_clipped_there_alone(tmp_pa
     assert at(timeline, 250) == 1.0
     assert at(timeline, 0) == 0.0
     assert at(timeline, 125) == pytest.approx(0.25, abs=0.02)
-    assert noted(timeline, "(percentiles 1 and 99); values beyond are clipped in that scale alone")
+    assert noted(timeline, "(percentiles 1 and 99); only the friction is clipped there")

@@ -54,7 +54,7 @@ def test_a_number_with_a_decimal_comma(text: str, value: float) -> None:
     ["", "-", "a", "1-2", "1:30", "1/2", "12,34", "1,23,4", "1.2.3", "--5", "0x10", "1e", "١",
      "1,2345", "5 \ud800", "2020-01-01"],
 )  # fmt: skip
-def test_what_is_no_number_is_none(text: str) -> None:
+def test_a_text_that_is_not_a_number_is_parsed_as_none(text: str) -> None:
     assert parse(text, ".") is None
 
 

@@ -94,13 +94,13 @@ def test_a_wrong_cell_is_named_with_row_and_column(tmp_path: Path) -> None:
     assert "no rows" in refusal(lambda: load(tmp_path, data))
 
 
-def test_a_damaged_file_is_one_line(tmp_path: Path) -> None:
+def test_a_damaged_file_gives_a_one_line_error(tmp_path: Path) -> None:
     data = write(tmp_path, {"t": np.arange(1000.0), "level": np.arange(1000.0)})
     assert "broken or unknown Parquet" in refusal(lambda: load(tmp_path, data[:-100]))
     assert "broken or unknown Parquet" in refusal(lambda: load(tmp_path, b"PAR1"))
 
 
-def test_how_to_install_what_is_missing_is_said(
+def test_how_to_install_what_is_missing_is_noted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data = write(tmp_path, {"t": [0.0, 1.0], "level": [1.0, 2.0]})

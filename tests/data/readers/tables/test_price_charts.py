@@ -45,7 +45,9 @@ LISTS = {"s": "ok", **{k: [r[k] for r in RECORDS] for k in "tohlcv"}}
         (CANDLES, "close", ""),
     ],
 )
-def test_a_chart_is_its_last_price(document: Any, name: str, unit: str, tmp_path: Path) -> None:
+def test_a_price_chart_is_read_as_its_closing_prices(
+    document: Any, name: str, unit: str, tmp_path: Path
+) -> None:
     (tmp_path / "chart.json").write_text(json.dumps(document))
     timeline = load_timeline(tmp_path / "chart.json")
     assert timeline.title == f"chart: {name}"

@@ -67,7 +67,7 @@ def test_a_closing_price_with_splits_is_pointed_out_and_its_crash_is_none(
     assert not {"2000-06-21", "2005-02-28"} & set(falls)
     assert noted(timeline, "2:1 on 2000-06-21 (101.25 to 55.63)")
     assert noted(timeline, "2:1 on 2005-02-28 (88.99 to 44.86)")
-    assert noted(timeline, "take 'Adj Close' with value (--value-column), which is")
+    assert noted(timeline, "select the adjusted column 'Adj Close' with value (--value-column)")
 
 
 @pytest.mark.parametrize("left", ["Date,Close", "Date,Open,Close", "Date,Open,Close,Volume"])

@@ -78,19 +78,25 @@ relaxed = settings(
 
 @relaxed
 @given(changed(TABLES), OPTIONS)
-def test_any_change_of_a_table(tmp_path: Path, data: bytes, options: dict[str, Any]) -> None:
+def test_any_change_of_a_table_gives_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: bytes, options: dict[str, Any]
+) -> None:
     check(tmp_path / "table.csv", data, options)
 
 
 @relaxed
 @given(changed(DOCUMENTS), OPTIONS)
-def test_any_change_of_a_document(tmp_path: Path, data: bytes, options: dict[str, Any]) -> None:
+def test_any_change_of_a_document_gives_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: bytes, options: dict[str, Any]
+) -> None:
     check(tmp_path / "document.json", data, options)
 
 
 @relaxed
 @given(st.binary(min_size=1, max_size=300), OPTIONS)
-def test_any_bytes(tmp_path: Path, data: bytes, options: dict[str, Any]) -> None:
+def test_any_bytes_give_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: bytes, options: dict[str, Any]
+) -> None:
     check(tmp_path / "bytes", data, options)
 
 
@@ -109,7 +115,7 @@ CELLS = st.sampled_from(
     st.data(),
     OPTIONS,
 )  # fmt: skip
-def test_any_cells(
+def test_any_cells_give_a_timeline_or_a_one_line_error(
     tmp_path: Path, header: list[str], data: st.DataObject, options: dict[str, Any]
 ) -> None:
     rows = data.draw(st.lists(st.tuples(*([CELLS] * len(header))), min_size=1, max_size=12))
@@ -129,7 +135,7 @@ NUMBERS = st.one_of(
 
 @relaxed
 @given(st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=15), OPTIONS)
-def test_any_pairs_of_numbers(
+def test_any_pairs_of_numbers_give_a_timeline_or_a_one_line_error(
     tmp_path: Path, rows: list[tuple[Any, Any]], options: dict[str, Any]
 ) -> None:
     text = json.dumps([{"t": t, "v": v} for t, v in rows])
@@ -151,7 +157,7 @@ def parquet() -> tuple[bytes, ...]:
 
 @relaxed
 @given(st.data(), OPTIONS)
-def test_any_change_of_parquet(
+def test_any_change_of_parquet_gives_a_timeline_or_a_one_line_error(
     tmp_path: Path, data: st.DataObject, options: dict[str, Any]
 ) -> None:
     check(tmp_path / "table.parquet", data.draw(changed(parquet())), options)
@@ -171,7 +177,9 @@ def test_any_change_of_parquet(
         lambda: b"[" + b"[1,2]," * 100_000 + b"[1,2]]",
     ],
 )
-def test_extremes_of_shape(tmp_path: Path, make: Callable[[], bytes]) -> None:
+def test_tables_of_extreme_shape_give_a_timeline_or_a_one_line_error(
+    tmp_path: Path, make: Callable[[], bytes]
+) -> None:
     check(tmp_path / "extreme", make(), {})
 
 

@@ -155,7 +155,7 @@ def test_thinning_keeps_what_is_prominent() -> None:
     assert np.nanmax(kept_step) == np.nanmax(step)
 
 
-def test_the_lowest_and_highest_of_runs() -> None:
+def test_the_lowest_and_highest_value_of_each_run_are_kept() -> None:
     value = np.array([3.0, 1.0, 1.0, 5.0, 2.0, 2.0, 9.0])
     assert lows_and_highs(value, 3).tolist() == [0, 1, 3, 4, 6]
 

@@ -183,7 +183,7 @@ def test_rate_and_time_are_not_both_taken(tmp_path: Path) -> None:
     assert "rate and time are both given" in words
 
 
-def test_a_moment_beyond_the_calendar_is_one_line(tmp_path: Path) -> None:
+def test_a_moment_beyond_the_calendar_gives_a_one_line_error(tmp_path: Path) -> None:
     text = series(["0", "300000000000", "400000000000"], "t")
     words = refusal(lambda: load(tmp_path, text, time="t:epoch"))
     assert "line 3, column 't': '300000000000' is a time outside the years 1 to 9999" in words

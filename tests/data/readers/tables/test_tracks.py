@@ -73,7 +73,7 @@ def test_a_steady_pace_has_no_turning_points(tmp_path: Path) -> None:
     assert set(timeline.kinds()) <= set(TICKS)
 
 
-def test_what_else_is_known_can_be_named(tmp_path: Path) -> None:
+def test_a_track_also_has_elevation_and_heart_rate_as_values(tmp_path: Path) -> None:
     path = write(tmp_path, gpx())
     for value, unit, first in (("elevation", "m", 400.0), ("heart_rate", "bpm", 120.0)):
         curve = load_timeline(path, value=value).intensity
@@ -124,11 +124,13 @@ def test_the_encoding_the_xml_claims_hides_nothing(tmp_path: Path) -> None:
         (gpx(time=False), "0 points of its tracks have a time; .* not a planned route"),
         (gpx(1), "1 points of its tracks have a time"),
         (gpx()[:-200], "broken XML"),
-        ("<gpx>" + "<a>" * 100, "nested more than 64 deep"),
+        ("<gpx>" + "<a>" * 100, "nested more than 64 levels deep"),
         (gpx().replace("<ele>", "<x>"), "broken XML"),
     ],
 )
-def test_what_is_no_track_is_one_line(text: str, words: str, tmp_path: Path) -> None:
+def test_data_that_are_not_a_track_give_a_one_line_error(
+    text: str, words: str, tmp_path: Path
+) -> None:
     with pytest.raises(InputError, match=words):
         load_timeline(write(tmp_path, text))
 
@@ -149,7 +151,9 @@ def test_many_tags_in_a_point_take_no_memory(tmp_path: Path) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.data())
-def test_any_damage_ends_in_a_timeline_or_one_line(tmp_path: Path, data: st.DataObject) -> None:
+def test_any_damage_ends_in_a_timeline_or_a_one_line_error(
+    tmp_path: Path, data: st.DataObject
+) -> None:
     text = data.draw(st.sampled_from([gpx(), tcx()]))
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text)))
