@@ -21,10 +21,8 @@ export class EventList {
     this.info = info;
     this.go = go;
     this.watch = watch;
-    for (const button of [...byId("events").querySelectorAll("[data-go]")]) {
-      /** @type {"first" | "highest" | "lowest" | "last"} */
-      const target = button.dataset.go;
-      button.addEventListener("click", () => {
+    for (const target of /** @type {const} */ (["first", "highest", "lowest", "last"])) {
+      byId("events").querySelector(`[data-go=${target}]`)?.addEventListener("click", () => {
         byId("events").close();
         navigation[target]();
         byId("slider").focus();
@@ -46,8 +44,9 @@ export class EventList {
     const item = document.createElement("li");
     const description = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
     item.append(this.button(description, "go", () => this.go(event)));
-    if (this.watch !== null) {
-      const button = this.button("Watch", "watch", () => this.watch(event));
+    const { watch } = this;
+    if (watch !== null) {
+      const button = this.button("Watch", "watch", () => watch(event));
       button.setAttribute("aria-label", `Watch ${description}`);
       item.append(button);
     }

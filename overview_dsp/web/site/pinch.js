@@ -33,12 +33,12 @@ export class Pinch {
    */
   to(factor, x, over) {
     const { viewState, picture } = this;
-    const { windows } = viewState;
-    const { view } = viewState;
+    const { windows, view } = viewState;
     const position = picture.positionOf(x);
     this.origin ??= { length: view.end_s - view.start_s, moment: secondsAt(view, position) };
     const whole = windows[0].end_s;
-    const closest = windows.at(-1).end_s - windows.at(-1).start_s;
+    const last = windows[windows.length - 1];
+    const closest = last.end_s - last.start_s;
     const length = Math.min(Math.max(this.origin.length / factor, closest), whole);
     const start = Math.min(Math.max(this.origin.moment - position * length, 0), whole - length);
     /** @type {[number, number]} */
