@@ -38,7 +38,6 @@ export function listen(page) {
     event.preventDefault();
     viewState.wheel(event);
   }, { passive: false });
-  input.onchange = () => page.wake();
   /** @type {(id: keyof Elements, act: () => void) => void} */
   const click = (id, act) => byId(id).addEventListener("click", () => {
     page.start();

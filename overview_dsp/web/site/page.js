@@ -45,6 +45,7 @@ export class Page {
     this.input = new CombinedInput(
       new Strokes(sound.clock, (position, touching, sample) => sound.control(position, touching, sample)),
     );
+    this.input.onchange = () => this.wake();
     this.picture = picture;
     this.slider = new Slider();
     this.speech = new Speech();
