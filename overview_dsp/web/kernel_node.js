@@ -55,7 +55,7 @@ export class KernelNode extends AudioWorkletNode {
     this.onfault = (/** @type {string} */ message) => console.error(message);
     this.port.onmessage = ({ data }) => {
       if (data.kind === "error") this.onfault(data.message);
-      else this.pendingReads.shift()(data);
+      else this.pendingReads.shift()?.(data);
     };
   }
 

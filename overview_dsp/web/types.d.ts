@@ -127,11 +127,15 @@ export interface Notice {
   update?: string;
 }
 
+/** Contents of a live timeline's new version, shown as the whole timeline. */
+export interface NewVersion {
+  info: Pick<Info, "title" | "duration_s" | "kinds" | "notes" | "series">;
+  view: Omit<View, keyof Part | "points">;
+}
+
 /** Changes of a live timeline since a version. */
-export interface Update {
+export interface Update extends NewVersion {
   version: number;
-  info: any;
-  view: any;
   rate: number;
   bytes: number;
   patch: ArrayBuffer;
@@ -172,22 +176,29 @@ export interface Drawing {
 /** State of the disk; a host reports fewer fields. */
 export type DiskState = Pick<KernelState, "cursor" | "touching" | "torque" | "envelope" | "newStrikes"> & Partial<KernelState>;
 
-/** Sound output: this browser, or a host. */
+/** Sound output: this browser, or a host, for which some methods do nothing. */
 export interface AudioBackend {
   clock: Clock;
+  /** Whether it reports states of the disk. */
   readonly running: boolean;
-  node?: any;
-  context?: AudioContext;
-  load?: () => Promise<void>;
+  /** Whether a touch will be heard. */
+  readonly ready: boolean;
+  /** Sample rate of its changes, Hz; 0 for a host, which makes its own. */
+  readonly rate: number;
+  load(): Promise<void>;
   start(): void;
+  /** Wait until the output runs. */
+  resume(): Promise<void>;
   control(position: number, touching: boolean, sample: number): void;
   route(output: string): void;
   volume(click: number, tactor: number): void;
   show(part: Part): Promise<() => void>;
+  change(bytes: ArrayBuffer): void;
   changePreset(before: Preset, after: Preset, part: Part | null): Promise<void>;
-  readState(): Promise<DiskState>;
+  /** Return the disk's state; null before there is one. */
+  readState(): Promise<DiskState | null>;
   onstate(sounds: boolean): void;
-  setName?: (name: string) => void;
+  setName(name: string): void;
 }
 
 /** Conversion from the page's clock (ms) to samples of control events. */
@@ -216,13 +227,19 @@ export interface OtherInput {
   active: boolean;
 }
 
-export interface Gesture {
-  name: string;
-  seconds?: number;
-  from?: number;
-  to?: number;
-  position?: number;
+export interface Sweep {
+  name: "sweep";
+  seconds: number;
+  from: number;
+  to: number;
 }
+
+export interface Tap {
+  name: "tap";
+  position: number;
+}
+
+export type Gesture = Sweep | Tap;
 
 /** Source of control events on this page. */
 export type Source = "touch" | "twist" | "keys" | "play";
@@ -279,4 +296,27 @@ export interface Settings {
   contrast: boolean;
   still: boolean;
   start: number;
+}
+
+type Plain = "title" | "window" | "link" | "latency" | "moment" | "clock" | "value" | "event" | "strip" | "strip-window"
+  | "stage" | "disk" | "rub" | "needle" | "grip" | "others" | "cursor" | "ring" | "halo" | "dot" | "pull" | "finger"
+  | "hint" | "summary" | "announcement" | "fault" | "events-title" | "events-summary" | "events-list" | "values-title"
+  | "values-note" | "values-head" | "values-rows" | "help-title" | "keys" | "dialog-title" | "share-access" | "about"
+  | "editor" | "editor-title" | "editor-rows" | "editor-message" | "film-title";
+type Button = "play" | "start" | "twist" | "earlier" | "out" | "in" | "later" | "settings" | "previous" | "tap" | "run"
+  | "next" | "list" | "all-values" | "values-more" | "calibrate" | "share" | "tune" | "editor-a" | "editor-b"
+  | "editor-close" | "editor-save" | "editor-download";
+
+/** Elements of index.html by their id. */
+export interface Elements
+  extends Record<Plain, HTMLElement>,
+    Record<Button, HTMLButtonElement>,
+    Record<"events" | "values" | "help" | "dialog" | "film", HTMLDialogElement>,
+    Record<"slider" | "share-play" | "share-token" | "editor-name", HTMLInputElement>,
+    Record<"canvas" | "strip-curve", SVGSVGElement> {
+  trace: HTMLCanvasElement;
+  "values-download": HTMLAnchorElement;
+  "settings-form": HTMLFormElement;
+  "editor-preset": HTMLSelectElement;
+  "film-video": HTMLVideoElement;
 }

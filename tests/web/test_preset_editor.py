@@ -85,6 +85,27 @@ def test_a_slider_is_felt_at_once_and_a_and_b_compare(match, rigid_football, chr
         assert wrong == []
 
 
+def test_events_move_apart_only_once_the_disk_is_released(match, chromium):
+    """Another angle map moves every position, and so also that under a finger."""
+    with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
+        opened(tab)
+        before = tab.evaluate("overview.view.events.map(({ position }) => position)")
+        tab.click("summary:text-is('surface')")
+        until(tab, "document.querySelector('details[open] input')")
+        tab.mouse.move(*at(tab, 0.4))
+        tab.mouse.down()
+        until(tab, "p.input.active === 'touch'")
+        slide(tab, "surface", "surface.angle_map", 1.0)
+        slide(tab, "surface", "surface.friction", 0.75)
+        friction = "p.editor.preset.values['surface.friction']"
+        until(tab, f"p.editor.playing.values['surface.friction'] === {friction}")
+        assert tab.evaluate("overview.editor.playing.values['surface.angle_map']") < 1
+        tab.mouse.up()
+        until(tab, "p.editor.playing.values['surface.angle_map'] === 1")
+        until(tab, f"p.view.events.some(({{ position }}, i) => position !== {before}[i])")
+        assert wrong == []
+
+
 def test_an_events_height_and_a_choice_can_be_set_by_keys_alone(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         opened(tab)

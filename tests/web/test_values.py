@@ -20,7 +20,10 @@ from overview_dsp.web import values
 from tests.web.driving import until
 from tests.web.exported import opened_page
 
-AT = 0.004  # of a window: as near is at an event
+NEAR = """(() => {
+    const { left, right } = window.overview.picture.geometry;
+    return 3 / (right - left);
+})()"""  # 3 px as a part of the window: as near is at an event
 
 SAID_AT = """(position) => {
     const p = window.overview;
@@ -51,10 +54,11 @@ def test_the_value_text_is_the_datas_own_at_every_position(
     timeline = shared(name, **given)
     times = np.asarray(timeline.intensity.time_s)
     with opened_page(chromium, timeline, preset, tmp_path / "site") as page:
+        near = page.evaluate(NEAR) * timeline.duration_s
         for position in np.random.default_rng(1).random(60):
             moment = position * timeline.duration_s
             event = min(timeline.events, key=lambda one: abs(one.time_s - moment))
-            if abs(event.time_s - moment) <= AT * timeline.duration_s:
+            if abs(event.time_s - moment) <= near:
                 moment = event.time_s  # its own value is told
             nearest = int(np.abs(times - moment).argmin())
             said = page.evaluate(SAID_AT, position).split(", ")

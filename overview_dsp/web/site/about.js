@@ -1,5 +1,6 @@
 // Description of the data and legend of the marks, in the settings.
 
+import { contextOf } from "./dom.js";
 import { drawMark } from "./marks.js";
 import { coloursOf } from "./picture.js";
 
@@ -13,10 +14,10 @@ const STRETCHED = "Where the axis is bold, time is stretched to separate close e
  * @param {HTMLElement} about
  * @param {Element[]} lists
  * @param {Info} info
- * @param {View | null} view
+ * @param {View} view
  */
 export function showAbout(about, lists, info, view) {
-  const axis = view?.angle_map ? STRETCHED : "";
+  const axis = view.angle_map ? STRETCHED : "";
   about.textContent = [info.provenance, ...info.notes, axis].filter(Boolean).join(". ");
   const colours = coloursOf(document.documentElement);
   // ticks of time need no legend
@@ -32,7 +33,7 @@ function itemOf({ name, shape, colour, count }, colours) {
   const item = document.createElement("li");
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 2 * SIZE;
-  const c = canvas.getContext("2d");
+  const c = contextOf(canvas);
   c.scale(2, 2);
   drawMark(c, shape, SIZE / 2, SIZE / 2, 7, colours[colour], colours.rim);
   item.append(canvas, count > 0 ? `${name}, ${count}` : `${name}, when zoomed`);

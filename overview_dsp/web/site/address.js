@@ -14,8 +14,9 @@ export function readAddress() {
  */
 export function linkTo(state) {
   const address = new URL(location.href);
-  const parameters = Object.entries(state).filter(([, value]) => value);
-  address.hash = parameters.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%3A", ":")}`).join("&");
+  const parameters = Object.entries(state).flatMap(([key, value]) =>
+    (value ? [`${key}=${encodeURIComponent(value).replaceAll("%3A", ":")}`] : []));
+  address.hash = parameters.join("&");
   return address.href;
 }
 
@@ -28,7 +29,7 @@ export function momentAt(at, events) {
   const clock = at.match(/^(?:(\d+):)?(\d+):(\d+(?:\.\d+)?)$/);
   if (clock) return 3600 * Number(clock[1] ?? 0) + 60 * Number(clock[2]) + Number(clock[3]);
   if (/^\d+(\.\d+)?$/.test(at)) return Number(at);
-  const [, kind, number = "1"] = at.match(/^(.*?)(?::(\d+))?$/);
+  const [, kind, number = "1"] = at.match(/^(.*?)(?::(\d+))?$/) ?? [];
   return events.filter((event) => event.kind === kind)[Number(number) - 1]?.time_s ?? null;
 }
 

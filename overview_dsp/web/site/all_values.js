@@ -95,7 +95,7 @@ export class AllValues {
     const names = { time_s: "Time", value: "Value", events: "Events" };
     const columns = /** @type {(keyof typeof names)[]} */ (
       Object.keys(names).filter((name) => name !== "value" || this.info.series));
-    byId("values").querySelector("thead tr").replaceChildren(...columns.map((name) => {
+    byId("values-head").replaceChildren(...columns.map((name) => {
       const cell = document.createElement("th");
       cell.scope = "col";
       const isSorted = name === column;
@@ -105,19 +105,19 @@ export class AllValues {
       button.textContent = names[name];
       button.addEventListener("click", () => {
         this.sort(name, isSorted ? -direction : 1);
-        byId("values").querySelectorAll("th button")[columns.indexOf(name)].focus();
+        byId("values-head").querySelectorAll("button")[columns.indexOf(name)].focus();
       });
       cell.append(button);
       return cell;
     }));
-    byId("values").querySelector("tbody").replaceChildren();
+    byId("values-rows").replaceChildren();
     this.shown = 0;
     this.showMore();
   }
 
   showMore() {
     const { info } = this;
-    const body = byId("values").querySelector("tbody");
+    const body = byId("values-rows");
     for (const { time_s, value, events } of this.rows.slice(this.shown, this.shown + ROWS)) {
       const row = document.createElement("tr");
       const texts = [momentText(time_s, info), ...(info.series ? [valueText(value, info)] : []), events];

@@ -1,5 +1,7 @@
 // The page's polite live region: screen readers speak what a key, a button or a list has done.
 
+import { byId } from "./dom.js";
+
 /** @import { Slider } from "./slider.js" */
 
 export class Announcer {
@@ -27,6 +29,6 @@ export class Announcer {
    */
   position(position, text) {
     this.slider.setValue(position, text);
-    if (document.activeElement !== this.slider.parts.slider) this.say(text);
+    if (document.activeElement !== byId("slider")) this.say(text);
   }
 }

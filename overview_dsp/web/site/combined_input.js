@@ -17,8 +17,8 @@ export class CombinedInput {
     this.strokes = strokes;
     /** @type {Source[]} */
     this.touching = []; // sources that touch, newest first
-    /** @type {Partial<Record<Source, number>>} */
-    this.positions = {}; // position of each source, 0 to 1
+    /** @type {Record<Source, number>} */
+    this.positions = { touch: 0, twist: 0, keys: 0, play: 0 }; // last position of each source, 0 to 1
     this.offset = 0; // from the active source to the input's position
     this.position = 0;
     this.onchange = () => {};

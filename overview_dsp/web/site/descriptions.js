@@ -1,7 +1,7 @@
 // Texts for times, events and positions.
 
 import { positionAt, secondsAt } from "./angle_map.js";
-import { pointAt, rangeOf, valueText } from "./values.js";
+import { nearestPoint, rangeOf, valueText } from "./values.js";
 
 const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
 export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
@@ -152,8 +152,8 @@ export function eventPassed(view, from, to) {
  * @param {number} position
  */
 export function isAtPoint(view, position) {
-  const point = pointAt(view, secondsAt(view, position));
-  return point >= 0 && Math.abs(positionAt(view, view.points.time_s[point]) - position) < EXACT;
+  const point = nearestPoint(view, secondsAt(view, position));
+  return point !== null && Math.abs(positionAt(view, point.time_s) - position) < EXACT;
 }
 
 /**
@@ -176,10 +176,9 @@ export function positionText(view, position, info, withValue = true) {
   const texts = events.map((one) => shortEvent(one, info));
   const moment = here?.time_s ?? secondsAt(view, position);
   const isGap = isInGap(view, at);
-  const point = isGap ? -1 : pointAt(view, moment);
-  if (point >= 0 && (withValue || isAtPoint(view, position))) {
-    const { time_s, value } = view.points;
-    return [valueText(value[point], info), spokenMoment(time_s[point], info), ...texts].join(", ");
+  const point = isGap ? null : nearestPoint(view, moment);
+  if (point && (withValue || isAtPoint(view, position))) {
+    return [valueText(point.value, info), spokenMoment(point.time_s, info), ...texts].join(", ");
   }
   const state = isGap ? "no data" : texts.length === 0 && scoreAt(view, at);
   return [spokenMoment(moment, info), state, ...texts].filter(Boolean).join(", ");
@@ -194,8 +193,7 @@ export function positionText(view, position, info, withValue = true) {
 export function valueAt(view, position, info) {
   if (isInGap(view, position)) return "";
   const here = eventAt(view, position);
-  const point = pointAt(view, here?.time_s ?? secondsAt(view, position));
-  return point < 0 ? "" : valueText(view.points.value[point], info);
+  return valueText(nearestPoint(view, here?.time_s ?? secondsAt(view, position))?.value, info);
 }
 
 const SCORE = /^\d+-\d+(?= )/;
@@ -205,10 +203,8 @@ const SCORE = /^\d+-\d+(?= )/;
  * @param {View} view
  */
 export function scoresOf(view) {
-  const goals = view.events.filter(({ label }) => SCORE.test(label));
-  /** @param {TimelineEvent} event */
-  const text = ({ label }) => label.match(SCORE)[0].replace("-", "\u2013");
-  const scores = goals.map((goal) => ({ position: goal.position, text: text(goal) }));
+  const scores = view.events.flatMap(({ label, position }) =>
+    (label.match(SCORE) ?? []).map((score) => ({ position, text: score.replace("-", "\u2013") })));
   return scores.length > 0 ? [{ position: 0, text: "0\u20130" }, ...scores] : [];
 }
 

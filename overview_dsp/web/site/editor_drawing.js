@@ -35,7 +35,7 @@ export const MAP = {
  * @param {Record<string, string>} attributes
  */
 function svg(name, attributes) {
-  const element = document.createElementNS(byId("canvas").namespaceURI, name);
+  const element = /** @type {SVGElement} */ (document.createElementNS(byId("canvas").namespaceURI, name));
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
   return element;
 }

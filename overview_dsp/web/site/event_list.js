@@ -21,12 +21,15 @@ export class EventList {
     this.info = info;
     this.go = go;
     this.watch = watch;
-    for (const button of [...byId("events").querySelectorAll("[data-go]")]) {
-      /** @type {"first" | "highest" | "lowest" | "last"} */
-      const target = button.dataset.go;
-      button.addEventListener("click", () => {
+    /** @type {[string, () => void][]} */
+    const targets = [
+      ["first", () => navigation.toFirst()], ["highest", () => navigation.toHighest()],
+      ["lowest", () => navigation.toLowest()], ["last", () => navigation.toLast()],
+    ];
+    for (const [target, move] of targets) {
+      byId("events").querySelector(`[data-go=${target}]`)?.addEventListener("click", () => {
         byId("events").close();
-        navigation[target]();
+        move();
         byId("slider").focus();
       });
     }
@@ -46,8 +49,9 @@ export class EventList {
     const item = document.createElement("li");
     const description = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
     item.append(this.button(description, "go", () => this.go(event)));
-    if (this.watch !== null) {
-      const button = this.button("Watch", "watch", () => this.watch(event));
+    const { watch } = this;
+    if (watch !== null) {
+      const button = this.button("Watch", "watch", () => watch(event));
       button.setAttribute("aria-label", `Watch ${description}`);
       item.append(button);
     }

@@ -47,7 +47,8 @@ export class Frames {
   async read() {
     if (!this.sound.running || this.isReading) return;
     this.isReading = true;
-    this.onState(await this.sound.readState());
+    const state = await this.sound.readState();
+    if (state !== null) this.onState(state);
     this.isReading = false;
   }
 }

@@ -57,11 +57,25 @@ export class HostSound {
     return this.status !== null;
   }
 
+  get ready() {
+    return this.running;
+  }
+
+  get rate() {
+    return 0;
+  }
+
+  async load() {}
+
+  async resume() {}
+
   start() {}
 
   route() {}
 
   volume() {}
+
+  change() {}
 
   /**
    * Send a control event; `time` is in ms of the page's clock, -1 for now.
@@ -88,9 +102,10 @@ export class HostSound {
 
   /**
    * Return the host's last reported state.
-   * @returns {Promise<DiskState>}
+   * @returns {Promise<DiskState | null>}
    */
   async readState() {
+    if (this.status === null) return null;
     const { cursor, touching, torque_nm: torque, envelope } = this.status;
     return { cursor, touching: touching ? 1 : 0, torque, envelope, newStrikes: [] };
   }

@@ -7,7 +7,7 @@ import { drawMark } from "./marks.js";
 import { linesOf } from "./values.js";
 import { momentText, tickText } from "./descriptions.js";
 
-/** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
+/** @import { Colours, Disk, Geometry, Info, TimelineEvent, TraceBox, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
 
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
@@ -38,9 +38,9 @@ export function drawLayer(scene) {
   drawStretched(scene);
   drawEvents(scene);
   drawLabels(scene);
-  if (typeof view.now === "number") drawNow(scene);
-  if (g.disk) drawScale(scene);
-  if (g.trace) drawTraceAxis(scene);
+  if (typeof view.now === "number") drawNow(scene, view.now);
+  if (g.disk) drawScale(scene, g.disk);
+  if (g.trace) drawTraceAxis(scene, g.trace);
 }
 
 /**
@@ -55,9 +55,11 @@ function drawLine(c, from, to) {
   c.stroke();
 }
 
-/** @param {Scene} scene */
-function drawTraceAxis({ c, g, colours }) {
-  const { left, right, y, half } = g.trace;
+/**
+ * @param {Scene} scene
+ * @param {TraceBox} box
+ */
+function drawTraceAxis({ c, g, colours }, { left, right, y, half }) {
   c.strokeStyle = colours.line;
   c.lineWidth = 1;
   drawLine(c, [left, y + 0.5], [right, y + 0.5]);
@@ -131,11 +133,12 @@ function drawCurve({ c, g, view, colours }) {
   const runs = [[]];
   for (let i = 0; i <= last; i += 1) {
     const run = runs[runs.length - 1];
-    if (lows[i] === null) {
+    const [low, high] = [lows[i], highs[i]];
+    if (low === null || high === null) {
       if (run.length > 0) runs.push([]);
       continue;
     }
-    const ends = [g.y(lows[i]), g.y(highs[i])];
+    const ends = [g.y(low), g.y(high)];
     // from the end that is nearer to the column before
     if (run.length > 0 && run[run.length - 1][1] < (ends[0] + ends[1]) / 2) ends.reverse();
     run.push([g.x(i / last), ends[0]]);
@@ -183,9 +186,10 @@ function drawGaps({ c, g, view, colours }) {
 /**
  * Draw a line and a label where the known data end.
  * @param {Scene} scene
+ * @param {number} now
  */
-function drawNow({ c, g, view, colours }) {
-  const x = g.x(view.now);
+function drawNow({ c, g, colours }, now) {
+  const x = g.x(now);
   c.strokeStyle = colours.ink;
   c.lineWidth = 1.5;
   drawLine(c, [x, g.top], [x, g.bottom]);
@@ -311,9 +315,9 @@ function drawLabels({ c, g, view, colours }) {
 /**
  * Draw the disk's scale with the events on it.
  * @param {Scene} scene
+ * @param {Disk} disk
  */
-function drawScale({ c, g, view, info, colours }) {
-  const { x, y, radius } = g.disk;
+function drawScale({ c, view, info, colours }, { x, y, radius }) {
   c.strokeStyle = colours.line;
   c.lineWidth = 2;
   c.beginPath();

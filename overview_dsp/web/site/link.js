@@ -91,7 +91,7 @@ export class Link {
 
   /** @param {object} message */
   #send(message) {
-    if (this.connected) this.#socket.send(JSON.stringify(message));
+    if (this.connected) this.#socket?.send(JSON.stringify(message));
   }
 
   #open() {

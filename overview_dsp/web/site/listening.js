@@ -6,7 +6,7 @@ import { HELP, listenToKeys } from "./keys.js";
 import { bindSettings } from "./settings.js";
 import { listenToTouch } from "./touch.js";
 
-/** @import { TimelineEvent } from "../types" */
+/** @import { Elements, TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
 
 /**
@@ -25,7 +25,7 @@ export function listen(page) {
     onfirst,
   });
   /** @type {((event: TimelineEvent) => void) | null} */
-  const watch = page.film === null ? null : (event) => page.served.watch(event);
+  const watch = page.film === null ? null : (event) => page.served?.watch(event);
   listenToKeys(slider, { navigation, open: (name) => page.open(name) }, onfirst);
   slider.addEventListener("focus", () => navigation.speakSummary());
   element.addEventListener("pointerdown", () => slider.focus({ preventScroll: true }));
@@ -38,8 +38,7 @@ export function listen(page) {
     event.preventDefault();
     viewState.wheel(event);
   }, { passive: false });
-  input.onchange = () => page.wake();
-  /** @type {(id: string, act: () => void) => void} */
+  /** @type {(id: keyof Elements, act: () => void) => void} */
   const click = (id, act) => byId(id).addEventListener("click", () => {
     page.start();
     act();
@@ -66,7 +65,7 @@ export function listen(page) {
   const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
   byId("keys").replaceChildren(...terms);
   byId("calibrate").addEventListener("click", () => page.calibrate());
-  bindSettings(byId("dialog").querySelector("form"), page.settings, () => page.apply());
+  bindSettings(byId("settings-form"), page.settings, () => page.apply());
   document.addEventListener("visibilitychange", () => {
     if (!document.hidden) page.resume();
     else if (!page.twist.on) page.pause();

@@ -1,10 +1,11 @@
 // A live timeline: the server sends notices, and the page updates while the disk isn't touched.
 
 import { patched } from "./data.js";
+import { byId } from "./dom.js";
 import { request } from "./session.js";
 import { eventText } from "./descriptions.js";
 
-/** @import { LiveInfo, Notice, Update, Window } from "../types" */
+/** @import { LiveInfo, NewVersion, Notice, Update, View, Window } from "../types" */
 /** @import { Page } from "./page.js" */
 
 const RATIO = 3; // as in site_data.py
@@ -33,6 +34,7 @@ export function windowsOf(duration, levels) {
 /**
  * Return an update's JSON fields and its patch.
  * @param {ArrayBuffer} bytes
+ * @returns {Update}
  */
 export function parsed(bytes) {
   const length = new DataView(bytes).getUint32(0, true);
@@ -65,7 +67,7 @@ export class Live {
     this.loadedVersion = -1; // version of `bytes`
     /** @type {ArrayBuffer | null} */
     this.bytes = null; // change to the surface of the whole timeline
-    /** @type {{ info: any, view: any } | null} */
+    /** @type {NewVersion | null} */
     this.pending = null; // update that isn't applied yet
     /** @type {Notice | null} */
     this.notice = null; // newest notice
@@ -74,7 +76,7 @@ export class Live {
     this.line = document.createElement("p");
     this.line.id = "live";
     this.line.setAttribute("role", "status");
-    document.getElementById("window").after(this.line);
+    byId("window").after(this.line);
     const { input } = page;
     const { onchange } = input;
     input.onchange = () => {
@@ -84,8 +86,8 @@ export class Live {
     this.seenVersion = version; // newest version whose changes were announced
     this.rate = page.atHost ? 0 : null; // null: unknown while the page is silent
     this.polls = poll_s !== undefined; // a static folder: no server makes windows or patches
-    if (this.polls) this.poll(poll_s);
-    else this.listen();
+    if (poll_s === undefined) this.listen();
+    else this.poll(poll_s);
     document.addEventListener("visibilitychange", () => {
       if (!this.polls) this.listen();
       this.update();
@@ -135,23 +137,31 @@ export class Live {
       }
     }
     this.seenVersion = notice.version;
-    this.line.textContent = [notice.status_text, ...lines.slice(-1)].join(" · ");
-    if (lines.length > 0) page.speech.speak(lines.at(-1));
+    const newest = lines.slice(-1);
+    this.line.textContent = [notice.status_text, ...newest].join(" · ");
+    newest.forEach((line) => page.speech.speak(line));
     if (notice.update) this.storeUpdate(parsed(bytesOf(notice.update)));
     this.update();
+  }
+
+  /** The version that this page has yet to request, or null. */
+  get missingVersion() {
+    const version = this.notice?.version ?? this.loadedVersion;
+    return this.pushed || version === this.loadedVersion ? null : version;
   }
 
   /** Apply the newest version, unless the disk is touched; then after the release. */
   async update() {
     const { page } = this;
-    const isBehind = () => !this.pushed && this.notice !== null && this.notice.version !== this.loadedVersion;
-    const hasUpdate = () => this.pending !== null || isBehind();
-    if (this.busy || document.hidden || !hasUpdate() || page.input.active !== null) return;
+    const hasUpdate = this.pending !== null || this.missingVersion !== null;
+    if (this.busy || document.hidden || !hasUpdate || page.input.active !== null) return;
     this.busy = true;
     try {
-      while (hasUpdate() && page.input.active === null) {
-        if (this.pending === null) await this.fetch();
-        await this.show();
+      while (page.input.active === null) {
+        const version = this.missingVersion;
+        if (this.pending === null && version !== null) await this.fetch(version);
+        if (this.pending === null) break;
+        await this.show(this.pending);
       }
       page.fault("");
     } catch (error) {
@@ -161,13 +171,13 @@ export class Live {
     }
   }
 
-  async fetch() {
-    const { page } = this;
-    const { sound } = page;
-    if (!page.atHost) await sound.load(); // the change applies to the initial memory
-    const rate = page.atHost ? 0 : sound.context.sampleRate;
+  /** @param {number} version */
+  async fetch(version) {
+    const { sound } = this.page;
+    await sound.load(); // the change applies to the initial memory
+    const { rate } = sound;
     const path = this.polls
-      ? `live/${this.notice.version}-${rate}.update`
+      ? `live/${version}-${rate}.update`
       : `live/update?since=${this.loadedVersion}&rate=${rate}`;
     this.storeUpdate(parsed(await (await request(path)).arrayBuffer()));
     if (this.polls || this.rate === rate) return;
@@ -185,17 +195,19 @@ export class Live {
     this.pending = { info, view };
   }
 
-  async show() {
-    const { page, pending } = this;
+  /** @param {NewVersion} pending */
+  async show(pending) {
+    const { page } = this;
     const { data, viewState, sound } = page;
     const { info, view } = pending;
     const windows = windowsOf(info.duration_s, this.levels);
     const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
     const wasWhole = viewState.view.zoom === 0 || viewState.view.end_s > info.duration_s;
     const part = wasWhole ? whole : { ...viewState.view, number: -1 };
+    /** @type {[View, () => void]} */
     const [drawn, apply] =
       wasWhole && data.preset === null
-        ? [{ points: null, ...view, ...whole }, () => sound.node?.change(this.bytes.slice(0))]
+        ? [{ points: null, ...view, ...whole }, () => this.bytes && sound.change(this.bytes.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
     if (page.input.active !== null) return; // a touched disk keeps its data
     if (this.pending === pending) this.pending = null;

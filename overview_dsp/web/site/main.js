@@ -15,9 +15,8 @@ async function start() {
   const { info } = data;
   byId("title").textContent = info.title;
   document.title = `${info.title}: overView`;
-  const picture = new Picture(byId("canvas"), byId("trace"), info);
   const view = await data.view(firstPart(info));
-  picture.show(view);
+  const picture = new Picture(byId("canvas"), byId("trace"), info, view);
   const { begin } = await import("./page.js");
-  await begin(data, picture, view);
+  await begin(data, picture);
 }

@@ -1,5 +1,6 @@
 // The film or recording of a timeline.
 
+import { byId } from "./dom.js";
 import { request } from "./session.js";
 
 /** @import { Media } from "../types" */
@@ -9,15 +10,13 @@ const LEAD_S = 5;
 export class MediaPlayer {
   /**
    * `media` has url, type and `offset_s`, the film's time at the timeline's start.
-   * @param {HTMLDialogElement} dialog
    * @param {Media} media
    */
-  constructor(dialog, media) {
-    this.dialog = dialog;
+  constructor(media) {
+    this.dialog = byId("film");
     this.media = media;
-    this.video = dialog.querySelector("video");
-    this.title = dialog.querySelector("h2");
-    dialog.addEventListener("close", () => this.video.pause());
+    this.video = byId("film-video");
+    this.dialog.addEventListener("close", () => this.video.pause());
   }
 
   /**
@@ -27,7 +26,7 @@ export class MediaPlayer {
    */
   async play(moment, title) {
     const { video } = this;
-    this.title.textContent = title;
+    byId("film-title").textContent = title;
     // loaded on demand; some players ignore a time in the URL
     const url = new URL(this.media.url, location.href).href;
     if (!video.src) video.src = url;

@@ -7,7 +7,9 @@ import { levelAt, resistanceAt } from "./layer.js";
 
 /** @import { Geometry, Info, View } from "../types" */
 
-const NAMES = ["cursor", "dot", "ring", "halo", "finger", "pull", "disk", "rub", "needle", "grip"];
+const NAMES = /** @type {const} */ ([
+  "cursor", "dot", "ring", "halo", "finger", "pull", "disk", "rub", "needle", "grip",
+]);
 const STEPS = 20; // size steps of the friction marks
 
 /** @param {number} position */

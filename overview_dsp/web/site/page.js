@@ -24,7 +24,7 @@ import { Navigation } from "./navigation.js";
 import { partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./descriptions.js";
 
-/** @import { Info, Preset, Server, Settings, AudioBackend, TimelineEvent, DiskState, View } from "../types" */
+/** @import { Preset, AudioBackend, TimelineEvent, DiskState } from "../types" */
 /** @import { AllValues } from "./all_values.js" */
 /** @import { Data } from "./data.js" */
 /** @import { Picture } from "./picture.js" */
@@ -32,25 +32,22 @@ import { eventAt, eventPassed, eventText } from "./descriptions.js";
 
 export class Page {
   /**
-   * `served(page, server)` creates the features that need a server; null in a static folder.
    * @param {Data} data
    * @param {Picture} picture
    * @param {AudioBackend} sound
-   * @param {((page: Page, server: Server) => Served) | null} served
    */
-  constructor(data, picture, sound, served) {
+  constructor(data, picture, sound) {
     this.data = data;
     this.info = data.info;
     this.sound = sound;
     this.atHost = this.info.server?.audio === "host";
-    this.makeServed = served;
     this.settings = loadSettings();
     this.input = new CombinedInput(
       new Strokes(sound.clock, (position, touching, sample) => sound.control(position, touching, sample)),
     );
+    this.input.onchange = () => this.wake();
     this.picture = picture;
-    const ids = ["slider", "clock", "value", "event", "summary"];
-    this.slider = new Slider(Object.fromEntries(ids.map((id) => [id, byId(id)])));
+    this.slider = new Slider();
     this.speech = new Speech();
     this.announcer = new Announcer(byId("announcement"), this.slider);
     this.motor = new Motor();
@@ -73,6 +70,7 @@ export class Page {
     /** @type {DiskState | null} */
     this.meters = null;
     this.cursor = 0;
+    this.gain = 1; // of the setting
     /** @type {AllValues | null} */
     this.allValues = null;
     this.isStarted = false;
@@ -80,14 +78,17 @@ export class Page {
     sound.onstate = (isRunning) => this.onSoundState(isRunning);
   }
 
-  /** @param {View} view */
-  begin(view) {
+  /**
+   * `serve(page)` creates the features that need a server; null in a static folder.
+   * @param {((page: Page) => Served) | null} serve
+   */
+  begin(serve) {
     document.documentElement.classList.toggle("host", this.atHost);
-    const { windows, duration_s, server } = this.info;
-    const soundingPart = this.atHost ? view : partBetween(windows, [0, duration_s]);
-    this.viewState.begin(view, soundingPart).catch((error) => this.fault(error.message));
+    const { windows, duration_s } = this.info;
+    const soundingPart = this.atHost ? this.view : partBetween(windows, [0, duration_s]);
+    this.viewState.begin(soundingPart).catch((error) => this.fault(error.message));
     this.apply();
-    if (server) this.served = this.makeServed(this, server);
+    this.served = serve && serve(this);
     this.list = listen(this);
     this.wake();
   }
@@ -95,10 +96,8 @@ export class Page {
   /** Load the sound, show that it loads, then follow the URL. */
   async load() {
     const hint = byId("hint").textContent;
-    if (!this.atHost) {
-      byId("hint").textContent = "The sound is loading…";
-      await this.sound.load();
-    }
+    byId("hint").textContent = "The sound is loading…";
+    await this.sound.load();
     byId("hint").textContent = hint;
     if (this.info.live) {
       const { Live } = await import("./live.js");
@@ -159,7 +158,7 @@ export class Page {
    */
   open(name) {
     if (name === "run") this.playback.toggle();
-    else if (name === "events") this.list.open(this.view);
+    else if (name === "events") this.list?.open(this.view);
     else if (name === "help") byId("help").showModal();
     else this.served?.watch(this.currentEvent);
   }
@@ -185,7 +184,7 @@ export class Page {
    */
   onTap(x, y) {
     const event = this.film === null ? null : this.picture.markAt(x, y);
-    if (event !== null) this.served.watch(event);
+    if (event !== null) this.served?.watch(event);
   }
 
   /** Start the sound; browsers allow that only in a touch, a key press or a click. */
@@ -196,7 +195,7 @@ export class Page {
       this.isStarted = true;
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
-    if (this.sound.running || this.sound.node) byId("hint").classList.add("gone");
+    if (this.sound.ready) byId("hint").classList.add("gone");
     this.wake();
   }
 
@@ -268,7 +267,7 @@ export class Page {
     this.sound.route(output);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
     if (!vibration || output !== "motor") this.motor.stop();
-    if (this.atHost) this.sound.setName(this.settings.name.slice(0, 40));
+    this.sound.setName(this.settings.name.slice(0, 40));
     this.playback.player.loop = this.settings.loop;
     this.speech.on = speech;
     if (!speech) this.speech.stop();
@@ -297,7 +296,7 @@ export class Page {
   }
 
   wake() {
-    if (this.view !== null) this.frames.wake();
+    this.frames.wake();
   }
 
   /**
@@ -315,15 +314,15 @@ export class Page {
     const passed = this.atHost
       ? [eventPassed(this.view, before, this.cursor)]
       : state.newStrikes.map(({ event }) => events[strikeEvents[event] ?? -1]);
-    this.announce(passed.filter(Boolean), state.peakTactor);
+    this.announce(passed.filter((one) => !!one), state.peakTactor);
   }
 
   /**
    * Announce passed events by the motor and, unless keys move the disk, by speech.
    * @param {TimelineEvent[]} passed
-   * @param {number} peak
+   * @param {number} peak of the tactor
    */
-  announce(passed, peak) {
+  announce(passed, peak = 0) {
     const { output, vibration } = this.settings;
     if (!this.atHost && output === "motor" && vibration) {
       const patterns = passed.map(({ kind }) => this.info.kinds[kind].pattern);
@@ -343,15 +342,13 @@ export class Page {
 /**
  * Start the page over an existing picture, as `window.overview`.
  * @param {Data} data
- * @param {Picture} picture
- * @param {View} view
+ * @param {Picture} picture with the first view
  */
-export async function begin(data, picture, view) {
+export async function begin(data, picture) {
   const { server } = data.info;
-  const served = server ? await import("./served.js") : null;
-  const sound = served?.hostSound(server) ?? new Sound(data);
-  const page = new Page(data, picture, sound, served?.serve);
-  page.begin(view);
+  const served = server && (await import("./served.js")).openServer(server);
+  const page = new Page(data, picture, served?.host ?? new Sound(data));
+  page.begin(served && served.serve);
   /** @type {any} */ (window).overview = page;
   await page.load();
   if (!server) keepOffline();

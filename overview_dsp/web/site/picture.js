@@ -31,17 +31,18 @@ export class Picture {
    * @param {SVGSVGElement} layer
    * @param {HTMLCanvasElement} trace
    * @param {Info} info
+   * @param {View} view
    */
-  constructor(layer, trace, info) {
+  constructor(layer, trace, info, view) {
     this.layer = layer;
     this.info = info;
+    this.view = view;
     this.moving = new Moving();
     this.trace = new Trace(trace, info.reference_torque);
     this.still = false;
     this.isTurningDisk = false; // whether a finger turns the disk
     this.diskPosition = 0;
-    /** @type {View | null} */
-    this.view = null;
+    this.left = this.top = 0; // position on the screen
     this.resize();
   }
 
@@ -66,8 +67,9 @@ export class Picture {
 
   /** Draw the layer for another window, size or colours. */
   redraw() {
+    /** @type {Colours} */
     this.colours = coloursOf(this.layer);
-    if (!this.view || this.geometry.width === 0) return;
+    if (this.geometry.width === 0) return;
     const c = new SvgContext(this.layer);
     const { geometry: g, view, info, colours } = this;
     drawLayer({ c, g, view, info, colours });
@@ -85,7 +87,7 @@ export class Picture {
    * @param {{ cursor: number, input: number, touching: boolean }} state
    */
   draw(state) {
-    if (!this.view || this.geometry.width === 0) return;
+    if (this.geometry.width === 0) return;
     this.moving.show(this.geometry, this.view, state, this.info);
     this.trace.draw(this.colours);
   }
@@ -98,10 +100,11 @@ export class Picture {
   positionUnder({ clientX, clientY }, begins = false) {
     const x = clientX - this.left;
     const y = clientY - this.top;
+    const { disk } = this.geometry;
     if (begins) this.isTurningDisk = isOnDisk(this.geometry, x, y);
-    if (!this.isTurningDisk) return this.geometry.position(x);
-    const last = begins ? (x < this.geometry.disk.x ? 0 : 1) : this.diskPosition;
-    this.diskPosition = positionTurned(this.geometry.disk, x, y, last);
+    if (!this.isTurningDisk || disk === null) return this.geometry.position(x);
+    const last = begins ? (x < disk.x ? 0 : 1) : this.diskPosition;
+    this.diskPosition = positionTurned(disk, x, y, last);
     return this.diskPosition;
   }
 

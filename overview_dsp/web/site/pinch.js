@@ -33,12 +33,12 @@ export class Pinch {
    */
   to(factor, x, over) {
     const { viewState, picture } = this;
-    const { windows } = viewState;
-    const { view } = viewState;
+    const { windows, view } = viewState;
     const position = picture.positionOf(x);
     this.origin ??= { length: view.end_s - view.start_s, moment: secondsAt(view, position) };
     const longest = windows[0].end_s;
-    const shortest = windows.at(-1).end_s - windows.at(-1).start_s;
+    const last = windows[windows.length - 1];
+    const shortest = last.end_s - last.start_s;
     const length = Math.min(Math.max(this.origin.length / factor, shortest), longest);
     const start = Math.min(Math.max(this.origin.moment - position * length, 0), longest - length);
     /** @type {[number, number]} */

@@ -2,7 +2,7 @@
 
 import { eventName, linkTo, momentAt, readAddress } from "./address.js";
 import { byId } from "./dom.js";
-import { gestureOf, Player, gestureText } from "./player.js";
+import { gestureOf, Player, gestureText, SWEEP } from "./player.js";
 import { partBetween, partContaining } from "./windows.js";
 import { momentText } from "./descriptions.js";
 import { accessToken, openSession } from "./session.js";
@@ -20,10 +20,10 @@ export class Playback {
     this.page = page;
     /** @type {Gesture | null} */
     this.linkedGesture = null; // gesture of the URL, until it is played
-    this.player = new Player(page.input, (playing, isEnd) => {
-      byId("run").textContent = playing ? "Pause" : "Play";
+    this.player = new Player(page.input, (sweep, isEnd) => {
+      byId("run").textContent = sweep ? "Pause" : "Play";
       const stopped = isEnd ? "Ended" : "Paused";
-      page.announcer.say(playing ? `Playing, ${this.player.gesture.seconds} seconds` : stopped);
+      page.announcer.say(sweep ? `Playing, ${sweep.seconds} seconds` : stopped);
       page.wake();
     });
     byId("start").addEventListener("click", () => this.toggle());
@@ -32,7 +32,7 @@ export class Playback {
 
   /** The gesture that Play plays: that of the URL, or a sweep. */
   get gesture() {
-    return this.linkedGesture ?? gestureOf(`sweep:${this.page.settings.sweep}`);
+    return this.linkedGesture ?? gestureOf(`sweep:${this.page.settings.sweep}`) ?? SWEEP;
   }
 
   toggle() {
@@ -48,18 +48,16 @@ export class Playback {
    * @param {() => void} act
    */
   async whenReady(act) {
-    const { sound, atHost } = this.page;
-    if (!atHost) {
-      await sound.load();
-      let isReported = false;
-      const timer = setTimeout(() => {
-        isReported = true;
-        this.page.fault("this browser has no sound output yet; playback starts when it has");
-      }, SILENT_MS);
-      await sound.context.resume();
-      clearTimeout(timer);
-      if (isReported) this.page.fault("");
-    }
+    const { sound } = this.page;
+    await sound.load();
+    let isReported = false;
+    const timer = setTimeout(() => {
+      isReported = true;
+      this.page.fault("this browser has no sound output yet; playback starts when it has");
+    }, SILENT_MS);
+    await sound.resume();
+    clearTimeout(timer);
+    if (isReported) this.page.fault("");
     this.page.wake();
     act();
   }
@@ -100,7 +98,7 @@ export class Playback {
   /** @param {string} preset */
   async usePreset(preset) {
     const { info, served } = this.page;
-    if (info.server) await served.editor.use(preset);
+    if (served) await served.editor.use(preset);
     else if (preset !== info.preset) {
       throw new Error(`this page has no preset ${preset}, only ${info.preset}; a page of overview serve has all`);
     }
@@ -182,14 +180,15 @@ export class Playback {
       const address = linkTo({
         at: currentEvent ? eventName(currentEvent, await this.allEvents()) : String(Math.round(moment)),
         window: view.zoom > 0 ? `${view.start_s}:${view.end_s}` : null,
-        preset: info.server ? page.editor?.playing?.name : null,
+        preset: page.editor?.playing?.name ?? null,
         play: byId("share-play").checked ? gestureText(this.gesture) : null,
-        token: byId("share-access").querySelector("input").checked ? accessToken() : null,
+        token: byId("share-token").checked ? accessToken() : null,
       });
       try {
-        if (navigator.share) await navigator.share({ title: info.title, url: address });
+        const hasSheet = Boolean(navigator.share);
+        if (hasSheet) await navigator.share({ title: info.title, url: address });
         else await navigator.clipboard.writeText(address);
-        button.textContent = navigator.share ? "Shared" : "Link copied";
+        button.textContent = hasSheet ? "Shared" : "Link copied";
         if (LOOPBACK.test(location.hostname)) button.textContent += ", for this computer only";
       } catch (error) {
         if (error.name !== "AbortError") page.fault(`this browser can't share; copy the link: ${address}`);

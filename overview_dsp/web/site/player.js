@@ -1,8 +1,10 @@
 // Playback of a sweep or a tap, as a source that any other source may replace.
 
 const AGAIN_MS = 1500; // between two repeats
+/** @type {Sweep} */
+export const SWEEP = { name: "sweep", seconds: 10, from: 0, to: 1 };
 
-/** @import { Gesture } from "../types" */
+/** @import { Gesture, Sweep } from "../types" */
 /** @import { CombinedInput } from "./combined_input.js" */
 
 /**
@@ -16,7 +18,7 @@ export function gestureOf(text) {
   if (numbers.some((one) => !Number.isFinite(one))) return null;
   const inside = (/** @type {number} */ position) => position >= 0 && position <= 1;
   if (name === "sweep") {
-    const [seconds = 10, from = 0, to = 1] = numbers;
+    const [seconds = SWEEP.seconds, from = 0, to = 1] = numbers;
     const isValid = seconds >= 0.2 && seconds <= 600 && inside(from) && inside(to);
     return isValid ? { name, seconds, from, to } : null;
   }
@@ -24,17 +26,18 @@ export function gestureOf(text) {
   return name === "tap" && inside(position) ? { name, position } : null;
 }
 
-/** Return the text of a gesture. @param {any} gesture */
-export const gestureText = ({ name, seconds, from, to, position }) => {
-  if (name === "tap") return `tap:${position}`;
+/** Return the text of a gesture. @param {Gesture} gesture */
+export const gestureText = (gesture) => {
+  if (gesture.name === "tap") return `tap:${gesture.position}`;
+  const { seconds, from, to } = gesture;
   return from === 0 && to === 1 ? `sweep:${seconds}` : `sweep:${seconds}:${from}:${to}`;
 };
 
 export class Player {
   /**
-   * `onchange(playing, isEnd)` is called at start, pause and end.
+   * `onchange(sweep, isEnd)` is called with a sweep at its start, and with null at pause and end.
    * @param {CombinedInput} input
-   * @param {(playing: boolean, isEnd: boolean) => void} onchange
+   * @param {(sweep: Sweep | null, isEnd: boolean) => void} onchange
    */
   constructor(input, onchange) {
     this.input = input;
@@ -43,7 +46,8 @@ export class Player {
     /** @type {Gesture | null} */
     this.gesture = null;
     this.done = 0; // s of the gesture that were played
-    this.playing = false;
+    this.playing = this.started = false;
+    this.last = 0; // time of the last step, ms
     this.timer = 0; // of the next repeat
   }
 
@@ -63,7 +67,7 @@ export class Player {
     this.playing = true;
     this.started = false;
     this.last = performance.now();
-    this.onchange(true, false);
+    this.onchange(gesture, false);
     requestAnimationFrame(() => this.step());
   }
 
@@ -72,12 +76,12 @@ export class Player {
     if (!this.playing) return;
     this.playing = false;
     this.input.release("play");
-    this.onchange(false, isEnd);
+    this.onchange(null, isEnd);
   }
 
   step() {
-    if (!this.playing) return;
     const { input, gesture } = this;
+    if (!this.playing || gesture?.name !== "sweep") return;
     if (this.started && input.active !== "play") {
       this.pause(); // another source took over, or the disk was released
       return;
@@ -96,6 +100,6 @@ export class Player {
     this.pause(true);
     this.done = 0;
     if (!this.loop || this.input.active !== null) return;
-    this.timer = setTimeout(() => this.play(this.gesture), AGAIN_MS);
+    this.timer = setTimeout(() => this.gesture && this.play(this.gesture), AGAIN_MS);
   }
 }

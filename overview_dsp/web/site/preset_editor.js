@@ -38,6 +38,8 @@ export class PresetEditor {
     this.side = 1;
     /** @type {Preset | null} */
     this.playing = null;
+    /** @type {Map<string, Parameter>} */
+    this.table = new Map();
     this.busy = false;
     byId("editor-close").addEventListener("click", () => this.toggle(false));
     byId("editor-a").addEventListener("click", () => this.choose(0));
@@ -48,8 +50,14 @@ export class PresetEditor {
     byId("editor-save").addEventListener("click", () => this.tryTo(() => this.save()));
   }
 
+  /** The presets of A and B, once they are loaded. */
+  get loaded() {
+    if (this.sides === null) throw new Error("the editor was closed: open it again");
+    return this.sides;
+  }
+
   get preset() {
-    return this.sides[this.side];
+    return this.loaded[this.side];
   }
 
   /** @param {boolean} open */
@@ -80,7 +88,7 @@ export class PresetEditor {
     if (isSame(preset, this.preset)) return;
     if (sounds) this.playing = structuredClone(preset);
     const side = 1 - this.side;
-    this.sides[side] = preset;
+    this.loaded[side] = preset;
     const names = [...byId("editor-preset").options].map(({ value }) => value);
     if (!names.includes(preset.name)) byId("editor-preset").append(new Option(preset.name));
     await this.choose(side);
@@ -102,7 +110,6 @@ export class PresetEditor {
     const [{ preset, parameters }, { bundled, own }] = await Promise.all([
       json("data/preset"), json("data/presets"),
     ]);
-    /** @type {Map<string, Parameter>} */
     this.table = new Map(parameters.map((/** @type {Parameter} */ one) => [one.id, one]));
     this.sides = [preset, structuredClone(preset)];
     this.playing = structuredClone(preset);
@@ -132,7 +139,7 @@ export class PresetEditor {
   load(name) {
     return this.tryTo(async () => {
       const { preset } = await json(`data/preset?name=${encodeURIComponent(name)}`);
-      this.sides[this.side] = preset;
+      this.loaded[this.side] = preset;
       this.show();
       this.changed();
     });
@@ -168,17 +175,17 @@ export class PresetEditor {
    * @returns {Row[]}
    */
   kindRows(kind) {
-    const parameterOf = (/** @type {string} */ id) => this.table.get(`kinds.NAME.${id}`);
     /** @type {Row[]} */
-    const rows = Object.keys(kind)
-      .filter((key) => parameterOf(key) && kind[key] !== null)
-      .map((key) => [parameterOf(key), kind, key]);
-    kind.modes.forEach((mode, i) => {
-      for (const key of Object.keys(mode)) {
-        const row = parameterOf(`modes.${key}`);
-        rows.push([{ ...row, doc: `Mode ${i + 1}. ${row.doc}` }, mode, key]);
+    const rows = [];
+    /** @type {(owner: Record<string, any>, path?: string, mode?: string) => void} */
+    const add = (owner, path = "", mode = "") => {
+      for (const key of Object.keys(owner)) {
+        const row = this.table.get(`kinds.NAME.${path}${key}`);
+        if (row && owner[key] !== null) rows.push([{ ...row, doc: mode + row.doc }, owner, key]);
       }
-    });
+    };
+    add(kind);
+    kind.modes.forEach((mode, i) => add(mode, "modes.", `Mode ${i + 1}. `));
     return rows;
   }
 
@@ -222,19 +229,21 @@ export class PresetEditor {
     this.busy = true;
     do {
       this.changedAgain = false;
-      const after = structuredClone(this.preset);
+      const { sides, playing } = this;
+      if (sides === null || playing === null) break; // closed meanwhile
+      const after = structuredClone(sides[this.side]);
       // positions must not move while the disk is touched
-      if (this.input.active !== null) after.values[ANGLE_MAP] = this.playing.values[ANGLE_MAP];
-      const surface = this.differs(this.playing, after);
+      if (this.input.active !== null) after.values[ANGLE_MAP] = playing.values[ANGLE_MAP];
+      const surface = this.differs(playing, after);
       if (surface === null) continue;
-      if (await this.tryTo(() => this.applyChange(this.playing, after, surface))) this.playing = after;
+      if (await this.tryTo(() => this.applyChange(playing, after, surface))) this.playing = after;
     } while (this.changedAgain);
     this.busy = false;
   }
 
   /** Apply the angle map that was chosen while the disk was touched. */
   applyHeldMap() {
-    if (this.sides && this.playing.values[ANGLE_MAP] !== this.preset.values[ANGLE_MAP]) this.changed();
+    if (this.sides && this.playing?.values[ANGLE_MAP] !== this.preset.values[ANGLE_MAP]) this.changed();
   }
 
   /**
@@ -245,7 +254,7 @@ export class PresetEditor {
   differs(before, after) {
     const ids = Object.keys(after.values).filter((id) => before.values[id] !== after.values[id]);
     if (!isSame([before.kinds, before.points], [after.kinds, after.points])) return true;
-    if (ids.some((id) => this.table.get(id).surface)) return true;
+    if (ids.some((id) => this.table.get(id)?.surface)) return true;
     return ids.length > 0 || before.name !== after.name ? false : null;
   }
 

@@ -2,14 +2,19 @@
 
 /** @import { Preset } from "../types" */
 /** @import { Page } from "./page.js" */
+/** @import { PresetEditor } from "./preset_editor.js" */
 
 /** @param {Preset | null} preset */
 const keyOf = (preset) => JSON.stringify(preset);
 
 export class PresetLink {
-  /** @param {Page} page */
-  constructor(page) {
+  /**
+   * @param {Page} page
+   * @param {PresetEditor} editor
+   */
+  constructor(page, editor) {
     this.page = page;
+    this.editor = editor;
     /** @type {Preset | null} */
     this.preset = null; // the last preset that the server sent
     this.source = new EventSource(new URL("preset/changes", import.meta.url));
@@ -39,17 +44,17 @@ export class PresetLink {
     const before = this.preset;
     this.preset = after;
     if (before === null || keyOf(before) === keyOf(after)) return;
-    const { page } = this;
+    const { page, editor } = this;
     try {
       if (page.atHost) {
         page.data.preset = after;
         page.viewState.drawAgain();
       }
-      if (page.editor.open) {
-        await page.editor.addSavedPreset(after, page.atHost);
+      if (editor.open) {
+        await editor.addSavedPreset(after, page.atHost);
       } else {
         if (!page.atHost) await page.changePreset(page.data.preset ?? before, after, true);
-        page.editor.reset();
+        editor.reset();
       }
       page.fault("");
     } catch (error) {

@@ -12,26 +12,24 @@ import { eventText, momentText } from "./descriptions.js";
 /** @import { Page } from "./page.js" */
 
 /**
- * Return the sound backend of a host that plays; null if the page plays.
+ * Return the sound of a host that plays (null if the page plays), and a function that adds the features.
  * @param {Server} server
  */
-export const hostSound = ({ audio }) => (audio === "host" ? new HostSound() : null);
-
-/**
- * @param {Page} page
- * @param {Server} server
- */
-export const serve = (page, server) => new Served(page, server);
+export function openServer({ audio, media }) {
+  const host = audio === "host" ? new HostSound() : null;
+  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, host) };
+}
 
 export class Served {
   /**
-   * `page` gets the features; `server` is that of `info`.
+   * `page` gets the features; `host` is its sound if a host plays.
    * @param {Page} page
-   * @param {Server} server
+   * @param {Server["media"]} media
+   * @param {HostSound | null} host
    */
-  constructor(page, server) {
+  constructor(page, media, host) {
     this.page = page;
-    this.film = server.media ? new MediaPlayer(byId("film"), server.media) : null;
+    this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
     byId("play").hidden = this.film === null;
     byId("play").addEventListener("click", () => this.watch(page.currentEvent));
@@ -40,13 +38,13 @@ export class Served {
       byId("dialog").close();
       this.editor.toggle(true);
     });
-    this.presets = new PresetLink(page);
-    if (page.atHost) this.listenToHost();
+    this.presets = new PresetLink(page, this.editor);
+    if (host) this.listenToHost(host);
   }
 
-  listenToHost() {
+  /** @param {HostSound} sound */
+  listenToHost(sound) {
     const { page } = this;
-    const sound = /** @type {HostSound} */ (page.sound);
     sound.onlink = (text) => (byId("link").textContent = text);
     sound.onlatency = (text) => (byId("latency").textContent = text);
     sound.onwindow = (window) => page.viewState.follow(window);

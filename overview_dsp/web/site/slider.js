@@ -1,6 +1,7 @@
 // Texts of the picture: the slider's value for assistive technology, and a line above the picture.
 
 import { secondsAt } from "./angle_map.js";
+import { byId } from "./dom.js";
 import {
   eventAt, momentText, positionText, scoreAt, shortEvent, summaryText, valueAt,
 } from "./descriptions.js";
@@ -13,14 +14,9 @@ const LATE_MS = 400; // maximum delay of a text
 const MOST = 14; // characters in large type beside a value
 
 export class Slider {
-  /**
-   * `parts`: the elements slider, clock, value, event, summary.
-   * @param {Record<string, any>} parts
-   */
-  constructor(parts) {
-    this.parts = parts;
-    /** @type {any[]} */
-    this.at = []; // view, cursor and points of the last update
+  constructor() {
+    /** @type {[View, number, View["points"]] | []} */
+    this.at = []; // view, position and points of the last update
     this.position = NaN; // of the slider's text
     this.updatedAt = -Infinity;
     this.frames = 0; // since the last update
@@ -33,8 +29,8 @@ export class Slider {
    */
   setValue(position, text) {
     this.position = position;
-    this.parts.slider.value = (100 * position).toFixed(1);
-    this.parts.slider.setAttribute("aria-valuetext", text);
+    byId("slider").value = (100 * position).toFixed(1);
+    byId("slider").setAttribute("aria-valuetext", text);
   }
 
   /**
@@ -49,28 +45,27 @@ export class Slider {
     if (since < EVERY_MS || (since < LATE_MS && this.frames < EVERY_FRAMES)) return;
     this.updatedAt = now;
     this.frames = 0;
-    const { clock, value, event } = this.parts;
     const [oldView, oldPosition, oldPoints] = this.at;
     const other = view !== oldView || view.points !== oldPoints;
     this.at = [view, position, view.points];
-    if (other) this.parts.summary.textContent = summaryText(view, info);
+    if (other) byId("summary").textContent = summaryText(view, info);
     if (other || position !== this.position) this.setValue(position, positionText(view, position, info));
     if (other || position !== oldPosition) {
       const here = eventAt(view, position);
       const moment = momentText(here?.time_s ?? secondsAt(view, position), info);
-      set(clock, "textContent", moment);
-      clock.classList.toggle("long", moment.length > MOST);
-      set(value, "textContent", valueAt(view, position, info) || scoreAt(view, position));
-      set(event, "textContent", here ? shortEvent(here, info) : "");
+      setText("clock", moment);
+      byId("clock").classList.toggle("long", moment.length > MOST);
+      setText("value", valueAt(view, position, info) || scoreAt(view, position));
+      setText("event", here ? shortEvent(here, info) : "");
     }
   }
 }
 
 /**
- * @param {any} element
- * @param {string} property
+ * @param {"clock" | "value" | "event"} id
  * @param {string} text
  */
-function set(element, property, text) {
-  if (element[property] !== text) element[property] = text;
+function setText(id, text) {
+  const element = byId(id);
+  if (element.textContent !== text) element.textContent = text;
 }

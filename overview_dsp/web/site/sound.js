@@ -86,9 +86,24 @@ export class Sound {
     if (this.context.state !== "running") this.context.resume();
   }
 
+  /** Wait until the output runs. */
+  resume() {
+    return this.context.resume();
+  }
+
+  get rate() {
+    return this.context.sampleRate;
+  }
+
+  get ready() {
+    return this.node !== null;
+  }
+
   get running() {
     return this.node !== null && this.context.state === "running";
   }
+
+  setName() {}
 
   /**
    * @param {number} position
@@ -133,7 +148,15 @@ export class Sound {
   async show(part) {
     await this.load();
     const bytes = await this.data.change(part, this.context.sampleRate);
-    return () => this.node.change(bytes);
+    return () => this.change(bytes);
+  }
+
+  /**
+   * Apply a change to the kernel's memory.
+   * @param {ArrayBuffer} bytes
+   */
+  change(bytes) {
+    this.node?.change(bytes);
   }
 
   /**
@@ -144,14 +167,15 @@ export class Sound {
    */
   async changePreset(before, after, part) {
     await this.load();
-    this.node.change(await this.data.presetChange(before, after, part, this.context.sampleRate));
+    this.change(await this.data.presetChange(before, after, part, this.context.sampleRate));
   }
 
   /**
    * Return the kernel's meters and strikes.
-   * @returns {Promise<DiskState>}
+   * @returns {Promise<DiskState | null>}
    */
   async readState() {
+    if (this.node === null) return null;
     const state = await this.node.readState();
     this.clock.addReading(state.clock, performance.now());
     return state;

@@ -84,7 +84,7 @@ export class Strip {
     c.beginPath();
     c.moveTo(0, height);
     level.forEach((one, i) => {
-      if (i % 4 === 0) c.lineTo((width * i) / (level.length - 1), height * (1 - 0.95 * one));
+      if (i % 4 === 0) c.lineTo((width * i) / (level.length - 1), height * (1 - 0.95 * (one ?? 0)));
     });
     c.lineTo(width, height);
     c.fillStyle = colours.line;

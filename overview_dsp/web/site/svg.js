@@ -1,13 +1,15 @@
 // An SVG with the canvas methods that the static picture needs. A canvas of that size would be passed
 // to the compositor with every frame.
 
+import { contextOf } from "./dom.js";
+
 /** @param {number} number */
 const round = (number) => Math.round(number * 100) / 100;
 /** @type {Record<string, string>} */
 const ANCHOR = { left: "start", center: "middle", right: "end" };
 /** @type {Record<string, number>} */
 const BASELINE = { top: 0.8, alphabetic: 0, bottom: -0.22 }; // offset below the point, in units of the size
-const measuring = document.createElement("canvas").getContext("2d");
+const measuring = document.createElement("canvas");
 
 export class SvgContext {
   /** @param {SVGSVGElement} svg */
@@ -78,8 +80,9 @@ export class SvgContext {
 
   /** @param {string} text */
   measureText(text) {
-    measuring.font = this.font;
-    return measuring.measureText(text);
+    const c = contextOf(measuring);
+    c.font = this.font;
+    return c.measureText(text);
   }
 
   /**
@@ -109,7 +112,7 @@ export class SvgContext {
    * @param {Record<string, string | number>} attributes
    */
   text(text, x, y, attributes) {
-    const [, weight, size] = this.font.match(/^(\d+) ([\d.]+)px/);
+    const [weight, size] = this.font.split(/ |px/);
     const down = BASELINE[this.textBaseline] * Number(size);
     const element = this.add("text", {
       x: round(x), y: round(y + down), "font-size": size, "font-weight": weight,

@@ -1,5 +1,7 @@
 // The last seconds of torque, one value per frame, with marks at the strikes.
 
+import { contextOf } from "./dom.js";
+
 export const LENGTH = 240; // frames
 const MARK = 5; // px of a strike's mark
 
@@ -14,13 +16,14 @@ export class Trace {
    */
   constructor(canvas, full) {
     this.canvas = canvas;
-    this.c = canvas.getContext("2d");
+    this.c = contextOf(canvas);
     this.full = full;
     this.height = new Float32Array(LENGTH);
     this.hasStrike = new Uint8Array(LENGTH);
     this.at = 0; // index of the next value
     /** @type {TraceBox | null} */
     this.box = null;
+    this.scale = 1;
     this.fresh = true; // whether there is anything new to draw
     this.turn = false;
   }

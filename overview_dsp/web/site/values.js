@@ -23,6 +23,16 @@ export function pointAt(view, moment) {
 }
 
 /**
+ * Return time (s) and value of the point nearest to a time; null without points.
+ * @param {{ points: Points | null }} view
+ * @param {number} moment
+ */
+export function nearestPoint({ points }, moment) {
+  const i = pointAt({ points }, moment);
+  return points === null || i < 0 ? null : { time_s: points.time_s[i], value: points.value[i] };
+}
+
+/**
  * Return a value with its unit and the data's decimals; "" without a value.
  * @param {number | undefined} value
  * @param {Pick<Info, "series">} info
@@ -41,8 +51,10 @@ export function valueText(value, { series }) {
 export function extremeOf(view, direction) {
   const [values, first, last, positionOf] = within(view);
   let best = first;
+  let most = values[first];
   for (let i = first; i <= last; i += 1) {
-    if (values[best] === null || (values[i] !== null && (values[i] - values[best]) * direction > 0)) best = i;
+    const value = values[i];
+    if (most === null || (value !== null && (value - most) * direction > 0)) [best, most] = [i, value];
   }
   return Math.min(Math.max(positionOf(best), 0), 1);
 }
@@ -85,7 +97,7 @@ export function linesOf([low, span], maxLines) {
   if (!(span > 0)) return [];
   const least = span / maxLines;
   const power = 10 ** Math.floor(Math.log10(least));
-  const step = power * [1, 2, 5, 10].find((one) => one * power >= least);
+  const step = power * ([1, 2, 5].find((one) => one * power >= least) ?? 10);
   const lines = [];
   for (let i = Math.ceil(low / step); i * step <= low + span * 1.0001; i += 1) {
     lines.push({ value: i * step, level: (i * step - low) / span });

@@ -15,12 +15,12 @@ const WHEEL_PX = 60; // per step
 const WHEEL_REST_MS = 250; // pause that ends a turn of the wheel
 const REST_MS = 250; // pause of a slider before the picture is drawn
 
-/** @type {(a: TimeRange | null, b: TimeRange | null) => boolean} */
-export const isSame = (a, b) => a?.start_s === b?.start_s && a?.end_s === b?.end_s;
+/** @type {(a: TimeRange, b: TimeRange) => boolean} */
+export const isSame = (a, b) => a.start_s === b.start_s && a.end_s === b.end_s;
 
 export class ViewState {
   /**
-   * `onshow()` is called after each change, `onfault(line)` with errors.
+   * `onshow()` is called after each change, `onfault(line)` with errors. The picture has the first view.
    * @param {{ data: Data, sound: AudioBackend, input: CombinedInput, picture: Picture, onshow: () => void, onfault: (line: string) => void }} parts
    */
   constructor({ data, sound, input, picture, onshow, onfault }) {
@@ -31,10 +31,9 @@ export class ViewState {
     this.picture = picture;
     this.onshow = onshow;
     this.onfault = onfault;
-    /** @type {View | null} */
-    this.view = null;
-    /** @type {TimeRange | null} */
-    this.soundingPart = null; // part whose surface is active
+    this.view = picture.view;
+    /** @type {TimeRange} */
+    this.soundingPart = this.view; // part whose surface is active
     this.isChanging = false;
     this.change = Promise.resolve(true); // the latest change, settled once its view is shown
     /** Settled once the values of the view are loaded. */
@@ -47,12 +46,11 @@ export class ViewState {
 
   /**
    * Show the first view; the sound starts with `soundingPart` and may change to the view.
-   * @param {View} view
    * @param {Part} soundingPart
    */
-  async begin(view, soundingPart) {
-    this.soundingPart = view;
-    this.setView(view);
+  async begin(soundingPart) {
+    const { view } = this;
+    this.setView(view, view.start_s);
     this.updateControls();
     if (!isSame(view, soundingPart)) (await this.sound.show(view))();
   }
@@ -83,8 +81,7 @@ export class ViewState {
 
   /** @param {number} direction */
   shift(direction) {
-    const next = neighbourPart(this.windows, this.view, direction);
-    return next === null ? Promise.resolve(false) : this.go(next);
+    return this.go(neighbourPart(this.windows, this.view, direction));
   }
 
   /** @param {WheelEvent} event */
@@ -115,8 +112,8 @@ export class ViewState {
   }
 
   /**
-   * Go to a part; of several requests only the latest is kept.
-   * @param {Part} part
+   * Go to a part, if there is one; of several requests only the latest is kept.
+   * @param {Part | null} part
    */
   async goToLatest(part) {
     this.nextPart = part;
@@ -131,11 +128,11 @@ export class ViewState {
   }
 
   /**
-   * Show a part and activate its surface. The position of keys and of a released input keeps its time.
-   * @param {Part} part
+   * Show a part, if there is one, and activate its surface. Keys and a released input keep their time.
+   * @param {Part | null} part
    */
   go(part) {
-    if (this.isChanging || isSame(part, this.view)) return Promise.resolve(false);
+    if (part === null || this.isChanging || isSame(part, this.view)) return Promise.resolve(false);
     this.isChanging = true;
     this.change = this.changeTo(part);
     return this.change;
@@ -161,9 +158,11 @@ export class ViewState {
     }
   }
 
-  /** @param {View} view */
-  setView(view) {
-    const moment = this.view === null ? view.start_s : this.moment;
+  /**
+   * @param {View} view
+   * @param {number} moment time (s) of keys or of a released input
+   */
+  setView(view, moment = this.moment) {
     this.view = view;
     this.picture.show(view);
     this.resize();

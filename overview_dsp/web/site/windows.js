@@ -128,7 +128,7 @@ export function neighbourPart(windows, part, direction) {
 
 /** @param {Window[]} windows */
 export function lastLevel(windows) {
-  return windows.at(-1).level;
+  return windows[windows.length - 1].level;
 }
 
 /**

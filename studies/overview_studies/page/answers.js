@@ -99,7 +99,7 @@ export class Answers {
   async run() {
     let pause = FIRST_WAIT_MS;
     while (this.unsent.size > 0) {
-      const [id, row] = this.unsent.entries().next().value;
+      const [[id, row]] = this.unsent;
       try {
         await this.send(id, row);
       } catch (error) {

@@ -37,7 +37,8 @@ export class Pad {
       "aria-valuemax": 100, "aria-valuenow": 0, "aria-valuetext": "at the start",
     }, this.view.element, this.finger);
     this.element = make("div", { class: "felt" }, this.slider, this.hint());
-    this.left = () => document.hidden && !this.twist.on && this.combined?.releaseAll();
+    this.connect(new SampleClock(1), () => {});
+    this.left = () => document.hidden && !this.twist.on && this.combined.releaseAll();
     document.addEventListener("visibilitychange", this.left);
     this.listen();
   }
@@ -55,23 +56,29 @@ export class Pad {
     return make("div", { class: "hint" }, make("p", { text: hints[this.input] }), this.toggle);
   }
 
+  /** Create the input that sends its movements to `send`. */
+  connect(clock, send) {
+    this.clock = clock;
+    /** @type {CombinedInput} */
+    this.combined = new CombinedInput(new Strokes(clock, send));
+    this.combined.onchange = () => this.moved();
+  }
+
   /** Connect a presentation; `view` is drawn unless it is null. */
   begin(presentation, view) {
     this.release();
     this.presentation = presentation;
     this.view.show(view);
     this.touched = false;
-    this.clock = new SampleClock(presentation.rate);
     const send = (place, touching, sample) => presentation.control(place, touching, sample);
-    this.combined = new CombinedInput(new Strokes(this.clock, send));
-    this.combined.onchange = () => this.moved();
+    this.connect(new SampleClock(presentation.rate), send);
     if (this.toggle) this.twist.input = this.combined;
     this.follow(presentation);
   }
 
   /** Release; the disk springs back. */
   release() {
-    this.combined?.releaseAll();
+    this.combined.releaseAll();
   }
 
   end() {
@@ -153,14 +160,14 @@ export class Pad {
       event.preventDefault();
       if (this.presentation !== null) keys[event.key](event);
     });
-    this.slider.addEventListener("blur", () => this.combined?.release("keys"));
+    this.slider.addEventListener("blur", () => this.combined.release("keys"));
   }
 
   async toggleTwist() {
     const { twist } = this;
     twist.onsilent = (line) => {
       twist.end();
-      this.toggle.setAttribute("aria-pressed", "false");
+      this.toggle?.setAttribute("aria-pressed", "false");
       this.onfault(line);
     };
     try {
@@ -169,6 +176,6 @@ export class Pad {
     } catch (error) {
       this.onfault(error.message);
     }
-    this.toggle.setAttribute("aria-pressed", String(twist.on));
+    this.toggle?.setAttribute("aria-pressed", String(twist.on));
   }
 }

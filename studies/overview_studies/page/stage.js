@@ -25,7 +25,9 @@ export class Stage {
     this.count = 0; // number of presentations
     this.known = new Set(); // indexes of presented stimuli
     this.takes = [];
-    this.pad = null;
+    this.pad = null; // of free exploration
+    this.buttons = []; // that play
+    this.lamp = make("p", { class: "lamp", "aria-hidden": "true", text: "\u00a0" });
     this.element = make("div", { class: "stage" });
     if (this.free) this.buildFree();
     else this.buildPlayed();
@@ -38,7 +40,7 @@ export class Stage {
 
   /** Element that gets the focus first. */
   get first() {
-    return this.free ? this.pad.slider : this.element.querySelector("button");
+    return this.pad?.slider ?? this.element.querySelector("button");
   }
 
   // --- free exploration -------------------------------------------------------------------------
@@ -78,7 +80,7 @@ export class Stage {
     }
     this.at = number;
     this.present = presentation;
-    this.pad.begin(presentation, view);
+    this.pad?.begin(presentation, view);
   }
 
   markTouched() {
@@ -99,7 +101,6 @@ export class Stage {
     this.element.append(make("div", { class: "tabs" }, ...this.buttons));
     this.view = trial.output.visual ? new View(this.study.kinds) : null;
     if (this.view) this.element.append(make("div", { class: "pad seen" }, this.view.element));
-    this.lamp = make("p", { class: "lamp", "aria-hidden": "true", text: "\u00a0" });
     this.element.append(this.lamp);
   }
 
@@ -158,10 +159,8 @@ export class Stage {
     const { present, pad } = this;
     if (present === null || present.stopped) return;
     pad?.release();
-    if (this.free) {
-      const stimulus = this.stimuli[this.at];
-      if (pad.touched) this.takes.push({ stimulus, ...(await present.take()) });
-    }
+    const stimulus = this.stimuli[this.at];
+    if (pad?.touched) this.takes.push({ stimulus, ...(await present.take()) });
     present.stop();
   }
 

@@ -63,6 +63,7 @@ class TrialScreen {
     });
     this.question = make("h1", { id: "question", text: question });
     this.stage.onready = () => this.enable();
+    this.started = new Date(); // set again once the stimuli are loaded
     this.onKey = (event) => this.key(event);
   }
 
@@ -107,20 +108,20 @@ class TrialScreen {
     this.row = {
       response, correct: isCorrect(trial, response), rt_ms, started_utc: started.toISOString(),
       stimulus: trial.stimulus ?? null, level: trial.level ?? null, presentations: stage.count,
-      source: stage.free ? [...stage.pad.sources].join("+") || null : null,
+      source: stage.pad ? [...stage.pad.sources].join("+") || null : null,
       device: kit.felt.device, version: VERSION,
     };
-    this.end().then(() => this.resolve(this.row), (error) => this.fault(error.message));
+    this.end(this.row).then(() => this.resolve(this.row), (error) => this.fault(error.message));
   }
 
-  async end() {
+  async end(row) {
     const { stage, kit } = this;
     document.removeEventListener("keydown", this.onKey);
     for (const one of this.display.querySelectorAll("button, input")) one.disabled = true;
     await stage.end();
     await kit.felt.mask(false);
-    if (stage.pair) this.row.takes = stage.takes;
-    else this.row.take = stage.takes[0] ?? null;
+    if (stage.pair) row.takes = stage.takes;
+    else row.take = stage.takes[0] ?? null;
   }
 
   /** Store the answer in this browser, with retries. */

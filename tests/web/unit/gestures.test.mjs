@@ -25,7 +25,7 @@ test("a position is an event, a clock or seconds", () => {
   assert.equal(momentAt("67:30", EVENTS), 4050);
   assert.equal(momentAt("1:07:30", EVENTS), 4050);
   assert.equal(momentAt("12.5", EVENTS), 12.5);
-  for (const nothing of ["goal:3", "corner", "goal:x", ""]) {
+  for (const nothing of ["goal:3", "corner", "goal:x", "goal\n2", ""]) {
     assert.equal(momentAt(nothing, EVENTS), null);
   }
 });
