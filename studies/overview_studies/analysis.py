@@ -25,6 +25,7 @@ from overview_studies.measures import (
     conditions_of,
     confusion,
 )
+from overview_studies.row_checks import impossible
 from overview_studies.scales import Scale, scale_of
 from overview_studies.statistics import (
     Estimate,
@@ -32,6 +33,7 @@ from overview_studies.statistics import (
     information_interval,
     mean_interval,
 )
+from overview_studies.steps import find_step
 
 ALPHA = 0.05
 MOST_MISSING = 0.2
@@ -177,11 +179,19 @@ def _apply_exclusions(answers: Answers) -> tuple[Answers, dict[str, str]]:
     rule = answers.study["exclude"]
     excluded: dict[str, str] = {}
     attention: dict[str, list[int]] = defaultdict(list)
+    for session in answers.sessions:
+        for trial, _, row in session.trials:
+            step = find_step(trial, answers.lists[session.number])
+            reason = step and impossible(answers.study, step, row)
+            if reason:
+                excluded.setdefault(session.participant, f"impossible answer {trial}: {reason}")
     for row in answers.rows():
         if row["phase"] == "attention":
             attention[row["participant"]].append(row["correct"])
     for session in answers.sessions:
         code, asked = session.participant, attention[session.participant]
+        if code in excluded:
+            continue
         if rule["incomplete"] and session.finished_utc is None:
             excluded[code] = "the session is not complete"
         elif asked and float(np.mean(asked)) < rule["attention"]:

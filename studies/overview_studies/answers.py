@@ -14,15 +14,13 @@ from overview_dsp.errors import InputError
 from overview_studies.folder import read_study
 from overview_studies.scoring import is_correct, response_error
 from overview_studies.steps import find_step, missing_steps
-from overview_studies.store import Session, Store
+from overview_studies.store import SIMULATED, Session, Store
 
 OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
 """Required columns of an offline page's CSV."""
 
 MARK = "SIMULATED"
 """Mark of names, titles and rows made from simulated answers."""
-SIMULATED = "simulated observer"
-"""Source of simulated answers."""
 
 _HEAD = (
     "participant",

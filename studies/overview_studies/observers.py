@@ -27,11 +27,11 @@ import numpy as np
 from scipy.special import ndtr
 
 from overview_studies.adaptive import Run
-from overview_studies.answers import SIMULATED, Answers
+from overview_studies.answers import Answers
 from overview_studies.file_model import Level
 from overview_studies.forms import TLX
 from overview_studies.scales import Scale, scale_of
-from overview_studies.store import SIMULATED_REQUEST, Session, Store
+from overview_studies.store import SIMULATED, SIMULATED_REQUEST, Session, Store
 
 MIN_D_PRIME = 0.05
 """Minimum d' of an observer, so that adaptive runs end."""

@@ -18,9 +18,11 @@ from starlette.routing import BaseRoute, Route
 from overview_dsp.cli.extensions import START, TYPES, json_object, threaded_endpoint
 from overview_dsp.errors import InputError
 from overview_studies.folder import STUDY, listed_files
+from overview_studies.row_checks import impossible
 from overview_studies.steps import find_step, missing_steps
 from overview_studies.store import (
     RESUME_KEYS,
+    SIMULATED,
     SIMULATED_REQUEST,
     NoListLeftError,
     Session,
@@ -92,10 +94,17 @@ def study_routes(folder: Path, store: Store) -> list[BaseRoute]:
 
     def put(request: Request, body: bytes, number: int) -> Response:
         trial = request.path_params["trial"]
-        if find_step(trial, content(number)) is None:
+        step = find_step(trial, content(number))
+        if step is None:
             return PlainTextResponse(f"list {number} has no trial {trial!a}\n", 404)
-        if "response" not in json_object(body):
+        row = json_object(body)
+        if "response" not in row:
             raise InputError("the key response is missing")
+        reason = impossible(store.study, step, row)
+        if row.get("source") == SIMULATED:
+            reason = "simulated answers are not stored"
+        if reason is not None:
+            return PlainTextResponse(f"{trial}: {reason}\n", 422)
         new = store.put(request.path_params["session"], trial, body.decode())
         return JSONResponse({"stored": trial}, 201 if new else 200)
 

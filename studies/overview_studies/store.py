@@ -38,6 +38,8 @@ CREATE TABLE IF NOT EXISTS trial(
   row TEXT NOT NULL CHECK(json_valid(row)), PRIMARY KEY(session, trial)) STRICT;
 """
 WAIT_S = 10.0
+SIMULATED = "simulated observer"
+"""Source of simulated answers; pages cannot send it."""
 SIMULATED_REQUEST = "simulated-"
 """Start of the request of each simulated session; pages cannot send it."""
 RESUME_KEYS = ("response", "correct", "stimulus", "level")

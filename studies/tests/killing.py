@@ -90,7 +90,7 @@ def answered(killed, port, lists, rng, acknowledged):
         if status == 201:
             acknowledged.append((told["session"], trials[done], row))
         if rng.random() < 0.1:  # a double click: another answer to the same trial
-            again = {"response": "none", "rt_ms": -1.0}
+            again = {"response": "none", "rt_ms": 99.0}
             assert patiently(killed, lambda: page.put(trials[done], again))[0] == 200  # noqa: B023
         done += 1
         if rng.random() < 0.1:  # a killed tab: what it knows, it has from the server

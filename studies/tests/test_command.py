@@ -176,6 +176,24 @@ def test_who_did_not_finish_or_attend_is_left_out_as_the_file_said(built, tmp_pa
     assert "excluded: sim003: the session is not complete" in outcome.err
 
 
+def test_impossible_answers_are_named_and_left_out(built, tmp_path):
+    from overview_studies.store import Store
+
+    copy = tmp_path / "some.sqlite"
+    shutil.copy(built.answers, copy)
+    store = Store(copy)
+    with store._transaction():
+        for number, value in ((2, "-3.0"), (5, "1e12")):
+            store._db.execute(
+                "UPDATE trial SET row = json_set(row, '$.rt_ms', ?) WHERE trial = 'b1-004' AND "
+                "session = (SELECT id FROM session WHERE list = ?)", (float(value), number),
+            )  # fmt: skip
+    store.close()
+    outcome = overview("study", "analyse", copy)
+    for code in ("sim002", "sim005"):
+        assert f"excluded: {code}: impossible answer b1-004: rt_ms is" in outcome.err
+
+
 def test_power_counts_how_often_an_effect_is_found(tmp_path):
     text = detecting(8, 8, 'mapping = { within = ["friction", "static"], order = "williams" }')
     said("build", written(tmp_path, text), "-o", tmp_path / "f")

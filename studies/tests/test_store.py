@@ -12,6 +12,7 @@ import threading
 import pytest
 
 from overview_dsp.errors import InputError, OutputError
+from overview_studies.forms import TLX
 from overview_studies.store import NoListLeftError, Store
 from studies.tests.client import Page, serving
 from studies.tests.files import IDENTIFY, detecting, study_of
@@ -97,7 +98,7 @@ def test_another_study_or_no_study_is_refused(tmp_path, small):
     with pytest.raises(InputError, match="no such file"):
         Store(tmp_path / "none.sqlite")
     (tmp_path / "text.sqlite").write_text("not a database, but long enough to be looked at")
-    with pytest.raises(InputError, match="cannot be used"):
+    with pytest.raises(InputError, match="not a file of answers"):
         Store(tmp_path / "text.sqlite")
 
 
@@ -122,14 +123,22 @@ def test_a_page_takes_a_list_stores_resumes_and_finishes(page_of, small):
     steps = [s for s in lists[1]["steps"] if s["type"] in ("trial", "form")]
     trials = [s["id"] for s in steps if s.get("phase") != "practice"]
     assert page.finish() == (409, {"missing": trials})
-    for trial in trials:
-        assert page.put(trial, {"response": "goal", "take": {"events": []}})[0] == 201
-    assert page.put(trials[0], {"response": "foul"})[0] == 200
+    forms = {
+        "consent": {"version": "1", "agreed": True},
+        "tlx": dict.fromkeys(TLX, 50),
+        "comments": {"comments": "none"},
+    }
+    for step in steps:
+        if step["id"] in trials:
+            response = forms[step["form"]] if step["type"] == "form" else "goal"
+            row = {"response": response, "take": {"events": []}}
+            assert page.put(step["id"], row)[0] == 201
+    assert page.put(trials[1], {"response": "foul"})[0] == 200
     # practice that was repeated
     assert page.put("b1-p001-2", {"response": "goal"})[0] == 201
     status, seen = page.look()
     assert (status, list(seen["answers"])) == (200, [*trials, "b1-p001-2"])
-    assert seen["answers"][trials[0]] == {
+    assert seen["answers"][trials[1]] == {
         "response": "goal", "correct": None, "stimulus": None, "level": None,
     }  # fmt: skip
     assert page.finish() == (200, {"complete": True})
@@ -150,6 +159,21 @@ def test_what_is_wrong_is_refused_with_one_line(page_of):
     assert page.put("b1-001", {"answer": 1})[0] == 400
     assert page.put("b1-001", [1])[0] == 400
     assert page.put("b1-001", {"response": float("nan")})[0] == 400
+    impossible = [
+        ("b1-001", {"response": "gaol"}, "one of the choices"),
+        ("b1-001", {"response": "goal", "rt_ms": -5}, "rt_ms is -5"),
+        ("b1-001", {"response": "goal", "source": "mouse"}, "touch, twist or keys"),
+        ("b1-001", {"response": "goal", "source": "simulated observer"}, "simulated"),
+        ("b0-form-1-consent", {"response": {"version": "1", "agreed": False}}, "consent"),
+        ("b0-form-1-consent", {"response": {"version": "2", "agreed": True}}, "version"),
+        ("b1-form-1-tlx", {"response": {**dict.fromkeys(TLX, 50), "effort": 999}}, "effort is 999"),
+    ]
+    assert page.put("b1-002", {"response": "goal", "source": "touch+keys"})[0] == 201
+    for trial, row, reason in impossible:
+        status, told = page.put(trial, row)
+        assert status == 422, (trial, row, told)
+        assert reason in str(told)
+    assert list(page.look()[1]["answers"]) == ["b1-002"]
     other = page_of()
     other.told = {**page.told, "secret": "guessed"}
     assert other.put("b1-001", {"response": 1})[0] == 403
