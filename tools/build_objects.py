@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+from kernel_ir import ROOT, c_functions, machine_for, module_for, unoptimised, written_out
 
 OUT = ROOT / "overview_dsp" / "kernels" / "objects"
 TARGETS = {
@@ -36,7 +36,7 @@ def main(folder: Path) -> None:
         from overview_dsp.kernels.precompiled import CHOICES
         from overview_dsp.kernels.sources import sources_digest
 
-        texts = written_out(NAMES)
+        texts = written_out(c_functions(NAMES))
         for name, _, kernels in itertools.chain(*CHOICES.values()):
             triple, cpu = TARGETS[name]
             machine = machine_for(triple, cpu=cpu, reloc="pic")

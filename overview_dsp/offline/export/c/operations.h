@@ -2,6 +2,24 @@
 #ifndef OVERVIEW_OPERATIONS_H
 #define OVERVIEW_OPERATIONS_H
 
+/* Whatever lets a compiler change the arithmetic changes the sound. What it tells in no macro is
+   found by the self-test in overview_load. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || defined(__NO_SIGNED_ZEROS__) || defined(_M_FP_FAST) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "overView: -ffast-math, -Ofast, /fp:fast and their parts change the sound. \
+Compile kernel.c without them, or with -fno-fast-math after them."
+#endif
+#if defined(__FLT_EVAL_METHOD__)
+#if __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
+#error "overView: x87 arithmetic changes the sound. Compile kernel.c with -msse2 -mfpmath=sse."
+#endif
+#endif
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "overView: kernel.c is for little-endian machines."
+#endif
+typedef char overview_not_with_fsingle_precision_constant[sizeof(1.0) == 8 ? 1 : -1];
+
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -16,9 +34,13 @@
 #if defined(__GNUC__) && !defined(__TINYC__)
 #define OV_ACQUIRE() __atomic_thread_fence(__ATOMIC_ACQUIRE)
 #define OV_RELEASE() __atomic_thread_fence(__ATOMIC_RELEASE)
+#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
+#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
 #else /* x86, where loads and stores keep their order */
 #define OV_ACQUIRE() ((void)0)
 #define OV_RELEASE() ((void)0)
+#define OV_GET(place) (*(place))
+#define OV_SET(place, value) (*(place) = (value))
 #endif
 
 typedef struct { double v[8]; } ov_lanes;
