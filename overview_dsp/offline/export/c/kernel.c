@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels dc59d495902316c3
+   kernels 0da4180b63e87912
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
