@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 0da4180b63e87912
+   kernels 6b7e1222d316fec6
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
