@@ -228,6 +228,30 @@ def test_a_miscompiled_voice_reports_it_or_has_the_right_bits(folders, native, t
             assert not (tmp_path / "out").exists()
 
 
+def test_no_thread_races_with_another(folders, tmp_path):
+    """One thread processes, one controls, one changes parameters, as `overview.h` allows."""
+    program = tmp_path / "races"
+    command = ["gcc", "-O1", "-fsanitize=thread", f"-I{folders['viscous']}"]
+    sources = [RUNNER.with_name("races.c"), folders["viscous"] / "kernel.c"]
+    empty = tmp_path / "empty.c"
+    empty.write_text("int main(void) { return 0; }\n", encoding="utf-8")
+    # with random addresses ThreadSanitizer does not start on every Linux
+    fixed = [*(("setarch", "-R") if shutil.which("setarch") else ()), str(program)]
+    try:
+        subprocess.run([*command, str(empty), "-o", str(program)], check=True, capture_output=True)
+        subprocess.run(fixed, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("needs gcc with ThreadSanitizer: apt-get install gcc libtsan2")
+    subprocess.run(
+        [*command, *map(str, sources), "-o", str(program), "-lm", "-lpthread"], check=True
+    )
+    image = str(folders["viscous"] / "timeline.image")
+    done = subprocess.run([*fixed, image], capture_output=True, text=True, check=False, timeout=600)
+    assert "ThreadSanitizer" not in done.stderr
+    assert done.returncode == 0
+    assert "strikes" in done.stdout
+
+
 def test_the_example_is_a_sweep_as_the_engine_plays_it(match, football, tmp_path):
     done = overview("export", MATCH, "--to", "c", "-o", tmp_path / "voice")
     assert done.code == 0, done.err

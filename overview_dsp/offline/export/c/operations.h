@@ -31,18 +31,6 @@ typedef char overview_not_with_fsingle_precision_constant[sizeof(1.0) == 8 ? 1 :
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__GNUC__) && !defined(__TINYC__)
-#define OV_ACQUIRE() __atomic_thread_fence(__ATOMIC_ACQUIRE)
-#define OV_RELEASE() __atomic_thread_fence(__ATOMIC_RELEASE)
-#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
-#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
-#else /* x86, where loads and stores keep their order */
-#define OV_ACQUIRE() ((void)0)
-#define OV_RELEASE() ((void)0)
-#define OV_GET(place) (*(place))
-#define OV_SET(place, value) (*(place) = (value))
-#endif
-
 typedef struct { double v[8]; } ov_lanes;
 
 #define OV_ACCESS(letter, type) \
@@ -56,6 +44,30 @@ OV_ACCESS(d, double)
 OV_ACCESS(f, float)
 OV_ACCESS(p, unsigned char *)
 OV_ACCESS(v, ov_lanes)
+
+/* Counts of the queues between threads, at addresses of 8 bytes; OV_GET and OV_SET for one flag. */
+#if defined(__GCC_ATOMIC_LLONG_LOCK_FREE) && __GCC_ATOMIC_LLONG_LOCK_FREE == 2
+typedef uint64_t __attribute__((may_alias, aligned(8))) ov_word;
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    return __atomic_load_n((const ov_word *)p, __ATOMIC_ACQUIRE); }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    __atomic_store_n((ov_word *)p, x, __ATOMIC_RELEASE); }
+#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
+#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
+#elif defined(__GCC_ATOMIC_INT_LOCK_FREE) /* no word of 8 bytes at once: fences beside it */
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    uint64_t x = ov_load_l(p); __atomic_thread_fence(__ATOMIC_ACQUIRE); return x; }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    __atomic_thread_fence(__ATOMIC_RELEASE); ov_store_l(p, x); }
+#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
+#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
+#else /* for one thread, or x86, where loads and stores keep their order */
+#define ov_acquire_l ov_load_l
+#define ov_release_l ov_store_l
+#define OV_GET(place) (*(place))
+#define OV_SET(place, value) (*(place) = (value))
+#endif
+
 #define OV_LANES(name, operator) \
     static inline ov_lanes ov_##name(ov_lanes a, ov_lanes b) { \
         ov_lanes x; int i; for (i = 0; i < 8; i++) x.v[i] = a.v[i] operator b.v[i]; return x; }
