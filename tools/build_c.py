@@ -11,10 +11,13 @@ from __future__ import annotations
 
 import importlib.metadata
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+import self_test
 from ir_to_c import translated
-from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+from kernel_ir import ROOT, c_functions, machine_for, module_for, unoptimised, written_out
 
 OUT = ROOT / "overview_dsp" / "offline" / "export" / "c"
 SCALAR = {"cpu": "generic-rv64", "features": "+d"}
@@ -41,7 +44,10 @@ extern "C" {{
 #define OVERVIEW_DIGEST INT64_C({digest}) /* of the layout: an image begins with it */
 #define OVERVIEW_AT_ONCE (-1)
 
-enum {{ OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1 }};
+enum {{ OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1, OVERVIEW_MISCOMPILED = -2 }};
+
+/* A result in one line of English. */
+const char *overview_message(int32_t result);
 
 /* Sources of input. The last source to touch controls the disk. */
 enum {{ {sources} }};
@@ -57,7 +63,9 @@ typedef struct {{
 extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
 
 /* Load an image of `bytes` bytes; call overview_prepare next. OVERVIEW_REFUSED if it is
-   damaged, or of another layout: then the memory is all zero, or untouched. */
+   damaged, or of another layout: then the memory is all zero, or untouched. The first call in a
+   process tests the machine code, in some 20 ms: OVERVIEW_MISCOMPILED if it would not give the
+   bits of `ov.render`. */
 int32_t overview_load(void *memory, const void *image, int64_t bytes);
 
 /* Reset at a sample rate in Hz: 1000 to 768000, and above the carrier's frequency / 0.45. */
@@ -112,7 +120,53 @@ TAIL = """
 const overview_parameter overview_parameters[OVERVIEW_PARAMETERS] = {{
 {rows}}};
 
+const char *overview_message(int32_t result) {{
+    return result == OVERVIEW_DONE ? "done"
+        : result == OVERVIEW_MISCOMPILED
+            ? "kernel.c was compiled or linked with options that change its arithmetic: compile it "
+              "without -ffast-math, its parts and -ffp-contract=fast"
+        : "refused: the image is damaged or of another version, or a value is out of range";
+}}
+
+static const uint64_t ov_test_image[] = {{
+{image}}};
+
+static uint64_t ov_hashed(const unsigned char *memory, size_t first, size_t stop, uint64_t hash) {{
+    for (; first < stop; first++)
+        hash = (hash ^ ov_load_l(memory + 8 * first)) * UINT64_C({factor});
+    return hash;
+}}
+
+/* Whether this machine code gives the bits of `ov.render` (tools/self_test.py). */
+static int ov_is_right(unsigned char *memory) {{
+    static const double hands[][3] = {{{hands}}};
+    static const uint64_t models[] = {{{models}}};
+    float out[{floats}];
+    uint64_t hash = UINT64_C({seed});
+    size_t i, n;
+    if (ov_load(memory, (unsigned char *)ov_test_image, sizeof ov_test_image,
+                (uint64_t)OVERVIEW_DIGEST)) return 0;
+    for (i = 0; i < sizeof models / sizeof *models; i++) {{
+        ov_store_l(memory + {models_at}, models[i]);
+        ov_prepare(memory, {rate});
+        for (n = 0; n < sizeof hands / sizeof *hands; n++)
+            ov_control(memory, 0, (uint64_t)hands[n][0], hands[n][1], (uint32_t)hands[n][2]);
+        for (n = 0; n < {blocks}; n++) {{
+            ov_process(memory, (unsigned char *)out, {block}, 2);
+{hashes}        }}
+    }}
+    return hash == UINT64_C({expected});
+}}
+
 int32_t overview_load(void *memory, const void *image, int64_t bytes) {{
+    static int32_t tested; /* OVERVIEW_DONE: not yet, 1: right */
+    int32_t found = OV_GET(&tested);
+    if (!found) {{
+        found = ov_is_right((unsigned char *)memory) ? 1 : OVERVIEW_MISCOMPILED;
+        memset(memory, 0, (size_t)OVERVIEW_MEMORY_BYTES);
+        OV_SET(&tested, found);
+    }}
+    if (found < 0) return found;
     return (int32_t)ov_load((unsigned char *)memory, (unsigned char *)image, (uint64_t)bytes,
                             (uint64_t)OVERVIEW_DIGEST);
 }}
@@ -149,10 +203,16 @@ def main(folder: Path) -> None:
         from overview_dsp.kernels.c_abi.c import NAMES
         from overview_dsp.kernels.sources import sources_digest
 
-        module = module_for(written_out(NAMES), machine_for("riscv64-unknown-linux-gnu", **SCALAR))
+        functions = c_functions(NAMES)
+        machine = machine_for("riscv64-unknown-linux-gnu", **SCALAR)
+        module = module_for(written_out(functions), machine)
         entries = {name: name.replace("overview_", "ov_") for name in NAMES}
         head = KERNEL.format(digest=sources_digest(), toolchain=toolchain())
-        kernel = head + translated(str(module), entries) + TAIL.format(rows=rows())
+        kernel = (
+            head
+            + translated(str(module), entries)
+            + TAIL.format(rows=rows(), **test_numbers(functions))
+        )
         header = HEADER.format(**header_numbers())
     for name, text in (("kernel.c", kernel), ("overview.h", header)):
         (folder / name).write_text(text, encoding="utf-8", newline="\n")
@@ -171,6 +231,32 @@ def rows() -> str:
         f'    {{"{id}", "{PARAMETERS[id].unit}", {low!r}, {high!r}}},\n'
         for id, (low, high) in KERNEL_RANGES.items()
     )
+
+
+def test_numbers(functions: Mapping[str, Any]) -> dict[str, object]:
+    """Return the image, the movements and the digest of the self-test as C."""
+    from overview_dsp.kernels import layout
+
+    image = self_test.image()
+    words = [f"UINT64_C({word:#x})," for word in memoryview(image).cast("Q")]
+    entries = {name: made.ctypes for name, made in functions.items()}
+    return {
+        "image": "".join(f"    {' '.join(words[i : i + 4])}\n" for i in range(0, len(words), 4)),
+        "factor": self_test.FACTOR,
+        "seed": self_test.SEED,
+        "hands": ", ".join(f"{{{', '.join(map(repr, hand))}}}" for hand in self_test.HANDS),
+        "models": ", ".join(map(str, self_test.MODELS)),
+        "models_at": 8 * (layout.SURFACES + layout.SLOT_MODELS),
+        "rate": self_test.RATE,
+        "block": self_test.BLOCK,
+        "blocks": self_test.BLOCKS,
+        "floats": 2 * self_test.BLOCK,
+        "hashes": "".join(
+            f"            hash = ov_hashed(memory, {first}, {stop}, hash);\n"
+            for first, stop in self_test.parts()
+        ),
+        "expected": self_test.digest(entries, image),
+    }
 
 
 def header_numbers() -> dict[str, object]:

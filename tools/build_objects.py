@@ -4,11 +4,13 @@ python tools/build_objects.py [FOLDER]
 
 numba's LLVM IR of `overview_dsp.kernels.c_abi.entry_points` is compiled for each of TARGETS by the
 LLVM inside llvmlite, which also loads the objects (`kernels/precompiled.py`). `objects.json` holds
-the digest of the sources and the tool-chain. The same sources and tool-chain give the same bytes.
+digests of the sources and the objects, and the tool-chain. The same sources and tool-chain give the
+same bytes.
 """
 
 from __future__ import annotations
 
+import hashlib
 import importlib.metadata
 import itertools
 import json
@@ -16,7 +18,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+from kernel_ir import ROOT, c_functions, machine_for, module_for, unoptimised, written_out
 
 OUT = ROOT / "overview_dsp" / "kernels" / "objects"
 TARGETS = {
@@ -36,7 +38,8 @@ def main(folder: Path) -> None:
         from overview_dsp.kernels.precompiled import CHOICES
         from overview_dsp.kernels.sources import sources_digest
 
-        texts = written_out(NAMES)
+        texts = written_out(c_functions(NAMES))
+        digests = {}
         for name, _, kernels in itertools.chain(*CHOICES.values()):
             triple, cpu = TARGETS[name]
             machine = machine_for(triple, cpu=cpu, reloc="pic")
@@ -44,9 +47,11 @@ def main(folder: Path) -> None:
             module = module_for(some, machine, vectors=True, runs=3)
             check(module, name)
             out = folder / f"{name}.o"
-            out.write_bytes(machine.emit_object(module))
-            print(f"{out}: {out.stat().st_size} bytes")
-        made_from = {"kernels": sources_digest(), "toolchain": toolchain()}
+            content = machine.emit_object(module)
+            out.write_bytes(content)
+            digests[name] = hashlib.sha256(content).hexdigest()
+            print(f"{out}: {len(content)} bytes")
+        made_from = {"kernels": sources_digest(), "toolchain": toolchain(), "objects": digests}
     text = json.dumps(made_from, indent=1) + "\n"
     (folder / "objects.json").write_text(text, encoding="utf-8", newline="\n")
 

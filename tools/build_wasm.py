@@ -16,7 +16,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from kernel_ir import ROOT, machine_for, module_for, unoptimised, written_out
+from kernel_ir import ROOT, c_functions, machine_for, module_for, unoptimised, written_out
 
 KERNEL = ROOT / "overview_dsp" / "web" / "kernel.wasm"
 TRIPLE = "wasm32-unknown-unknown"
@@ -30,7 +30,7 @@ def main(out: Path) -> None:
         from overview_dsp.kernels.sources import sources_digest
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")
-        module = module_for(written_out(NAMES), machine)
+        module = module_for(written_out(c_functions(NAMES)), machine)
         object_file = folder / "kernel.o"
         object_file.write_bytes(machine.emit_object(module))
         linked = folder / "kernel.wasm"

@@ -242,8 +242,8 @@ class Function:
             atomic = rest.startswith("atomic ")
             kind, place = split(rest.removeprefix("atomic "))[:2]
             place = place.split(" acquire")[0]
-            value = f"ov_load_{ACCESS[kind]}({self.value(*typed(place))})"
-            return f"{value}; OV_ACQUIRE()" if atomic else value
+            access = "acquire" if atomic else "load"
+            return f"ov_{access}_{ACCESS[kind]}({self.value(*typed(place))})"
         if opcode in ("icmp", "fcmp"):
             first, second = split(rest)
             condition, operand = first.split(" ", 1)
@@ -329,7 +329,8 @@ class Function:
             kind, text = typed(value)
             place = place.split(" release")[0]
             to, x = self.value(*typed(place)), self.value(kind, text)
-            return f"{'OV_RELEASE(); ' if atomic else ''}ov_store_{ACCESS[kind]}({to}, {x});"
+            access = "release" if atomic else "store"
+            return f"ov_{access}_{ACCESS[kind]}({to}, {x});"
         if opcode == "br":
             targets = [bare(name) for name in re.findall(f"label ({NAME})", line)]
             if len(targets) == 1:

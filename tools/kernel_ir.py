@@ -31,18 +31,25 @@ def unoptimised() -> Iterator[Path]:
         yield Path(folder)
 
 
-def written_out(functions: Mapping[str, tuple[Any, Any]]) -> dict[str, str]:
-    """Return the IR of each function (Python function and signature) by its new name."""
+def c_functions(functions: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
+    """Return each function (Python function and signature) as numba's C function."""
     import numba
 
     from overview_dsp.kernels.compiling import OPTIONS
 
     options = {key: value for key, value in OPTIONS.items() if key != "nogil"}
-    texts = {}
-    for name, (function, signature) in functions.items():
-        compiled = numba.cfunc(signature, **options)(function)
-        texts[name] = compiled.inspect_llvm().replace(f"@{compiled.native_name}(", f"@{name}(")
-    return texts
+    return {
+        name: numba.cfunc(signature, **options)(function)
+        for name, (function, signature) in functions.items()
+    }
+
+
+def written_out(functions: Mapping[str, Any]) -> dict[str, str]:
+    """Return the IR of each C function by its new name."""
+    return {
+        name: made.inspect_llvm().replace(f"@{made.native_name}(", f"@{name}(")
+        for name, made in functions.items()
+    }
 
 
 def module_for(

@@ -1,8 +1,8 @@
 """Precompiled machine code of the kernels, shipped with the package.
 
 Loading takes milliseconds, compiling 10 to 40 s. The machine code is used on supported processors
-if it belongs to the present sources (`objects/objects.json` has their digest). Otherwise, and if
-`OVERVIEW_JIT` is set, numba compiles the kernels, with the same bits.
+if it belongs to the present sources and is complete (`objects/objects.json` has digests of both).
+Otherwise, and if `OVERVIEW_JIT` is set, numba compiles the kernels, with the same bits.
 
 Thread: any for loading; the loaded functions have the threads of their kernels.
 """
@@ -10,11 +10,13 @@ Thread: any for loading; the loaded functions have the threads of their kernels.
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import json
 import os
 import platform
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import resources
@@ -24,6 +26,7 @@ from typing import Any
 import cffi
 import llvmlite.binding as llvm
 
+from overview_dsp.errors import OverviewWarning
 from overview_dsp.kernels.sources import runs_as_python, sources_digest
 
 FORCED = "OVERVIEW_JIT"
@@ -123,16 +126,47 @@ CHOICES: Mapping[tuple[str, str], tuple[tuple[str, frozenset[str], frozenset[str
 """By system and processor: objects from best to worst, required features, and kernels."""
 
 
+@cache
 def manifest() -> dict[str, Any]:
-    """Return the origin of the objects: `kernels` (digest of the sources) and `toolchain`."""
-    text = (_folder() / "objects.json").read_text(encoding="utf-8")
-    origin: dict[str, Any] = json.loads(text)
+    """Return the origin of the objects: `kernels` (digest of the sources), `toolchain`, `objects`.
+
+    It is empty, with a warning, if the file is damaged.
+    """
+    try:
+        origin: dict[str, Any] = json.loads((_folder() / "objects.json").read_bytes())
+        if not isinstance(origin["objects"], dict):
+            raise TypeError
+    except (OSError, ValueError, KeyError, TypeError):
+        _note_damaged("objects.json")
+        return {}
     return origin
 
 
 def is_outdated() -> bool:
     """Return whether the sources have changed since the objects were compiled."""
-    return bool(manifest()["kernels"] != sources_digest())
+    return bool(manifest().get("kernels") != sources_digest())
+
+
+@cache
+def _content(name: str) -> bytes | None:
+    """Return an object's bytes, or None with a warning if they are not those that were compiled."""
+    try:
+        content: bytes = (_folder() / f"{name}.o").read_bytes()
+    except OSError:
+        content = b""
+    if hashlib.sha256(content).hexdigest() == manifest()["objects"].get(name):
+        return content
+    _note_damaged(f"{name}.o")
+    return None
+
+
+def _note_damaged(name: str) -> None:
+    warnings.warn(
+        f"{_folder() / name}: damaged, so its machine code is not used and kernels may have to be "
+        "compiled; reinstall overview-dsp",
+        OverviewWarning,
+        stacklevel=2,
+    )
 
 
 @cache
@@ -143,7 +177,8 @@ def usable(kernel: str = "process") -> str | None:
     choices = CHOICES.get((sys.platform, platform.machine()), ())
     features = llvm.get_host_cpu_features() if choices else {}
     for name, needed, kernels in choices:
-        if kernel in kernels and all(features.get(feature) for feature in needed):
+        fits = kernel in kernels and all(features.get(feature) for feature in needed)
+        if fits and _content(name) is not None:
             return name
     return None
 
@@ -182,8 +217,7 @@ def _loaded(name: str) -> Any:
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine()
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    content = (_folder() / f"{name}.o").read_bytes()
-    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
+    engine.add_object_file(llvm.ObjectFileRef.from_data(_content(name)))
     engine.finalize_object()
     return engine
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import overview_dsp as ov
 from overview_dsp.kernels import precompiled
 from overview_dsp.kernels.c_abi.entry_points import NAMES
 from overview_dsp.kernels.sources import sources_digest
@@ -138,6 +139,72 @@ def test_a_processor_gets_what_it_can_run(monkeypatch, features, expected, lanes
     assert precompiled.usable.__wrapped__("process_lanes") == lanes
     monkeypatch.setattr("platform.machine", lambda: "riscv64")
     assert precompiled.usable.__wrapped__() is None
+
+
+@pytest.fixture
+def damageable(monkeypatch, tmp_path):
+    """A copy of the machine code that is read in place of the package's, which is restored."""
+    if precompiled.usable() is None:
+        pytest.skip("no machine code is precompiled for this processor")
+    for path in OBJECTS.iterdir():
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    cached = (precompiled.usable, precompiled.manifest, precompiled._content)
+    monkeypatch.setattr(precompiled, "_folder", lambda: tmp_path)
+
+    def changed(name, content):
+        (tmp_path / name).write_bytes(content)
+        for function in cached:
+            function.cache_clear()
+
+    yield changed
+    monkeypatch.undo()
+    for function in cached:
+        function.cache_clear()
+
+
+def damages():
+    """40 objects: cut, with random bytes, one byte changed."""
+    rng = np.random.default_rng(5)
+    whole = (OBJECTS / f"{precompiled.usable()}.o").read_bytes()
+    for _ in range(13):
+        yield whole[: rng.integers(0, len(whole))]
+        at = int(rng.integers(0, len(whole) - 64))
+        yield whole[:at] + rng.bytes(64) + whole[at + 64 :]
+        at = int(rng.integers(64, len(whole)))  # of a constant or an instruction
+        yield whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :]
+    yield b""
+
+
+def test_each_damaged_object_is_named_and_another_gives_the_sound(damageable, football, match):
+    best = precompiled.usable()
+    expected = ov.render(match, football, "tap:0.6:0.1", sample_rate=8000, tail=0.0).samples
+    engine = ov.Engine(football, match)
+    engine.prepare(8000, len(expected))
+    gesture = ov.tap(0.6, 0.1)
+    m = engine.memory
+    for content in damages():
+        damageable(f"{best}.o", content)
+        with pytest.warns(ov.OverviewWarning, match=rf"{best}\.o: damaged, .*reinstall") as noted:
+            assert precompiled.usable() != best
+        assert len(noted) == 1
+        assert "\n" not in str(noted[0].message)
+        process = precompiled.precompiled_function("process")
+        if process is None:  # no other object fits this processor: numba compiles
+            continue
+        engine.reset()
+        engine.control_all(gesture.theta2, gesture.touching, gesture.stamps(8000), gesture.source)
+        out = np.zeros((len(expected), 2), np.float32)
+        process(m, m.view(np.int64), m.view(np.uint64), out.ravel(), len(out), 2, m, False)
+        assert np.array_equal(out, expected)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"kernels": "0"}', b"\xff\x00"])
+def test_without_the_list_of_objects_none_is_used(damageable, content):
+    damageable("objects.json", content)
+    with pytest.warns(ov.OverviewWarning, match=r"objects\.json: damaged") as noted:
+        assert precompiled.usable() is None
+    assert len(noted) == 1
+    assert precompiled.precompiled_function("process") is None
 
 
 def test_arrays_that_are_not_in_one_piece_are_refused():

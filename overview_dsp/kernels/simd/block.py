@@ -211,35 +211,15 @@ def trace_envelope(batch_f64, lane, frames, trace, at):
 
 
 @inlined
-def synthesize_all(batch_f64, batch_i64, count, out, block, start, frames, trace, traced):
-    """`speak` for lanes: a chunk of `frames` from frame `start` of a block of `block`."""
-    for lane in range(count):
-        if batch_i64[own.MEMBER + lane] == 1:
-            bend_lane(batch_f64, batch_i64, lane, frames)
-            if traced:
-                at = (lane * block + start) * layout.TRACE
-                trace_envelope(batch_f64, lane, frames, trace, at)
-    write_all(batch_f64, out, start * layout.SIGNALS, block * layout.SIGNALS, frames)
-
-
-@inlined
-def run_all(
-    batch_f64, batch_i64, batch_u64, count, out, block, start, frames, waiting, trace, traced
-):
+def run_all(batch_f64, batch_i64, batch_u64, count, out, block, start, frames, trace, traced):
     """Process up to `frames` frames of a block without control events, from frame `start` on.
 
-    As in `run`, their sound is pending afterwards, and that of `waiting` frames before is computed.
-    Returns the number of frames; it stops where a disk arrives after a release.
+    Returns the number of frames; it stops where a disk arrives after a release. Each stage has a
+    loop of its own: in one loop they would have too few registers.
     """
     for lane in range(count):
         batch_f64[own.BEFORE + lane] = batch_f64[X + lane]
-    frames = advance_disk_all(batch_f64, batch_i64, batch_u64, frames, waiting, traced)
-    if waiting > frames:
-        sound_all(batch_f64, batch_u64, frames, waiting)
-    if waiting > 0:
-        synthesize_all(
-            batch_f64, batch_i64, count, out, block, start - waiting, waiting, trace, traced
-        )
+    frames = advance_disk_all(batch_f64, batch_i64, frames, traced)
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             strike_lane(batch_f64, batch_i64, lane, frames)
@@ -248,6 +228,14 @@ def run_all(
                 trace_lane(batch_f64, batch_i64, lane, frames, trace, at)
             batch_i64[start_of(lane) + layout.CLOCK] += frames
     shape_all(batch_f64, frames)
+    sound_all(batch_f64, batch_u64, frames)
+    for lane in range(count):
+        if batch_i64[own.MEMBER + lane] == 1:
+            bend_lane(batch_f64, batch_i64, lane, frames)
+            if traced:
+                at = (lane * block + start) * layout.TRACE
+                trace_envelope(batch_f64, lane, frames, trace, at)
+    write_all(batch_f64, out, start * layout.SIGNALS, block * layout.SIGNALS, frames)
     return frames
 
 
@@ -348,17 +336,11 @@ def process_lanes(batch_f64, batch_i64, batch_u64, count, out, frames, trace, tr
     if members < FEWEST:
         return
     n = 0
-    waiting = 0
     while n < frames:
         stop = next_stop(batch_f64, batch_i64, count, n, min(frames, n + layout.CHUNK))
-        waiting = run_all(
-            batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, waiting, trace, traced
+        n += run_all(
+            batch_f64, batch_i64, batch_u64, count, out, frames, n, stop - n, trace, traced
         )
-        n += waiting
-    if waiting > 0:
-        sound_all(batch_f64, batch_u64, 0, waiting)
-        start = frames - waiting
-        synthesize_all(batch_f64, batch_i64, count, out, frames, start, waiting, trace, traced)
     for lane in range(count):
         if batch_i64[own.MEMBER + lane] == 1:
             leave(batch_f64, batch_i64, batch_u64, lane, out, frames)

@@ -182,21 +182,20 @@ def sound_once_all(batch_f64, at, state):
 
 
 @outlined
-def sound_all(batch_f64, batch_u64, start, stop):
+def sound_all(batch_f64, batch_u64, frames):
     """`sound` for lanes."""
     state = sound_state_all(batch_f64, batch_u64)
-    for at in range(start * SIMD_WIDTH, stop * SIMD_WIDTH, SIMD_WIDTH):
+    for at in range(0, frames * SIMD_WIDTH, SIMD_WIDTH):
         state = sound_once_all(batch_f64, at, state)
     keep_sound_state_all(batch_f64, state)
 
 
 @outlined
-def advance_disk_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
+def advance_disk_all(batch_f64, batch_i64, frames, traced):
     """`advance_disk` for lanes, up to the first sample in which a disk arrives after a release.
 
     Events that are passed on the way stop no lane. Returns the sample after it, or the chunk's end.
     """
-    sound_before = sound_state_all(batch_f64, batch_u64)
     x = load(batch_f64, X)
     half = 0.5 * load(batch_f64, V)
     y1 = load(batch_f64, SMOOTH_1)
@@ -219,8 +218,6 @@ def advance_disk_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     arrived = False
     while n < frames and not arrived:
         at = n * SIMD_WIDTH
-        if n < sounding:
-            sound_before = sound_once_all(batch_f64, at, sound_before)
         was = y2
         y1, y2 = smooth(load(batch_f64, own.INPUT), y1, y2, load(batch_f64, C_SMOOTH))
         friction = frictions_at(batch_f64, batch_i64, own.TABLE, x + half)
@@ -316,7 +313,6 @@ def advance_disk_all(batch_f64, batch_i64, batch_u64, frames, sounding, traced):
     store(batch_f64, LAST_FRICTION, friction)
     store(batch_f64, own.HIGHEST, highest)
     store(batch_f64, own.LOWEST, lowest)
-    keep_sound_state_all(batch_f64, sound_before)
     return n
 
 

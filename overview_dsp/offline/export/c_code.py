@@ -31,7 +31,9 @@ IMAGE = "timeline.image"
 _FILES = ("kernel.c", "operations.h", "overview.h", "example.c", "Makefile", "CMakeLists.txt")
 _IMAGE_RATE = 48_000.0  # arbitrary: `overview_prepare` sets the rate of a voice
 
-_FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off")
+_FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden")
+# after those in CC, which may let the compiler change the arithmetic
+_EXACT = ("-fno-fast-math", "-ffp-contract=off")
 _ZIG = {
     # an old glibc, for compatibility with newer ones
     "x86_64-linux": "x86_64-linux-gnu.2.17",
@@ -162,7 +164,7 @@ def compile_library(
 ) -> None:
     """Compile a shared library; raise OverviewError with the compiler's first error."""
     code = [] if machine.system == "windows" else ["-fPIC"]
-    command = [*compiler, *_FLAGS, *code, *sources, "-o", name, "-lm"]
+    command = [*compiler, *_FLAGS, *_EXACT, *code, *sources, "-o", name, "-lm"]
     try:
         done = subprocess.run(
             command, cwd=folder, capture_output=True, text=True, errors="replace", check=False

@@ -26,12 +26,14 @@ int main(int count, char **given) {
     float *out;
     FILE *file;
     int64_t block, frames, done, n, next = 0, pushed;
+    int32_t refused;
     if (count < 7) return 3;
     image = content(given[1], &image_bytes);
     events = (event *)content(given[5], &event_bytes);
     block = atol(given[3]), frames = atol(given[4]);
     out = (float *)calloc((size_t)(2 * block), sizeof *out);
-    if (overview_load(voice, image, image_bytes)) return 4;
+    refused = overview_load(voice, image, image_bytes);
+    if (refused) return fprintf(stderr, "%s\n", overview_message(refused)), 4;
     if (overview_prepare(voice, atof(given[2]))) return 5;
     file = fopen(given[6], "wb");
     for (done = 0; done < frames; done += n) {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import platform
 import shutil
 import subprocess
 import sys
@@ -46,6 +47,27 @@ FOREIGN = {
     "arm": ("qemu-arm", "arm-linux-musleabihf"),
     "riscv64": ("qemu-riscv64", "riscv64-linux-musl"),
 }
+
+REFUSED_FLAGS = (
+    "-Ofast", "-ffast-math", "-funsafe-math-optimizations",
+    "-fassociative-math -fno-signed-zeros -fno-trapping-math", "-freciprocal-math",
+    "-fno-signed-zeros", "-ffinite-math-only", "-fsingle-precision-constant",
+    "-mfpmath=387", "-mfpmath=sse,387",
+)  # fmt: skip
+# no macro tells of these: the self-test must, unless the bits are right
+UNSEEN_FLAGS = {
+    "gcc": (
+        "gcc", "-O2", "-funsafe-math-optimizations", "-U__ASSOCIATIVE_MATH__",
+        "-U__RECIPROCAL_MATH__", "-U__NO_SIGNED_ZEROS__", "-Wno-builtin-macro-redefined",
+    ),
+    "gcc-contract": ("gcc", "-O3", "-march=x86-64-v3", "-ffp-contract=fast"),
+    "clang-unsafe": (*ZIG, "cc", "-O2", "-funsafe-math-optimizations"),
+    "clang-reciprocal": (*ZIG, "cc", "-O2", "-freciprocal-math"),
+    "clang-zeros": (*ZIG, "cc", "-O2", "-fno-signed-zeros"),
+    "clang-contract": (*ZIG, "cc", "-O3", "-march=x86_64_v3", "-ffp-contract=fast"),
+    "clang-model": (*ZIG, "cc", "-O2", "-ffp-model=fast"),
+}  # fmt: skip
+RIGHT = {"gcc-contract", "clang-zeros"}
 
 
 def available(command):
@@ -167,6 +189,67 @@ def test_every_processor_gives_the_same_bits(folders, native, tmp_path, name):
         assert np.array_equal(
             in_c(program, folders[kind], RATE, 256, len(native(kind))), native(kind)
         ), kind
+
+
+@pytest.mark.parametrize("flags", REFUSED_FLAGS)
+def test_options_that_change_the_arithmetic_do_not_compile(folders, tmp_path, flags):
+    if not shutil.which("gcc"):
+        pytest.skip("needs gcc")
+    if "mfpmath" in flags and platform.machine() != "x86_64":
+        pytest.skip("needs an x86-64 processor")
+    command = ["gcc", "-O1", *flags.split(), "-c", str(folders["viscous"] / "kernel.c")]
+    done = subprocess.run(
+        [*command, "-o", str(tmp_path / "kernel.o")], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "overview" in next(line for line in done.stderr.splitlines() if "error" in line).lower()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name == "gcc" else pytest.mark.soak) for name in UNSEEN_FLAGS],
+)
+def test_a_miscompiled_voice_reports_it_or_has_the_right_bits(folders, native, tmp_path, name):
+    program = built(folders["viscous"], UNSEEN_FLAGS[name], tmp_path / "run")
+    for kind in PRESETS:
+        if name in RIGHT:
+            expected = native(kind)
+            assert np.array_equal(
+                in_c((str(program),), folders[kind], RATE, 256, len(expected)), expected
+            ), kind
+        else:
+            image = folders[kind] / "timeline.image"
+            command = [program, image, RATE, 256, 256, image, tmp_path / "out"]
+            done = subprocess.run(
+                list(map(str, command)), capture_output=True, text=True, check=False, timeout=600
+            )
+            assert done.returncode == 4
+            assert "compile it without -ffast-math" in done.stderr
+            assert not (tmp_path / "out").exists()
+
+
+def test_no_thread_races_with_another(folders, tmp_path):
+    """One thread processes, one controls, one changes parameters, as `overview.h` allows."""
+    program = tmp_path / "races"
+    command = ["gcc", "-O1", "-fsanitize=thread", f"-I{folders['viscous']}"]
+    sources = [RUNNER.with_name("races.c"), folders["viscous"] / "kernel.c"]
+    empty = tmp_path / "empty.c"
+    empty.write_text("int main(void) { return 0; }\n", encoding="utf-8")
+    # with random addresses ThreadSanitizer does not start on every Linux
+    fixed = [*(("setarch", "-R") if shutil.which("setarch") else ()), str(program)]
+    try:
+        subprocess.run([*command, str(empty), "-o", str(program)], check=True, capture_output=True)
+        subprocess.run(fixed, check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip("needs gcc with ThreadSanitizer: apt-get install gcc libtsan2")
+    subprocess.run(
+        [*command, *map(str, sources), "-o", str(program), "-lm", "-lpthread"], check=True
+    )
+    image = str(folders["viscous"] / "timeline.image")
+    done = subprocess.run([*fixed, image], capture_output=True, text=True, check=False, timeout=600)
+    assert "ThreadSanitizer" not in done.stderr
+    assert done.returncode == 0
+    assert "strikes" in done.stdout
 
 
 def test_the_example_is_a_sweep_as_the_engine_plays_it(match, football, tmp_path):

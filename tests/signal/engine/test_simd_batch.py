@@ -192,3 +192,9 @@ def test_a_memory_of_another_kind_is_refused(memory):
         engine.prepare(RATE, BLOCK, memory=memory)
     with pytest.raises(ov.NotPreparedError):
         engine.process(np.zeros((10, 2), np.float32))
+
+
+def test_a_vector_of_the_lanes_lies_in_one_cache_line():
+    batches = [EngineBatch(64) for _ in range(3)]
+    # the first voice's block follows whole rows of lanes
+    assert all(batch.memory(0).ctypes.data % (8 * SIMD_WIDTH) == 0 for batch in batches)

@@ -42,11 +42,13 @@ int main(int count, char **arguments) {
     FILE *out;
     float block[2 * BLOCK];
     uint32_t done, n;
+    int32_t result;
     int event, events = SWEEP_SECONDS * EVENTS_A_SECOND;
     if (count < 3) return fputs("example IMAGE OUT.wav [SAMPLE_RATE]\n", stderr), 2;
     if (!image || !voice) return perror(image ? "memory" : arguments[1]), 1;
-    if (overview_load(voice, image, bytes) || overview_prepare(voice, rate))
-        return fputs("not an image of this kernel, or no such sample rate\n", stderr), 2;
+    result = overview_load(voice, image, bytes);
+    if (!result) result = overview_prepare(voice, rate);
+    if (result) return fprintf(stderr, "%s\n", overview_message(result)), 2;
     for (event = 0; event <= events; event++) /* a program would push each as it comes */
         overview_control(voice, OVERVIEW_TOUCH, (int64_t)event * rate / EVENTS_A_SECOND,
                          pi * event / events, event < events);

@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels dc59d495902316c3
+   kernels 6b7e1222d316fec6
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
@@ -772,7 +772,7 @@ L2:;
     memset(v10, 0u, (size_t)UINT64_C(39576));
     v11 = v1 + (intptr_t)2120;
     v12 = v1 + (intptr_t)2160;
-    OV_RELEASE(); ov_store_l(v12, UINT64_C(18446744073709551615));
+    ov_release_l(v12, UINT64_C(18446744073709551615));
     v13 = v1 + (intptr_t)41856;
     ov_store_l(v13, UINT64_C(0));
     v14 = v1 + (intptr_t)1180552;
@@ -795,7 +795,7 @@ L2:;
     v23 = v1 + (intptr_t)2256;
     ov_store_l(v23, v22);
     v24 = v1 + (intptr_t)1180616;
-    OV_RELEASE(); ov_store_l(v24, UINT64_C(0));
+    ov_release_l(v24, UINT64_C(0));
     { v28 = UINT64_C(0); goto L5; }
 L3:;
     v25 = v30 + (intptr_t)288;
@@ -815,33 +815,33 @@ L5:;
     if (v33) goto L3; else goto L4;
 L6:;
     v34 = v1 + (intptr_t)41840;
-    v35 = ov_load_l(v34); OV_ACQUIRE();
+    v35 = ov_acquire_l(v34);
     v36 = v1 + (intptr_t)41848;
-    OV_RELEASE(); ov_store_l(v36, v35);
+    ov_release_l(v36, v35);
     v37 = v1 + (intptr_t)41744;
-    v38 = ov_load_l(v37); OV_ACQUIRE();
+    v38 = ov_acquire_l(v37);
     v39 = v1 + (intptr_t)41792;
-    OV_RELEASE(); ov_store_l(v39, v38);
+    ov_release_l(v39, v38);
     v40 = v1 + (intptr_t)41752;
-    v41 = ov_load_l(v40); OV_ACQUIRE();
+    v41 = ov_acquire_l(v40);
     v42 = v1 + (intptr_t)41800;
-    OV_RELEASE(); ov_store_l(v42, v41);
+    ov_release_l(v42, v41);
     v43 = v1 + (intptr_t)41760;
-    v44 = ov_load_l(v43); OV_ACQUIRE();
+    v44 = ov_acquire_l(v43);
     v45 = v1 + (intptr_t)41808;
-    OV_RELEASE(); ov_store_l(v45, v44);
+    ov_release_l(v45, v44);
     v46 = v1 + (intptr_t)41768;
-    v47 = ov_load_l(v46); OV_ACQUIRE();
+    v47 = ov_acquire_l(v46);
     v48 = v1 + (intptr_t)41816;
-    OV_RELEASE(); ov_store_l(v48, v47);
+    ov_release_l(v48, v47);
     v49 = v1 + (intptr_t)41776;
-    v50 = ov_load_l(v49); OV_ACQUIRE();
+    v50 = ov_acquire_l(v49);
     v51 = v1 + (intptr_t)41824;
-    OV_RELEASE(); ov_store_l(v51, v50);
+    ov_release_l(v51, v50);
     v52 = v1 + (intptr_t)41784;
-    v53 = ov_load_l(v52); OV_ACQUIRE();
+    v53 = ov_acquire_l(v52);
     v54 = v1 + (intptr_t)41832;
-    OV_RELEASE(); ov_store_l(v54, v53);
+    ov_release_l(v54, v53);
     { v6 = 0u; goto L1; }
 L7:;
     v55 = v2 <= (0x1.7700000000000p+19);
@@ -3306,7 +3306,7 @@ L0:;
     memset(v3, 0u, (size_t)UINT64_C(39576));
     v4 = v1 + (intptr_t)2120;
     v5 = v1 + (intptr_t)2160;
-    OV_RELEASE(); ov_store_l(v5, UINT64_C(18446744073709551615));
+    ov_release_l(v5, UINT64_C(18446744073709551615));
     v6 = v1 + (intptr_t)41856;
     ov_store_l(v6, UINT64_C(0));
     v7 = v1 + (intptr_t)1180552;
@@ -3329,7 +3329,7 @@ L0:;
     v16 = v1 + (intptr_t)2256;
     ov_store_l(v16, v15);
     v17 = v1 + (intptr_t)1180616;
-    OV_RELEASE(); ov_store_l(v17, UINT64_C(0));
+    ov_release_l(v17, UINT64_C(0));
     { v21 = UINT64_C(0); goto L3; }
 L1:;
     v18 = v23 + (intptr_t)288;
@@ -3349,33 +3349,33 @@ L3:;
     if (v26) goto L1; else goto L2;
 L4:;
     v27 = v1 + (intptr_t)41840;
-    v28 = ov_load_l(v27); OV_ACQUIRE();
+    v28 = ov_acquire_l(v27);
     v29 = v1 + (intptr_t)41848;
-    OV_RELEASE(); ov_store_l(v29, v28);
+    ov_release_l(v29, v28);
     v30 = v1 + (intptr_t)41744;
-    v31 = ov_load_l(v30); OV_ACQUIRE();
+    v31 = ov_acquire_l(v30);
     v32 = v1 + (intptr_t)41792;
-    OV_RELEASE(); ov_store_l(v32, v31);
+    ov_release_l(v32, v31);
     v33 = v1 + (intptr_t)41752;
-    v34 = ov_load_l(v33); OV_ACQUIRE();
+    v34 = ov_acquire_l(v33);
     v35 = v1 + (intptr_t)41800;
-    OV_RELEASE(); ov_store_l(v35, v34);
+    ov_release_l(v35, v34);
     v36 = v1 + (intptr_t)41760;
-    v37 = ov_load_l(v36); OV_ACQUIRE();
+    v37 = ov_acquire_l(v36);
     v38 = v1 + (intptr_t)41808;
-    OV_RELEASE(); ov_store_l(v38, v37);
+    ov_release_l(v38, v37);
     v39 = v1 + (intptr_t)41768;
-    v40 = ov_load_l(v39); OV_ACQUIRE();
+    v40 = ov_acquire_l(v39);
     v41 = v1 + (intptr_t)41816;
-    OV_RELEASE(); ov_store_l(v41, v40);
+    ov_release_l(v41, v40);
     v42 = v1 + (intptr_t)41776;
-    v43 = ov_load_l(v42); OV_ACQUIRE();
+    v43 = ov_acquire_l(v42);
     v44 = v1 + (intptr_t)41824;
-    OV_RELEASE(); ov_store_l(v44, v43);
+    ov_release_l(v44, v43);
     v45 = v1 + (intptr_t)41784;
-    v46 = ov_load_l(v45); OV_ACQUIRE();
+    v46 = ov_acquire_l(v45);
     v47 = v1 + (intptr_t)41832;
-    OV_RELEASE(); ov_store_l(v47, v46);
+    ov_release_l(v47, v46);
     ov_store_i(v0, 0u);
     return;
 }
@@ -3408,7 +3408,7 @@ L2:;
     v10 = v9 + (intptr_t)41744;
     v11 = ov_load_l(v10);
     v12 = v9 + (intptr_t)41792;
-    v13 = ov_load_l(v12); OV_ACQUIRE();
+    v13 = ov_acquire_l(v12);
     v14 = v11 - v13;
     v15 = (int64_t)v14 > (int64_t)UINT64_C(4095);
     if (v15) goto L4; else goto L3;
@@ -3426,7 +3426,7 @@ L3:;
     v24 = v20 + (intptr_t)435080;
     ov_store_l(v24, v23);
     v25 = v11 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v10, v25);
+    ov_release_l(v10, v25);
     goto L4;
 L4:;
     v26 = (uint32_t)-(int64_t)v15;
@@ -5230,7 +5230,7 @@ L13:;
     v1584 = v1570 + UINT64_C(1);
     { v1585 = v1584; goto L14; }
 L14:;
-    OV_RELEASE(); ov_store_l(v1674, v1585);
+    ov_release_l(v1674, v1585);
     goto L17;
 L15:;
     v1587 = v1 + (intptr_t)1992;
@@ -5330,7 +5330,7 @@ L15:;
     v1674 = v1 + (intptr_t)41840;
     v1675 = ov_load_l(v1674);
     v1676 = v1 + (intptr_t)41848;
-    v1677 = ov_load_l(v1676); OV_ACQUIRE();
+    v1677 = ov_acquire_l(v1676);
     v1678 = v1675 - v1677;
     v1679 = (int64_t)v1678 > (int64_t)UINT64_C(987);
     if (v1679) goto L17; else { uint64_t t0 = v1675; uint64_t t1 = UINT64_C(0); v1680 = t0; v1681 = t1; goto L16; }
@@ -6068,7 +6068,7 @@ L6:;
     goto L7;
 L7:;
     v187 = ov_load_l(v28);
-    v188 = ov_load_l(v29); OV_ACQUIRE();
+    v188 = ov_acquire_l(v29);
     v189 = (int64_t)v187 < (int64_t)v188;
     if (v189) goto L8; else goto L21;
 L8:;
@@ -6104,9 +6104,9 @@ L11:;
     switch (v197) { case UINT64_C(18446744073709551615): goto L12; case UINT64_C(18446744073709551614): goto L14; default: { v259 = v190; goto L20; } }
 L12:;
     v210 = ov_load_l(v30);
-    OV_RELEASE(); ov_store_l(v31, v210);
+    ov_release_l(v31, v210);
     v211 = (uint64_t)(int64_t)v200;
-    OV_RELEASE(); ov_store_l(v30, v211);
+    ov_release_l(v30, v211);
     v212 = ov_load_l(v32);
     ov_store_l(v33, v212);
     v213 = v211 * UINT64_C(699072);
@@ -6170,8 +6170,8 @@ L19:;
 L20:;
     ov_store_l(v193, v178);
     v260 = v259 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v28, v260);
-    v261 = ov_load_l(v29); OV_ACQUIRE();
+    ov_release_l(v28, v260);
+    v261 = ov_acquire_l(v29);
     v262 = (int64_t)v260 < (int64_t)v261;
     if (v262) goto L8; else goto L21;
 L21:;
@@ -6182,7 +6182,7 @@ L22:;
     v266 = v265 + (intptr_t)41792;
     v267 = ov_load_l(v266);
     v268 = v265 + (intptr_t)41744;
-    v269 = ov_load_l(v268); OV_ACQUIRE();
+    v269 = ov_acquire_l(v268);
     v270 = (int64_t)v267 < (int64_t)v269;
     if (v270) goto L23; else goto L82;
 L23:;
@@ -6266,7 +6266,7 @@ L36:;
     ov_store_l(v314, v292);
     v315 = ov_load_l(v41);
     v316 = v315 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v41, v316);
+    ov_release_l(v41, v316);
     v317 = ov_load_l(v274);
     ov_store_l(v274, v292);
     v318 = v292 == UINT64_C(1);
@@ -6660,8 +6660,8 @@ L83:;
 L84:;
     v605 = ov_load_l(v266);
     v606 = v605 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v266, v606);
-    v607 = ov_load_l(v268); OV_ACQUIRE();
+    ov_release_l(v266, v606);
+    v607 = ov_acquire_l(v268);
     v608 = (int64_t)v606 < (int64_t)v607;
     if (v608) goto L24; else goto L82;
 L85:;
@@ -7142,7 +7142,7 @@ L138:;
     { v999 = v998; goto L139; }
 L139:;
     v1000 = ov_load_l(v28);
-    v1001 = ov_load_l(v29); OV_ACQUIRE();
+    v1001 = ov_acquire_l(v29);
     v1002 = (int64_t)v1000 < (int64_t)v1001;
     if (v1002) goto L140; else { v1009 = v999; goto L141; }
 L140:;
@@ -7155,7 +7155,7 @@ L140:;
     { v1009 = v1008; goto L141; }
 L141:;
     v1010 = ov_load_l(v164);
-    v1011 = ov_load_l(v165); OV_ACQUIRE();
+    v1011 = ov_acquire_l(v165);
     v1012 = (int64_t)v1010 < (int64_t)v1011;
     if (v1012) goto L142; else { v1019 = v1009; goto L143; }
 L142:;
@@ -7168,7 +7168,7 @@ L142:;
     { v1019 = v1018; goto L143; }
 L143:;
     v1020 = ov_load_l(v166);
-    v1021 = ov_load_l(v167); OV_ACQUIRE();
+    v1021 = ov_acquire_l(v167);
     v1022 = (int64_t)v1020 < (int64_t)v1021;
     if (v1022) goto L144; else { v1029 = v1019; goto L145; }
 L144:;
@@ -7181,7 +7181,7 @@ L144:;
     { v1029 = v1028; goto L145; }
 L145:;
     v1030 = ov_load_l(v168);
-    v1031 = ov_load_l(v169); OV_ACQUIRE();
+    v1031 = ov_acquire_l(v169);
     v1032 = (int64_t)v1030 < (int64_t)v1031;
     if (v1032) goto L146; else { v1039 = v1029; goto L147; }
 L146:;
@@ -7194,7 +7194,7 @@ L146:;
     { v1039 = v1038; goto L147; }
 L147:;
     v1040 = ov_load_l(v170);
-    v1041 = ov_load_l(v171); OV_ACQUIRE();
+    v1041 = ov_acquire_l(v171);
     v1042 = (int64_t)v1040 < (int64_t)v1041;
     if (v1042) goto L148; else { v1049 = v1039; goto L149; }
 L148:;
@@ -7207,7 +7207,7 @@ L148:;
     { v1049 = v1048; goto L149; }
 L149:;
     v1050 = ov_load_l(v172);
-    v1051 = ov_load_l(v173); OV_ACQUIRE();
+    v1051 = ov_acquire_l(v173);
     v1052 = (int64_t)v1050 < (int64_t)v1051;
     if (v1052) goto L150; else { v1059 = v1049; goto L151; }
 L150:;
@@ -7220,7 +7220,7 @@ L150:;
     { v1059 = v1058; goto L151; }
 L151:;
     v1060 = ov_load_l(v174);
-    v1061 = ov_load_l(v175); OV_ACQUIRE();
+    v1061 = ov_acquire_l(v175);
     v1062 = (int64_t)v1060 < (int64_t)v1061;
     if (v1062) goto L152; else { v1069 = v1059; goto L153; }
 L152:;
@@ -9742,7 +9742,7 @@ L447:;
     ov_store_d(v3119, v3109);
     v3120 = ov_load_l(v104);
     v3121 = v3120 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v104, v3121);
+    ov_release_l(v104, v3121);
     { double t0 = v2959; double t1 = v2955; double t2 = v2942; double t3 = v3027; v3126 = t0; v3127 = t1; v3128 = t2; v3129 = t3; goto L449; }
 L448:;
     v3122 = v1841 * v2205;
@@ -10984,7 +10984,7 @@ L591:;
     ov_store_d(v4163, v4155);
     v4164 = ov_load_l(v104);
     v4165 = v4164 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v104, v4165);
+    ov_release_l(v104, v4165);
     v4166 = ov_load_l(v36);
     v4167 = (int64_t)v4166 > (int64_t)UINT64_C(0);
     if (v4167) goto L600; else { v4294 = (-0x1.7e43c8800759cp+996); goto L601; }
@@ -11107,7 +11107,7 @@ L597:;
     ov_store_d(v4271, v4262);
     v4272 = ov_load_l(v104);
     v4273 = v4272 + UINT64_C(1);
-    OV_RELEASE(); ov_store_l(v104, v4273);
+    ov_release_l(v104, v4273);
     v4274 = ov_load_l(v35);
     v4275 = v4274 + UINT64_C(1);
     ov_store_l(v35, v4275);
@@ -11349,7 +11349,7 @@ L627:;
     v4463 = v4462 == UINT64_C(0);
     if (v4463) goto L628; else goto L629;
 L628:;
-    OV_RELEASE(); ov_store_l(v31, UINT64_C(18446744073709551615));
+    ov_release_l(v31, UINT64_C(18446744073709551615));
     goto L629;
 L629:;
     if (v67) goto L654; else goto L630;
@@ -12847,7 +12847,7 @@ L770:;
     memset(v5722, 0u, (size_t)UINT64_C(39576));
     v5723 = v2 + (intptr_t)2120;
     v5724 = v2 + (intptr_t)2160;
-    OV_RELEASE(); ov_store_l(v5724, UINT64_C(18446744073709551615));
+    ov_release_l(v5724, UINT64_C(18446744073709551615));
     v5725 = v2 + (intptr_t)41856;
     ov_store_l(v5725, UINT64_C(0));
     v5726 = v2 + (intptr_t)1180552;
@@ -12928,7 +12928,186 @@ const overview_parameter overview_parameters[OVERVIEW_PARAMETERS] = {
     {"output.ceiling_db", "dBFS", -40.0, -1.0},
 };
 
+const char *overview_message(int32_t result) {
+    return result == OVERVIEW_DONE ? "done"
+        : result == OVERVIEW_MISCOMPILED
+            ? "kernel.c was compiled or linked with options that change its arithmetic: compile it "
+              "without -ffast-math, its parts and -ffp-contract=fast"
+        : "refused: the image is damaged or of another version, or a value is out of range";
+}
+
+static const uint64_t ov_test_image[] = {
+    UINT64_C(0xf95073769ac7b05d), UINT64_C(0x0), UINT64_C(0xbff0000000000000), UINT64_C(0x409f400000000000),
+    UINT64_C(0x4000000000000000), UINT64_C(0x2200000001), UINT64_C(0x3f29eb1e4aba15d2), UINT64_C(0x3ed85aa14420dcf7),
+    UINT64_C(0x3f9fbe76c8b43958), UINT64_C(0x3f08650e42570e1f), UINT64_C(0x3fb7d2afecc903ca), UINT64_C(0x3fbe14aed893eef8),
+    UINT64_C(0x402a7d74fae9f5d4), UINT64_C(0x3f1a36e2eb1c432d), UINT64_C(0x3fe6b851eb851eb8), UINT64_C(0x3fb0829d3e1c1160),
+    UINT64_C(0x3fd33890ad8425fe), UINT64_C(0x3fc0000000000000), UINT64_C(0x3ff0000000000000), UINT64_C(0x3fffec982d5bb8af),
+    UINT64_C(0x4039000000000000), UINT64_C(0x3fe0000000000000), UINT64_C(0x3ff1e3779b97f4a9), UINT64_C(0x4042d97c7f3321d2),
+    UINT64_C(0x3fb999999999999a), UINT64_C(0x3fee0d1e4f96eb40), UINT64_C(0x3f8460c0b518c0c0), UINT64_C(0x3fefeb8bab0b5bf8),
+    UINT64_C(0x4000000000000000), UINT64_C(0x4103e9e118a3b4d4), UINT64_C(0x3f25d867c3ece2a5), UINT64_C(0x3f86c16c16c16c17),
+    UINT64_C(0x4000000000000000), UINT64_C(0x404187e7c06e19b9), UINT64_C(0x406a36e2eb1c432d), UINT64_C(0x3f798529a028b800),
+    UINT64_C(0x3fe4f8b588e368f1), UINT64_C(0x40689374bc6a7efa), UINT64_C(0x3fe0000000000000), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x6e00000000), UINT64_C(0x0), UINT64_C(0x2400000001), UINT64_C(0x28),
+    UINT64_C(0x3c), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x1),
+    UINT64_C(0x910a2dec89025cc1), UINT64_C(0x409f400000000000), UINT64_C(0x1388), UINT64_C(0x3ef040bfe3b03e21),
+    UINT64_C(0x3f3797cc39ffd60f), UINT64_C(0x3f885f06f6944674), UINT64_C(0x0), UINT64_C(0x4000000000000000),
+    UINT64_C(0x4008000000000000), UINT64_C(0x3fa70a3d70a3d70a), UINT64_C(0x4000000000000000), UINT64_C(0x3ff11eb851eb851f),
+    UINT64_C(0x3fd47ae147ae147b), UINT64_C(0x4010000000000000), UINT64_C(0x4052e00000000000), UINT64_C(0x3fe6b851eb851eb8),
+    UINT64_C(0xc054000000000000), UINT64_C(0x3ff6666666666666), UINT64_C(0x401e000000000000), UINT64_C(0x406f400000000000),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x3fe0000000000000), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x4044000000000000), UINT64_C(0x3fe0000000000000), UINT64_C(0x4018000000000000), UINT64_C(0x0),
+    UINT64_C(0xc034000000000000), UINT64_C(0x40c7700000000000), UINT64_C(0xc034000000000000), UINT64_C(0x400000000),
+    UINT64_C(0x0), UINT64_C(0x2200000001), UINT64_C(0x3f29eb1e4aba15d2), UINT64_C(0x3ed85aa14420dcf7),
+    UINT64_C(0x3f9fbe76c8b43958), UINT64_C(0x3f08650e42570e1f), UINT64_C(0x3fb7d2afecc903ca), UINT64_C(0x3fbe14aed893eef8),
+    UINT64_C(0x402a7d74fae9f5d4), UINT64_C(0x3f1a36e2eb1c432d), UINT64_C(0x3fe6b851eb851eb8), UINT64_C(0x3fb0829d3e1c1160),
+    UINT64_C(0x3fd33890ad8425fe), UINT64_C(0x3fc0000000000000), UINT64_C(0x3ff0000000000000), UINT64_C(0x3fffec982d5bb8af),
+    UINT64_C(0x4039000000000000), UINT64_C(0x3fe0000000000000), UINT64_C(0x3ff1e3779b97f4a9), UINT64_C(0x4042d97c7f3321d2),
+    UINT64_C(0x3fb999999999999a), UINT64_C(0x3fee0d1e4f96eb40), UINT64_C(0x3f8460c0b518c0c0), UINT64_C(0x3fefeb8bab0b5bf8),
+    UINT64_C(0x4000000000000000), UINT64_C(0x4103e9e118a3b4d4), UINT64_C(0x3f25d867c3ece2a5), UINT64_C(0x3f86c16c16c16c17),
+    UINT64_C(0x4000000000000000), UINT64_C(0x404187e7c06e19b9), UINT64_C(0x406a36e2eb1c432d), UINT64_C(0x3f798529a028b800),
+    UINT64_C(0x3fe4f8b588e368f1), UINT64_C(0x40689374bc6a7efa), UINT64_C(0x3fe0000000000000), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x2f00000000), UINT64_C(0x0), UINT64_C(0x100000001), UINT64_C(0xffffffffffffffff),
+    UINT64_C(0x400000000), UINT64_C(0x0), UINT64_C(0x100000001), UINT64_C(0xffffffffffffffff),
+    UINT64_C(0xb00000000), UINT64_C(0x0), UINT64_C(0x100000001), UINT64_C(0x910a2dec89025cc1),
+    UINT64_C(0xb00000000), UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x7e37e43c8800759c),
+    UINT64_C(0xfe37e43c8800759c), UINT64_C(0x3ff0000000000000), UINT64_C(0x0), UINT64_C(0x3ff0000000000000),
+    UINT64_C(0x3ff0000000000000), UINT64_C(0x3430e00000000), UINT64_C(0x0), UINT64_C(0x100000001),
+    UINT64_C(0x2), UINT64_C(0xf00000000), UINT64_C(0x0), UINT64_C(0x400000000),
+    UINT64_C(0x3ff0000000000000), UINT64_C(0x200000001), UINT64_C(0x0), UINT64_C(0x0),
+    UINT64_C(0x400000000), UINT64_C(0x3ff0000000000000), UINT64_C(0x200000001), UINT64_C(0x0),
+    UINT64_C(0x0), UINT64_C(0x400000000), UINT64_C(0x3ff0000000000000), UINT64_C(0x400a800000000),
+    UINT64_C(0x0), UINT64_C(0x800000001), UINT64_C(0xb), UINT64_C(0x1),
+    UINT64_C(0x3ff0000000000000), UINT64_C(0x0), UINT64_C(0x3f4b866e43aa79bb), UINT64_C(0x0),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x2000200000000), UINT64_C(0x3f3a36e2eb1c432d),
+    UINT64_C(0x1000100000000), UINT64_C(0x0), UINT64_C(0x40200000000), UINT64_C(0x1),
+    UINT64_C(0xa700000000), UINT64_C(0x0), UINT64_C(0x300000001), UINT64_C(0x1),
+    UINT64_C(0x1), UINT64_C(0x1), UINT64_C(0xa800000000), UINT64_C(0x0),
+    UINT64_C(0x300000001), UINT64_C(0x1), UINT64_C(0x1), UINT64_C(0x1),
+    UINT64_C(0xa700000000), UINT64_C(0x0), UINT64_C(0x400000000), UINT64_C(0x1),
+    UINT64_C(0xa700000000), UINT64_C(0x0), UINT64_C(0x300000001), UINT64_C(0x1),
+    UINT64_C(0x1), UINT64_C(0x1), UINT64_C(0xa800000000), UINT64_C(0x0),
+    UINT64_C(0x300000001), UINT64_C(0x1), UINT64_C(0x1), UINT64_C(0x1),
+    UINT64_C(0xaa00000000), UINT64_C(0x0), UINT64_C(0xb00000001), UINT64_C(0x40b551a37805df64),
+    UINT64_C(0x40c5537c66ad9a5c), UINT64_C(0x40cffe2711584507), UINT64_C(0x40d55468de0177d9), UINT64_C(0x40daa9be3356cd2f),
+    UINT64_C(0x40dfff1388ac2284), UINT64_C(0x40e2aa346f00bbed), UINT64_C(0x40e554df19ab6697), UINT64_C(0x40e7ff89c4561142),
+    UINT64_C(0x40eaaa346f00bbed), UINT64_C(0x40ed54df19ab6697), UINT64_C(0x3ff600000000), UINT64_C(0x0),
+    UINT64_C(0xa00000001), UINT64_C(0x1), UINT64_C(0x2), UINT64_C(0x3),
+    UINT64_C(0x4), UINT64_C(0x5), UINT64_C(0x6), UINT64_C(0x7),
+    UINT64_C(0x8), UINT64_C(0x9), UINT64_C(0xa), UINT64_C(0x3ff500000000),
+    UINT64_C(0x0), UINT64_C(0xb00000001), UINT64_C(0x40b5590732a4cb46), UINT64_C(0x40c5572e43fd104e),
+    UINT64_C(0x40d000ec7753dd7c), UINT64_C(0x40d55641cca932d1), UINT64_C(0x40daab9721fe8827), UINT64_C(0x40e000763ba9eebe),
+    UINT64_C(0x40e2ab20e6549969), UINT64_C(0x40e555cb90ff4413), UINT64_C(0x40e800763ba9eebe), UINT64_C(0x40eaab20e6549969),
+    UINT64_C(0x40ed55cb90ff4413), UINT64_C(0x3ff600000000), UINT64_C(0x0), UINT64_C(0xa00000001),
+    UINT64_C(0x1), UINT64_C(0x2), UINT64_C(0x3), UINT64_C(0x4),
+    UINT64_C(0x5), UINT64_C(0x6), UINT64_C(0x7), UINT64_C(0x8),
+    UINT64_C(0x9), UINT64_C(0xa), UINT64_C(0x3ff500000000), UINT64_C(0x0),
+    UINT64_C(0xb00000000), UINT64_C(0x3fb020c49ba5e354), UINT64_C(0x3ff500000000), UINT64_C(0x0),
+    UINT64_C(0xb00000000), UINT64_C(0x1), UINT64_C(0x3ff500000000), UINT64_C(0x0),
+    UINT64_C(0xa00000001), UINT64_C(0x1), UINT64_C(0x0), UINT64_C(0x1),
+    UINT64_C(0x1), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x1),
+    UINT64_C(0x2), UINT64_C(0x1), UINT64_C(0x1), UINT64_C(0x1700000000),
+    UINT64_C(0x0), UINT64_C(0xa00000001), UINT64_C(0x66), UINT64_C(0x0),
+    UINT64_C(0xf0), UINT64_C(0x56), UINT64_C(0x0), UINT64_C(0x0),
+    UINT64_C(0x66), UINT64_C(0x96), UINT64_C(0x3b), UINT64_C(0x3b),
+    UINT64_C(0x1f0700000000), UINT64_C(0x0), UINT64_C(0x300000001), UINT64_C(0x2),
+    UINT64_C(0x3), UINT64_C(0x3), UINT64_C(0x500000000), UINT64_C(0x2),
+    UINT64_C(0x200000001), UINT64_C(0x1), UINT64_C(0x2), UINT64_C(0x1700000000),
+    UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x4083100000000000), UINT64_C(0x4033000000000000),
+    UINT64_C(0x0), UINT64_C(0x4097480000000000), UINT64_C(0x4026000000000000), UINT64_C(0xc018000000000000),
+    UINT64_C(0xc00000000), UINT64_C(0x0), UINT64_C(0x900000001), UINT64_C(0x4092700000000000),
+    UINT64_C(0x403c000000000000), UINT64_C(0xc012000000000000), UINT64_C(0x40a9640000000000), UINT64_C(0x4033000000000000),
+    UINT64_C(0xc01e000000000000), UINT64_C(0x40b8ec0000000000), UINT64_C(0x4026000000000000), UINT64_C(0xc027000000000000),
+    UINT64_C(0x900000000), UINT64_C(0x0), UINT64_C(0x900000001), UINT64_C(0x4080e00000000000),
+    UINT64_C(0x4046800000000000), UINT64_C(0xc012000000000000), UINT64_C(0x4097200000000000), UINT64_C(0x403e000000000000),
+    UINT64_C(0xc01e000000000000), UINT64_C(0x40a70c0000000000), UINT64_C(0x4031000000000000), UINT64_C(0xc027000000000000),
+    UINT64_C(0x900000000), UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x408d600000000000),
+    UINT64_C(0x4030000000000000), UINT64_C(0x3ff0000000000000), UINT64_C(0x40a0040000000000), UINT64_C(0x4024000000000000),
+    UINT64_C(0xc014000000000000), UINT64_C(0xc00000000), UINT64_C(0x0), UINT64_C(0x600000001),
+    UINT64_C(0x40a2c00000000000), UINT64_C(0x401c000000000000), UINT64_C(0xc008000000000000), UINT64_C(0x40b4500000000000),
+    UINT64_C(0x4014000000000000), UINT64_C(0xc01c000000000000), UINT64_C(0xc00000000), UINT64_C(0x0),
+    UINT64_C(0x600000001), UINT64_C(0x40a9c80000000000), UINT64_C(0x4026000000000000), UINT64_C(0x0),
+    UINT64_C(0x40bce80000000000), UINT64_C(0x4020000000000000), UINT64_C(0xc008000000000000), UINT64_C(0xc00000000),
+    UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x407ae00000000000), UINT64_C(0x4033000000000000),
+    UINT64_C(0x4000000000000000), UINT64_C(0x408f900000000000), UINT64_C(0x4026000000000000), UINT64_C(0xc010000000000000),
+    UINT64_C(0xc00000000), UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x4070400000000000),
+    UINT64_C(0x403c000000000000), UINT64_C(0x4000000000000000), UINT64_C(0x4084000000000000), UINT64_C(0x4030000000000000),
+    UINT64_C(0xc018000000000000), UINT64_C(0xc00000000), UINT64_C(0x0), UINT64_C(0x300000001),
+    UINT64_C(0x4087c00000000000), UINT64_C(0x4026000000000000), UINT64_C(0xc02c000000000000), UINT64_C(0xf00000000),
+    UINT64_C(0x0), UINT64_C(0x600000001), UINT64_C(0x408b800000000000), UINT64_C(0x4026000000000000),
+    UINT64_C(0xc020000000000000), UINT64_C(0x409e780000000000), UINT64_C(0x4026000000000000), UINT64_C(0xc02c000000000000),
+    UINT64_C(0x1aa00000000), UINT64_C(0x0), UINT64_C(0x2000200000000), UINT64_C(0x3f46f0068db8bac7),
+    UINT64_C(0x1000100000000), UINT64_C(0x1), UINT64_C(0x2000200000000), UINT64_C(0x3f33a92a30553261),
+    UINT64_C(0x1000100000000), UINT64_C(0x0), UINT64_C(0x4d00000001), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0xb300000000), UINT64_C(0x0), UINT64_C(0x900000001), UINT64_C(0x4059000000000000),
+    UINT64_C(0x3f50624dd2f1a9fc), UINT64_C(0x4000000000000000), UINT64_C(0x3fd3333333333333), UINT64_C(0x3fe6666666666666),
+    UINT64_C(0x1), UINT64_C(0x0), UINT64_C(0x0), UINT64_C(0x0),
+    UINT64_C(0x800000000), UINT64_C(0x0), UINT64_C(0x2000200000000), UINT64_C(0x0),
+    UINT64_C(0x1000100000000), UINT64_C(0x0), UINT64_C(0x1a9a600000000), UINT64_C(0x0),
+    UINT64_C(0x2000200000000), UINT64_C(0x0), UINT64_C(0x1000100000000), UINT64_C(0x0),
+    UINT64_C(0x2000200000000), UINT64_C(0x0), UINT64_C(0x1010a00000000), UINT64_C(0x0),
+    UINT64_C(0x800000000), UINT64_C(0x0), UINT64_C(0x2000200000000), UINT64_C(0x0),
+    UINT64_C(0x1000100000000), UINT64_C(0x0), UINT64_C(0x1a9a600000000), UINT64_C(0x0),
+    UINT64_C(0x2000200000000), UINT64_C(0x0), UINT64_C(0x1000100000000), UINT64_C(0x0),
+    UINT64_C(0x2000200000000), UINT64_C(0x0), UINT64_C(0x1010a00000000), UINT64_C(0x0),
+};
+
+static uint64_t ov_hashed(const unsigned char *memory, size_t first, size_t stop, uint64_t hash) {
+    for (; first < stop; first++)
+        hash = (hash ^ ov_load_l(memory + 8 * first)) * UINT64_C(1099511628211);
+    return hash;
+}
+
+/* Whether this machine code gives the bits of `ov.render` (tools/self_test.py). */
+static int ov_is_right(unsigned char *memory) {
+    static const double hands[][3] = {{0, 0.6, 1}, {100, 2.6, 1}, {400, 1.2, 1}, {500, 1.2, 0}};
+    static const uint64_t models[] = {0, 3};
+    float out[128];
+    uint64_t hash = UINT64_C(14695981039346656037);
+    size_t i, n;
+    if (ov_load(memory, (unsigned char *)ov_test_image, sizeof ov_test_image,
+                (uint64_t)OVERVIEW_DIGEST)) return 0;
+    for (i = 0; i < sizeof models / sizeof *models; i++) {
+        ov_store_l(memory + 3811352, models[i]);
+        ov_prepare(memory, 2000.0);
+        for (n = 0; n < sizeof hands / sizeof *hands; n++)
+            ov_control(memory, 0, (uint64_t)hands[n][0], hands[n][1], (uint32_t)hands[n][2]);
+        for (n = 0; n < 10; n++) {
+            ov_process(memory, (unsigned char *)out, 64, 2);
+            hash = ov_hashed(memory, 0, 5218, hash);
+            hash = ov_hashed(memory, 213114, 214074, hash);
+        }
+    }
+    return hash == UINT64_C(680159883790080049);
+}
+
 int32_t overview_load(void *memory, const void *image, int64_t bytes) {
+    static int32_t tested; /* OVERVIEW_DONE: not yet, 1: right */
+    int32_t found = OV_GET(&tested);
+    if (!found) {
+        found = ov_is_right((unsigned char *)memory) ? 1 : OVERVIEW_MISCOMPILED;
+        memset(memory, 0, (size_t)OVERVIEW_MEMORY_BYTES);
+        OV_SET(&tested, found);
+    }
+    if (found < 0) return found;
     return (int32_t)ov_load((unsigned char *)memory, (unsigned char *)image, (uint64_t)bytes,
                             (uint64_t)OVERVIEW_DIGEST);
 }

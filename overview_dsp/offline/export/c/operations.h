@@ -2,6 +2,24 @@
 #ifndef OVERVIEW_OPERATIONS_H
 #define OVERVIEW_OPERATIONS_H
 
+/* Whatever lets a compiler change the arithmetic changes the sound. What it tells in no macro is
+   found by the self-test in overview_load. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || defined(__NO_SIGNED_ZEROS__) || defined(_M_FP_FAST) \
+    || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "overView: -ffast-math, -Ofast, /fp:fast and their parts change the sound. \
+Compile kernel.c without them, or with -fno-fast-math after them."
+#endif
+#if defined(__FLT_EVAL_METHOD__)
+#if __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16
+#error "overView: x87 arithmetic changes the sound. Compile kernel.c with -msse2 -mfpmath=sse."
+#endif
+#endif
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "overView: kernel.c is for little-endian machines."
+#endif
+typedef char overview_not_with_fsingle_precision_constant[sizeof(1.0) == 8 ? 1 : -1];
+
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
@@ -12,14 +30,6 @@
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
-
-#if defined(__GNUC__) && !defined(__TINYC__)
-#define OV_ACQUIRE() __atomic_thread_fence(__ATOMIC_ACQUIRE)
-#define OV_RELEASE() __atomic_thread_fence(__ATOMIC_RELEASE)
-#else /* x86, where loads and stores keep their order */
-#define OV_ACQUIRE() ((void)0)
-#define OV_RELEASE() ((void)0)
-#endif
 
 typedef struct { double v[8]; } ov_lanes;
 
@@ -34,6 +44,30 @@ OV_ACCESS(d, double)
 OV_ACCESS(f, float)
 OV_ACCESS(p, unsigned char *)
 OV_ACCESS(v, ov_lanes)
+
+/* Counts of the queues between threads, at addresses of 8 bytes; OV_GET and OV_SET for one flag. */
+#if defined(__GCC_ATOMIC_LLONG_LOCK_FREE) && __GCC_ATOMIC_LLONG_LOCK_FREE == 2
+typedef uint64_t __attribute__((may_alias, aligned(8))) ov_word;
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    return __atomic_load_n((const ov_word *)p, __ATOMIC_ACQUIRE); }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    __atomic_store_n((ov_word *)p, x, __ATOMIC_RELEASE); }
+#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
+#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
+#elif defined(__GCC_ATOMIC_INT_LOCK_FREE) /* no word of 8 bytes at once: fences beside it */
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    uint64_t x = ov_load_l(p); __atomic_thread_fence(__ATOMIC_ACQUIRE); return x; }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    __atomic_thread_fence(__ATOMIC_RELEASE); ov_store_l(p, x); }
+#define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
+#define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
+#else /* for one thread, or x86, where loads and stores keep their order */
+#define ov_acquire_l ov_load_l
+#define ov_release_l ov_store_l
+#define OV_GET(place) (*(place))
+#define OV_SET(place, value) (*(place) = (value))
+#endif
+
 #define OV_LANES(name, operator) \
     static inline ov_lanes ov_##name(ov_lanes a, ov_lanes b) { \
         ov_lanes x; int i; for (i = 0; i < 8; i++) x.v[i] = a.v[i] operator b.v[i]; return x; }

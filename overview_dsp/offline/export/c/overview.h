@@ -19,7 +19,10 @@ extern "C" {
 #define OVERVIEW_DIGEST INT64_C(-481758206888529827) /* of the layout: an image begins with it */
 #define OVERVIEW_AT_ONCE (-1)
 
-enum { OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1 };
+enum { OVERVIEW_DONE = 0, OVERVIEW_REFUSED = -1, OVERVIEW_MISCOMPILED = -2 };
+
+/* A result in one line of English. */
+const char *overview_message(int32_t result);
 
 /* Sources of input. The last source to touch controls the disk. */
 enum { OVERVIEW_TOUCH, OVERVIEW_TWIST, OVERVIEW_SERIAL, OVERVIEW_OSC, OVERVIEW_MIDI, OVERVIEW_REMOTE };
@@ -63,7 +66,9 @@ typedef struct {
 extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
 
 /* Load an image of `bytes` bytes; call overview_prepare next. OVERVIEW_REFUSED if it is
-   damaged, or of another layout: then the memory is all zero, or untouched. */
+   damaged, or of another layout: then the memory is all zero, or untouched. The first call in a
+   process tests the machine code, in some 20 ms: OVERVIEW_MISCOMPILED if it would not give the
+   bits of `ov.render`. */
 int32_t overview_load(void *memory, const void *image, int64_t bytes);
 
 /* Reset at a sample rate in Hz: 1000 to 768000, and above the carrier's frequency / 0.45. */
