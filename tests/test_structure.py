@@ -12,6 +12,7 @@ STUDIES = PACKAGE.parent / "studies" / "overview_studies"
 ROOT_FILES = {
     "__init__.py",
     "__main__.py",
+    "arrays.py",
     "errors.py",
     "public.py",
     "installation.py",

@@ -163,10 +163,7 @@ class Storage:
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:
     """Yield the files in a folder and below it; none if the folder doesn't exist."""
-    with (
-        contextlib.suppress(FileNotFoundError, NotADirectoryError),
-        os.scandir(folder) as entries,
-    ):
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir():
                 yield from _files(entry.path)

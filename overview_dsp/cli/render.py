@@ -13,13 +13,7 @@ from overview_dsp.cli.common import announce_compile, print_json, progress_bar, 
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import ACTUATOR, calibrated, drive_line
-from overview_dsp.cli.options.reading import (
-    PresetChoice,
-    Reading,
-    Window,
-    open_window,
-    preset_for,
-)
+from overview_dsp.cli.options.reading import PresetChoice, Reading, Window, open_window, preset_for
 from overview_dsp.design.gestures.spec import DEFAULT, FORMS
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
@@ -32,9 +26,7 @@ TERMINAL = "-"
 
 GESTURE = option(FORMS + "; + joins gestures.", default=DEFAULT, metavar="SPEC")
 TAIL = option(
-    "Time after the gesture: rest (of the disk), none, or seconds.",
-    default="rest",
-    metavar="S",
+    "Time after the gesture: rest (of the disk), none, or seconds.", default="rest", metavar="S"
 )
 TRANSCRIPT = option(
     "Transcript of the events: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to "

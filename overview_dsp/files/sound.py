@@ -20,6 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import SampleArray
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.files.atomic import atomic_file, output_error
 
@@ -120,7 +121,7 @@ class _Quantizer:
         self._random = np.random.default_rng(_DITHER_SEED) if self._dithered else None
         self.note = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
 
-    def __call__(self, samples: NDArray[np.float32]) -> NDArray[Any]:
+    def __call__(self, samples: SampleArray) -> NDArray[Any]:
         """Return samples as steps in the upper bits of int16 or int32; floats don't change.
 
         libsndfile would round down, a constant offset of half a step.
@@ -186,7 +187,7 @@ class SoundWriter:
             self._stack = stack.pop_all()
         return self
 
-    def write(self, samples: NDArray[np.float32]) -> None:
+    def write(self, samples: SampleArray) -> None:
         """Append float32 (frames, channels)."""
         data = self._quantize(samples)
         with self._disk_errors():
@@ -238,7 +239,7 @@ class SoundWriter:
 
 def save_sound(
     path: str | os.PathLike[str],
-    samples: NDArray[np.float32],
+    samples: SampleArray,
     sample_rate: float,
     subtype: str | None = None,
 ) -> None:
@@ -254,7 +255,7 @@ def check_sound(name: str, sample_rate: float, subtype: str | None = None) -> No
 
 
 def sound_bytes(
-    name: str, samples: NDArray[np.float32], sample_rate: float, subtype: str | None = None
+    name: str, samples: SampleArray, sample_rate: float, subtype: str | None = None
 ) -> bytes:
     """Return a sound file as bytes; `name` has its suffix, samples are (frames, channels)."""
     import soundfile
@@ -310,7 +311,7 @@ def _cannot_hold(
 
 class _Samples(Protocol):
     @property
-    def samples(self) -> NDArray[np.float32]: ...
+    def samples(self) -> SampleArray: ...
     @property
     def sample_rate(self) -> float: ...
 

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray, SampleArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
@@ -53,9 +54,6 @@ from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 from overview_dsp.units import FELT_WINDOW_S, HALF_TURN
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 FLOOR_DB = -90.0
 """Lowest level of a row."""
@@ -150,46 +148,46 @@ class FeltEvents:
     sample_rate: float
     target: float
     turn: float
-    event: NDArray[np.int64]
+    event: IntArray
     kind: NDArray[np.str_]
-    time_s: Floats
-    position: Floats
-    start: Floats
-    end: Floats
-    passed: Flags
-    reached: Flags
-    first_s: Floats
-    last_s: Floats
-    lag_ms: Floats
-    lag_percent: Floats
-    level_db: Floats
-    sharpness: Floats
-    duration_ms: Floats
-    detected: Flags
-    release: Floats
-    click_s: Floats
-    click_db: Floats
-    click_lag_ms: Floats
-    merged: Flags
+    time_s: FloatArray
+    position: FloatArray
+    start: FloatArray
+    end: FloatArray
+    passed: BoolArray
+    reached: BoolArray
+    first_s: FloatArray
+    last_s: FloatArray
+    lag_ms: FloatArray
+    lag_percent: FloatArray
+    level_db: FloatArray
+    sharpness: FloatArray
+    duration_ms: FloatArray
+    detected: BoolArray
+    release: FloatArray
+    click_s: FloatArray
+    click_db: FloatArray
+    click_lag_ms: FloatArray
+    merged: BoolArray
     lost_to: NDArray[np.str_]
-    pulse_s: Floats
+    pulse_s: FloatArray
     free_db: float
-    course: Floats
-    level: Floats
+    course: FloatArray
+    level: FloatArray
     arrived_s: float
     slope: float
 
     @property
-    def contrast_db(self) -> Floats:
+    def contrast_db(self) -> FloatArray:
         """Level above the windows that overlap no event, dB."""
         return self.level_db - self.free_db
 
     @property
-    def masked(self) -> Flags:
+    def masked(self) -> BoolArray:
         """Events whose level is less than one JND above the level between the events."""
         return np.asarray(self.contrast_db < STEP_DB)
 
-    def of(self, *kinds: str) -> Flags:
+    def of(self, *kinds: str) -> BoolArray:
         """Return which events are passed, of the given kinds or of all.
 
         Parameters
@@ -376,7 +374,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     )
 
 
-def _duration_ms(level: Floats, course: Floats, span: Floats, free_db: float) -> float:
+def _duration_ms(level: FloatArray, course: FloatArray, span: FloatArray, free_db: float) -> float:
     """Return how long the level stays near its highest in a span, ms; NaN if it is leapt over."""
     inside = np.flatnonzero((course >= span[0]) & (course <= span[1]))
     if not len(inside):
@@ -388,8 +386,8 @@ def _duration_ms(level: Floats, course: Floats, span: Floats, free_db: float) ->
 
 
 def _lags(
-    gesture: Gesture, stroke: Stroke, rate: float, start: Floats, first_ms: Floats
-) -> tuple[float, Floats, Floats]:
+    gesture: Gesture, stroke: Stroke, rate: float, start: FloatArray, first_ms: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
     """Return the furthest position of the input disk, and each event's lag in ms and per cent."""
     within = gesture.touching & (gesture.time_s * rate < stroke.stop)
     within &= gesture.time_s * rate >= stroke.start - 1
@@ -405,10 +403,10 @@ def _lags(
 def _clicks(
     done: RenderedJob[Trace],
     stroke: Stroke,
-    frames: Floats,
-    click: NDArray[np.float32],
+    frames: FloatArray,
+    click: SampleArray,
     kinds: NDArray[np.str_],
-) -> tuple[Floats, Floats, Floats, Flags, NDArray[np.str_]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray, NDArray[np.str_]]:
     """Return of each event when it is struck, s, how loud, dB, how far from its vibration, ms,
     whether that is within 30 ms of others, and which kind hides it.
     """

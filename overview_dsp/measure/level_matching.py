@@ -20,8 +20,8 @@ from collections.abc import Mapping
 from dataclasses import astuple, dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
@@ -165,7 +165,7 @@ def level_matched_distance(
     return jnds_over_strokes({name: _differences(first[name], second[name]) for name in first})
 
 
-def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> NDArray[np.float64]:
+def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> FloatArray:
     found = []
     for field, a, b in zip(fields(PerceptualFeatures), astuple(one), astuple(other), strict=True):
         least = _LEAST.get(field.name, 0.0)

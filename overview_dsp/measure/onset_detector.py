@@ -12,9 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.errors import InputError
 
 HIGH_PASS_HZ = 250.0
@@ -44,17 +44,15 @@ class Onsets:
     True
     """
 
-    time_s: NDArray[np.float64]
-    level_db: NDArray[np.float64]
+    time_s: FloatArray
+    level_db: FloatArray
 
     def __repr__(self) -> str:
         span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self.time_s) else ""
         return f"<Onsets: {len(self.time_s)}{span}>"
 
 
-def level_curve(
-    signal: NDArray[np.float32], sample_rate: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def level_curve(signal: SampleArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
     """Return the times (s, window centres) and levels (dB) of the detector."""
     from scipy.signal import butter, fftconvolve, sosfilt
 
@@ -75,7 +73,7 @@ def level_curve(
     return at / sample_rate, 10.0 * np.log10(np.maximum(energy[at], 1e-14))
 
 
-def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
+def onsets(signal: SampleArray, sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
     """Find the onsets of a signal, at which it suddenly gets louder.
 
     Parameters

@@ -5,18 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
-from overview_dsp.offline.plots.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    extremes,
-    new_figure,
-    tidy,
-)
+from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, extremes, new_figure, tidy
 from overview_dsp.offline.rendering.audition import audition
 from overview_dsp.offline.rendering.offline import RenderResult
 
@@ -167,7 +160,7 @@ def plot_observer(report: ObserverReport) -> Figure:
 def _matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
     counts = scores.confusion[np.ix_(rows, [*rows, len(scores.kinds)])]
     total = scores.confusion[rows].sum(axis=1, keepdims=True)
-    parts: NDArray[np.float64] = 100.0 * counts / np.maximum(total, 1)
+    parts: FloatArray = 100.0 * counts / np.maximum(total, 1)
     axes.imshow(parts, cmap="cividis", vmin=0.0, vmax=100.0, aspect="equal")
     for (row, column), part in np.ndenumerate(parts):
         if part >= 0.5:

@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
@@ -261,18 +261,18 @@ class _Search:
         self._most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], len(self.names))
 
     @property
-    def unmoved(self) -> NDArray[np.float64]:
+    def unmoved(self) -> FloatArray:
         """No change: (2 kinds,), logarithms of the ratios of heights, then of widths."""
         return np.zeros(2 * len(self.names))
 
-    def moved(self, moves: NDArray[np.float64]) -> Preset:
+    def moved(self, moves: FloatArray) -> Preset:
         """Return the preset with each kind's height and width moved."""
         kinds, count = dict(self._preset.kinds), len(self.names)
         for name, height, width in zip(self.names, moves[:count], moves[count:], strict=True):
             kinds[name] = _moved_kind(kinds[name], math.exp(height), math.exp(width))
         return replace(self._preset, kinds=kinds)
 
-    def measured(self, moves: NDArray[np.float64], speeds: Sweeps, kinds: Sequence[str]) -> Feels:
+    def measured(self, moves: FloatArray, speeds: Sweeps, kinds: Sequence[str]) -> Feels:
         """Return the measurements of these kinds and of others on their timelines."""
         preset = self.moved(moves)
         parts = [
@@ -306,7 +306,7 @@ class _Search:
         # a kind that was never passed
         return [one if math.isfinite(one.steps) else one._replace(steps=UNMET) for one in found]
 
-    def _costs(self, feels: Feels) -> NDArray[np.float64]:
+    def _costs(self, feels: Feels) -> FloatArray:
         """Return the squared shortfalls by kind: (kinds,)."""
         costs = dict.fromkeys(self.names, 0.0)
         for gap in self.gaps(feels):
@@ -331,7 +331,7 @@ class _Search:
             kind.masked or kind.merged for kind in kinds
         )
 
-    def raised(self, moves: NDArray[np.float64], feels: Feels) -> NDArray[np.float64]:
+    def raised(self, moves: FloatArray, feels: Feels) -> FloatArray:
         """Raise each kind of the target by its shortfall and those of the kinds below it."""
         shortfalls = dict.fromkeys(self._target, 0.0)
         for gap in self.gaps(feels):
@@ -345,11 +345,11 @@ class _Search:
 
     def improved(
         self,
-        moves: NDArray[np.float64],
+        moves: FloatArray,
         speeds: Sweeps,
         rng: np.random.Generator,
         progress: Callable[[float], None],
-    ) -> tuple[NDArray[np.float64], Feels]:
+    ) -> tuple[FloatArray, Feels]:
         """Return the best moves found from some on, and how they feel at these speeds."""
         feels = self.measured(moves, speeds, self.names)
         costs, everything = self._costs(feels), np.arange(len(self.names))

@@ -37,8 +37,7 @@ class Server:
     cert: str | None = option("TLS certificate.  [default: a self-signed one]", metavar="FILE.pem")
     key: str | None = option("Private key, if --cert doesn't have it.", metavar="FILE.pem")
     token_file: str | None = option(
-        "File for the token of the address: pages reconnect after a restart.",
-        metavar="FILE",
+        "File for the token of the address: pages reconnect after a restart.", metavar="FILE"
     )
 
 

@@ -60,10 +60,7 @@ class TakeWriter:
         return self.played / self._rate
 
     def append(
-        self,
-        events: Sequence[Event],
-        changes: Sequence[tuple[int, Mapping[str, Any]]],
-        played: int,
+        self, events: Sequence[Event], changes: Sequence[tuple[int, Mapping[str, Any]]], played: int
     ) -> None:
         """Write events and changes in order, and the number of played samples.
 

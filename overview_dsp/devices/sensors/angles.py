@@ -16,12 +16,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from overview_dsp.devices.sensors.calibration import (
-    CALIBRATING,
-    Calibration,
-    RawSample,
-    calibrate,
-)
+from overview_dsp.devices.sensors.calibration import CALIBRATING, Calibration, RawSample, calibrate
 from overview_dsp.devices.sensors.orientation import (
     LONGEST_GAP_S,
     GravityTilt,

@@ -24,12 +24,7 @@ from overview_dsp.devices.sensors.labelled_lines import (
 )
 from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
 from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
-from overview_dsp.devices.sensors.packets import (
-    TeapotDecoder,
-    WitDecoder,
-    has_teapots,
-    wit_columns,
-)
+from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
@@ -98,8 +93,7 @@ def ambiguous_message(line: str) -> str:
     one, other = (
         _toml_columns(columns, numeric)
         for columns in _LIKELY.get(
-            count,
-            ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1))),
+            count, ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1)))
         )
     )
     return (
@@ -179,10 +173,7 @@ _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decode
         lambda counters, stream: WitDecoder(counters, stream.columns),
     ),
     "teapot": ("teapot packets", lambda counters, _: TeapotDecoder(counters)),
-    "app": (
-        "an app's JSON",
-        lambda counters, _: LineDecoder(counters, parse_app_batch, LONGEST),
-    ),
+    "app": ("an app's JSON", lambda counters, _: LineDecoder(counters, parse_app_batch, LONGEST)),
     "dualsense": ("a DualSense's reports", lambda counters, _: DualSenseDecoder(counters)),
     "joycon": ("a Joy-Con's reports", lambda counters, _: JoyConDecoder(counters)),
 }

@@ -142,11 +142,7 @@ class Sensor:
 SCHEMA = 2
 LIBRARY = Library("sensors", "a sensor")
 _COLUMNS = "stream.columns"
-_SCHEMA_1_MOTOR_KEYS = {
-    "letter": "command_letter",
-    "knock": "impact_gain",
-    "home": "recoil_gain",
-}
+_SCHEMA_1_MOTOR_KEYS = {"letter": "command_letter", "knock": "impact_gain", "home": "recoil_gain"}
 _SCHEMA_1_DETECT = "told"
 
 

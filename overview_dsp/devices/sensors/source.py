@@ -119,11 +119,7 @@ class SensorSource:
         }
 
     def _event(
-        self,
-        sample: Sample,
-        other_theta2: float | None,
-        disk_theta2: float,
-        other_yields: bool,
+        self, sample: Sample, other_theta2: float | None, disk_theta2: float, other_yields: bool
     ) -> Event | None:
         time_s, reading = sample
         self._board_moves_disk = reading.get("knob_level", self._board_moves_disk) > 0.0

@@ -18,19 +18,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, sweep, tap
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.features import Modality, StrokeFeatures, stroke_features
-from overview_dsp.measure.perceived_level import (
-    AFTER_MS,
-    BEFORE_MS,
-    TRAILING_S,
-    passages,
-    strokes,
-)
+from overview_dsp.measure.perceived_level import AFTER_MS, BEFORE_MS, TRAILING_S, passages, strokes
 from overview_dsp.measure.random_movements import random_movement
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
@@ -61,17 +55,17 @@ class PassedEvents:
         Friction released by the event, N m s/rad.
     """
 
-    kind: NDArray[np.int64]
-    enters_ms: NDArray[np.float64]
-    leaves_ms: NDArray[np.float64]
-    strength: NDArray[np.float64]
+    kind: IntArray
+    enters_ms: FloatArray
+    leaves_ms: FloatArray
+    strength: FloatArray
 
     def __len__(self) -> int:
         return len(self.kind)
 
 
 def passed_events(
-    surface: Surface, cursor: NDArray[np.float64], sample_rate: float, furthest: float = -math.inf
+    surface: Surface, cursor: FloatArray, sample_rate: float, furthest: float = -math.inf
 ) -> PassedEvents:
     """Find the events that a stroke passes, and those that it misses.
 
@@ -99,15 +93,10 @@ def passed_events(
     event = np.append(event, missed)
     frames = np.hstack([frames, np.full((2, len(missed)), math.inf)])
     enters_ms, leaves_ms = frames * (1000.0 / sample_rate)
-    return PassedEvents(
-        surface.kind[event],
-        enters_ms,
-        leaves_ms,
-        surface.release[event],
-    )
+    return PassedEvents(surface.kind[event], enters_ms, leaves_ms, surface.release[event])
 
 
-def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np.int64]:
+def rows_of_onsets(at_ms: IntArray, passed: PassedEvents) -> IntArray:
     """Return the row of `passed` that each onset belongs to; -1 for none."""
     if not len(passed):
         return np.full(len(at_ms), -1)
@@ -119,7 +108,7 @@ def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np
     return np.where(near.any(axis=1), row, -1)
 
 
-def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
+def _turns(cursor: FloatArray, step: int) -> list[int]:
     """Return the frames at which the disk turns back, from 0 to the number of frames."""
     coarse = cursor[::step]
     bounds, extreme, way = [0], 0, 0
@@ -192,7 +181,7 @@ class ObservedStroke:
 
     name: str
     features: dict[Modality, StrokeFeatures]
-    owner: dict[Modality, NDArray[np.int64]]
+    owner: dict[Modality, IntArray]
     events: PassedEvents
 
 
@@ -281,7 +270,7 @@ def _cut(
         )
 
 
-def log_pace(gesture: Gesture) -> NDArray[np.float64]:
+def log_pace(gesture: Gesture) -> FloatArray:
     """Return the logarithm of the pace at each millisecond, in timelines per second."""
     at = np.arange(0.0, gesture.duration_s, 0.001)
     place = np.interp(

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.loudness import STEPS_PER_S, Steps
 from overview_dsp.data.readers.audio.reader import MAPS, timeline_of
 from overview_dsp.data.readers.data_file import LoadOptions
@@ -105,7 +106,7 @@ def random_weather(seed: int) -> Timeline:
 
 
 def _timeline_of(
-    days: NDArray[np.datetime64], values: NDArray[np.float64], header: str, title: str
+    days: NDArray[np.datetime64], values: FloatArray, header: str, title: str
 ) -> Timeline:
     table = replace(table_of({"Date": days, header: values}), kind="random")
     return series_timeline(table, LoadOptions(), title)

@@ -15,8 +15,8 @@ import itertools
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.offline.export.clip import NOTICEABLE_DB, felt_db
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
@@ -33,11 +33,7 @@ _PER_DB = 0.02
 """Cost of an error of 1 dB, which selects the better of otherwise equal solutions."""
 
 
-def breakpoints(
-    level: NDArray[np.float64],
-    budget: int,
-    required: Iterable[int] = (),
-) -> NDArray[np.int64]:
+def breakpoints(level: FloatArray, budget: int, required: Iterable[int] = ()) -> IntArray:
     """Return the positions of a piecewise linear approximation, including both ends.
 
     Parameters
@@ -81,11 +77,8 @@ def breakpoints(
 
 
 def control_points(
-    level: NDArray[np.float64],
-    strikes_ms: Sequence[int],
-    most: int,
-    spacing_ms: tuple[int, int],
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    level: FloatArray, strikes_ms: Sequence[int], most: int, spacing_ms: tuple[int, int]
+) -> tuple[IntArray, FloatArray]:
     """Return the points of a piecewise linear approximation that starts and ends in silence.
 
     Parameters
@@ -132,12 +125,12 @@ def control_points(
 
 
 def _costs(
-    positions_ms: NDArray[np.int64],
-    node: NDArray[np.float64],
-    target: NDArray[np.float64],
-    weight: NDArray[np.float64],
+    positions_ms: IntArray,
+    node: FloatArray,
+    target: FloatArray,
+    weight: FloatArray,
     spacing_ms: tuple[int, int],
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the cost of each linear piece between nodes, (nodes, nodes); inf if not allowed."""
     count = len(target)
     cost = np.full((count + 1, count + 1), np.inf)

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
 from overview_dsp.offline.rendering.offline import RenderResult
@@ -81,12 +81,12 @@ NOTICEABLE_DB = 2.3
 """JND of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 
-def felt_db(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
+def felt_db(amplitude: FloatArray) -> FloatArray:
     """Return an amplitude in dB of full scale, limited to `FLOOR`."""
     return 20.0 * np.log10(np.maximum(amplitude, FLOOR))
 
 
-def felt_level(level: NDArray[np.float64]) -> NDArray[np.float64]:
+def felt_level(level: FloatArray) -> FloatArray:
     """Return the felt level: RMS over 9 ms around each millisecond, float64 (n,)."""
     energy = np.convolve(level**2, np.ones(FELT_MS) / FELT_MS, "same")
     return np.asarray(np.sqrt(np.maximum(energy, 0.0)))
@@ -135,13 +135,13 @@ class Clip:
     """
 
     title: str
-    level: NDArray[np.float64]
+    level: FloatArray
     frequency_hz: float
     transients: tuple[Transient, ...]
     surface: Surface
 
     @cached_property
-    def felt(self) -> NDArray[np.float64]:
+    def felt(self) -> FloatArray:
         """Perceived level at each millisecond, float64 (n,)."""
         return felt_level(self.level)
 
@@ -150,9 +150,7 @@ class Clip:
         """Duration in s; the last level is at its end."""
         return (len(self.level) - 1) / LEVELS_PER_S
 
-    def under_strikes(
-        self, length_ms: Callable[[Transient], int]
-    ) -> tuple[NDArray[np.float64], list[int]]:
+    def under_strikes(self, length_ms: Callable[[Transient], int]) -> tuple[FloatArray, list[int]]:
         """Return the continuous part: the felt level with silence during strikes.
 
         Parameters
@@ -212,7 +210,7 @@ def clip_of(result: RenderResult[Trace | None]) -> Clip:
     )
 
 
-def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArray[np.float64]:
+def _by_millisecond(envelope: FloatArray, sample_rate: float) -> FloatArray:
     """Return the RMS of the envelope around each millisecond."""
     energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
     frames = np.arange(len(energy), dtype=np.float64)
@@ -234,9 +232,7 @@ class _Candidate:
     sharpness: float
 
 
-def strikes_of(
-    result: RenderResult[Trace | None], felt: NDArray[np.float64]
-) -> tuple[Transient, ...]:
+def strikes_of(result: RenderResult[Trace | None], felt: FloatArray) -> tuple[Transient, ...]:
     """Return the strikes of a rendered gesture in order of time.
 
     Parameters
@@ -274,7 +270,7 @@ def strikes_of(
     )
 
 
-def _pulses(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _pulses(felt: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return the peaks of the felt level, ms, ascending, and their prominence, dB."""
     from scipy.signal import find_peaks
 
@@ -342,19 +338,17 @@ class PerceptualError:
     within_percent: float
 
 
-def perceptual_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> PerceptualError:
+def perceptual_error(played: FloatArray, rendered: FloatArray) -> PerceptualError:
     """Compare two amplitude curves with one value per millisecond; a missing end is silence."""
     count = max(len(played), len(rendered))
     sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
     error = np.abs(_windows_db(sides[0]) - _windows_db(sides[1]))
     return PerceptualError(
-        float(np.median(error)),
-        float(error.max()),
-        float(100.0 * np.mean(error <= NOTICEABLE_DB)),
+        float(np.median(error)), float(error.max()), float(100.0 * np.mean(error <= NOTICEABLE_DB))
     )
 
 
-def _windows_db(level: NDArray[np.float64]) -> NDArray[np.float64]:
+def _windows_db(level: FloatArray) -> FloatArray:
     width = round(FELT_WINDOW_S * LEVELS_PER_S)
     padded = np.pad(level, (0, -len(level) % width))
     return felt_db(np.sqrt(np.mean(padded.reshape(-1, width) ** 2, axis=1)))

@@ -21,9 +21,9 @@ from typing import Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
@@ -77,9 +77,9 @@ class DecodedClip:
     True
     """
 
-    level: NDArray[np.float64]
+    level: FloatArray
     transients: tuple[Transient, ...]
-    played: NDArray[np.float64]
+    played: FloatArray
 
     def __repr__(self) -> str:
         return f"<DecodedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
@@ -133,7 +133,7 @@ def _read(path: Path) -> DecodedClip:
     raise InputError(f"{path}: must be AHAP (with a Pattern) or .haptic (with signals)")
 
 
-def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> DecodedClip:
+def _core_haptics(level: FloatArray, strikes: list[Transient]) -> DecodedClip:
     played = ahap.with_transients(level, strikes, ahap.TRANSIENTS_MS[0])
     return DecodedClip(level, tuple(strikes), played)
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.offline.plots.style import (
@@ -100,14 +100,12 @@ def plot_strokes(
     return figure
 
 
-def _input_angle(
-    gesture: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _input_angle(gesture: Gesture, time: FloatArray, touching: BoolArray) -> FloatArray:
     latest = np.searchsorted(gesture.time_s, time, side="right") - 1
     return np.where(touching & (latest >= 0), gesture.theta2[np.maximum(latest, 0)], 0.0)
 
 
-def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
+def _end_of_interest(time: FloatArray, cursor: FloatArray) -> float:
     away = np.flatnonzero(cursor > 0.01)
     return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
 

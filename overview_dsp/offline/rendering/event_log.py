@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
@@ -182,7 +182,7 @@ MOST = 8
 def transcript(
     strikes: Strikes,
     timeline: Timeline,
-    engaged: NDArray[np.float64] | None,
+    engaged: FloatArray | None,
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:

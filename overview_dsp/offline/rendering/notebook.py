@@ -11,19 +11,20 @@ import io
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from overview_dsp.arrays import FloatArray, SampleArray
 
 WIDTH, ROW = 720, 70
 _POINTS = 700
 _STYLE = 'fill="none" stroke="{}" stroke-width="1"'
 
-Row = tuple[str, NDArray[np.float64], str]
+Row = tuple[str, FloatArray, str]
 """A curve: label, values of the frames, and colour."""
 
 
 def result_page(
     title: str,
-    samples: NDArray[np.float32],
+    samples: SampleArray,
     sample_rate: float,
     rows: Sequence[Row],
     lines: Sequence[str] = (),
@@ -76,7 +77,7 @@ def _transcript(lines: Sequence[str], passed: int) -> str:
     return f"<details><summary>Transcript: {count}</summary><ul>{items}</ul></details>"
 
 
-def _flac(samples: NDArray[np.float32], rate: int) -> bytes:
+def _flac(samples: SampleArray, rate: int) -> bytes:
     import soundfile
 
     data = io.BytesIO()

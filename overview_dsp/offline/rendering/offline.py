@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, Literal, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.readers.tables.memory import TimelineData
 from overview_dsp.data.timeline.model import Timeline
@@ -58,8 +58,8 @@ Progress = Callable[[float], None]
 class Block:
     """Rendered block: samples float32 (frames, 2), trace float64 (frames, columns) or None."""
 
-    samples: NDArray[np.float32]
-    trace: NDArray[np.float64] | None
+    samples: SampleArray
+    trace: FloatArray | None
     strikes: Strikes
 
 
@@ -98,7 +98,7 @@ class RenderResult(SavableSound, Generic[Traced]):
     'football'
     """
 
-    samples: NDArray[np.float32]
+    samples: SampleArray
     sample_rate: float
     trace: Traced
     strikes: Strikes

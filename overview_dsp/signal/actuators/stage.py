@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.errors import InputError, OverviewWarning
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
@@ -44,10 +44,7 @@ def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
 
 
 def write_actuator(
-    memory: NDArray[np.float64],
-    at: int,
-    actuator: Actuator | None,
-    sample_rate: float,
+    memory: FloatArray, at: int, actuator: Actuator | None, sample_rate: float
 ) -> None:
     """Write an actuator's coefficients to memory at `at` and reset its state.
 
@@ -133,7 +130,7 @@ def protection_json(actuator: Actuator | None, protected: ProtectionReport | Non
     }
 
 
-def read_protection(memory: NDArray[np.float64], at: int) -> ProtectionReport:
+def read_protection(memory: FloatArray, at: int) -> ProtectionReport:
     """Read an actuator's protection report from memory."""
     left = math.sqrt(max(1e-12, 1.0 - float(memory[at + layout.ACT_MOST_TAKEN])))
     held = int(memory.view(np.int64)[at + layout.ACT_AT_PEAK])
@@ -174,7 +171,7 @@ class ActuatorStage:
         self._memory = np.zeros(layout.ACT_SIZE)
         write_actuator(self._memory, 0, actuator, sample_rate)
 
-    def process(self, samples: NDArray[np.float32], channel: int) -> None:
+    def process(self, samples: SampleArray, channel: int) -> None:
         """Replace one channel by the drive.
 
         Parameters

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
 from overview_dsp.kernels import layout
@@ -33,7 +34,7 @@ class ControlQueues:
     Thread: any for `control`, `control_all` and `dropped`; one control thread for the rest.
     """
 
-    def __init__(self, memory: NDArray[np.float64]) -> None:
+    def __init__(self, memory: FloatArray) -> None:
         """Write to the rings of `memory`, a block of `kernels.layout`."""
         self._f64 = memory
         self._i64 = memory.view(np.int64)
@@ -90,11 +91,7 @@ class ControlQueues:
             )
 
     def control_all(
-        self,
-        theta2: NDArray[np.float64],
-        touching: NDArray[np.bool_],
-        stamps: NDArray[np.int64],
-        sources: NDArray[np.int8],
+        self, theta2: FloatArray, touching: BoolArray, stamps: IntArray, sources: NDArray[np.int8]
     ) -> None:
         """Push control events in order; if a ring is full raise OverviewError and push none."""
         rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}

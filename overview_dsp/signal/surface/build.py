@@ -26,9 +26,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
@@ -51,9 +51,7 @@ from overview_dsp.signal.surface.model import Surface
 from overview_dsp.signal.surface.profiles import bumps, entries, profile, span
 
 
-def thin_events(
-    position: NDArray[np.float64], release: NDArray[np.float64], most: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def thin_events(position: FloatArray, release: FloatArray, most: int) -> tuple[IntArray, IntArray]:
     """Select at most `most` (1 or more) events, in the order of their positions.
 
     Events in one cell are merged. If too many remain, cells of twice the width are used,
@@ -96,16 +94,16 @@ MIN_WIDTH_CELLS = 4.0
 class _Placed:
     """Table of the events on a surface, in the timeline's order; positions in cells."""
 
-    event: NDArray[np.int64]
-    centre: NDArray[np.float64]
-    position: NDArray[np.float64]
-    edges: NDArray[np.float64]
-    release: NDArray[np.float64]
-    kind: NDArray[np.int64]
-    span: NDArray[np.float64]
+    event: IntArray
+    centre: FloatArray
+    position: FloatArray
+    edges: FloatArray
+    release: FloatArray
+    kind: IntArray
+    span: FloatArray
 
     @classmethod
-    def of(cls, event: NDArray[np.int64], angle_map: AngleMap) -> _Placed:
+    def of(cls, event: IntArray, angle_map: AngleMap) -> _Placed:
         """Return a table with events and centres; `_fill_rows` adds the rest."""
         count = len(event)
         return cls(
@@ -131,9 +129,9 @@ class _Layers:
         self,
         kind: EventKind,
         name: str,
-        members: NDArray[np.int64],
-        centre: NDArray[np.float64],
-        height: NDArray[np.float64],
+        members: IntArray,
+        centre: FloatArray,
+        height: FloatArray,
         width: float,
     ) -> None:
         """Add the profiles of a kind's events; `members` are their rows, lengths are in cells."""
@@ -155,7 +153,7 @@ class _Layers:
         else:
             self._raise(profiles)
 
-    def _raise(self, profiles: Iterator[tuple[int, int, NDArray[np.float64]]]) -> None:
+    def _raise(self, profiles: Iterator[tuple[int, int, FloatArray]]) -> None:
         for _, start, bump in profiles:
             there = self.raised[start : start + len(bump)]
             np.maximum(there, bump, out=there)
@@ -273,9 +271,7 @@ def _checked_map(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
     return angle_map.on(timeline)
 
 
-def _felt(
-    events: tuple[Event, ...], preset: Preset
-) -> tuple[dict[str, NDArray[np.int64]], dict[str, int]]:
+def _felt(events: tuple[Event, ...], preset: Preset) -> tuple[dict[str, IntArray], dict[str, int]]:
     """Return the events' indices by kind of the preset, and the counts of omitted kinds."""
     found: dict[str, list[int]] = {}
     for i, event in enumerate(events):
@@ -304,10 +300,10 @@ def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
 
 def _fill_rows(
     placed: _Placed,
-    members: NDArray[np.int64],
+    members: IntArray,
     kind: EventKind,
     preset: Preset,
-    height: NDArray[np.float64],
+    height: FloatArray,
     width: float,
 ) -> None:
     """Fill position, edges, release and span of a kind's events."""
@@ -335,9 +331,7 @@ def _fill_rows(
     placed.edges[members] = own
 
 
-def _thinned(
-    placed: _Placed, capacity: int, title: str
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _thinned(placed: _Placed, capacity: int, title: str) -> tuple[IntArray, IntArray]:
     """Return the kept rows by position, and for each row the kept one that strikes for it."""
     if len(placed.event) <= capacity:
         order = np.argsort(placed.position, kind="stable")
@@ -353,7 +347,7 @@ def _thinned(
     return order, stands_for
 
 
-def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.float64]:
+def _heights(events: list[Event], name: str, ordinary: float) -> FloatArray:
     """Return the highest friction of each event of a kind."""
     heights = []
     for event in events:

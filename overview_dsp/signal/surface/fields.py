@@ -27,13 +27,11 @@ import warnings
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.signal.surface.profiles import Points, profile, reach
-
-Array = NDArray[np.float64]
 
 BASE = -1
 """Owner of positions with the bristles of the base surface."""
@@ -93,8 +91,8 @@ class BristleField:
     bare : Bristles
     """
 
-    grip: NDArray[np.float64]
-    owner: NDArray[np.int64]
+    grip: FloatArray
+    owner: IntArray
     of_kind: tuple[Bristles, ...]
     bare: Bristles
 
@@ -102,7 +100,7 @@ class BristleField:
 class BristleLayer:
     """Field under construction, event by event."""
 
-    def __init__(self, preset: Preset, ambient: NDArray[np.float64]) -> None:
+    def __init__(self, preset: Preset, ambient: FloatArray) -> None:
         """Start with the base surface, whose viscous friction is `ambient` (N m s/rad)."""
         self._preset = preset
         self._grip = np.zeros(len(ambient))
@@ -112,19 +110,19 @@ class BristleLayer:
             warn_of_lockup(preset, "surface.torque_ratio", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BASE)
 
-    def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:
+    def raise_to(self, event: int, first: int, bump: FloatArray) -> None:
         """Raise the grip to an event's profile (N m s/rad) from the point `first` on."""
         here = self._grip[first : first + len(bump)]
         higher = bump > here
         here[higher] = bump[higher]
         self._owner[first : first + len(bump)][higher] = event
 
-    def check(self, name: str, height: NDArray[np.float64]) -> None:
+    def check(self, name: str, height: FloatArray) -> None:
         """Warn (OverviewWarning) if the disk can never pass the events of a kind."""
         static = height.max() * self._preset.kinds[name].static_ratio
         warn_of_lockup(self._preset, f"kinds.{name}", static, "its height or static_ratio")
 
-    def field(self, number: NDArray[np.int64]) -> BristleField:
+    def field(self, number: IntArray) -> BristleField:
         """Return the field; `number` maps events to their index in the surface."""
         return BristleField(
             self._grip,
@@ -154,8 +152,8 @@ class DetentField:
         Springs beyond the ends, N m/rad and N m s/rad.
     """
 
-    pull: Array
-    energy: Array
+    pull: FloatArray
+    energy: FloatArray
     end_stiffness: float
     end_damping: float
 
@@ -163,18 +161,18 @@ class DetentField:
 class DetentLayer:
     """Field under construction, event by event."""
 
-    def __init__(self, preset: Preset, under: Array) -> None:
+    def __init__(self, preset: Preset, under: FloatArray) -> None:
         """Start with the energy of the base surface (N m cells)."""
         self._preset = preset
         self._under = under
         self._deep = np.zeros(len(under))
         self._high = np.zeros(len(under))
 
-    def check(self, name: str, height: Array) -> None:
+    def check(self, name: str, height: FloatArray) -> None:
         """Warn (OverviewWarning) if the disk can never pass events of this pull."""
         warn_of_lockup(self._preset, f"kinds.{name}", height.max(), "its height")
 
-    def lay(self, model: str, start: int, bump: Array) -> None:
+    def lay(self, model: str, start: int, bump: FloatArray) -> None:
         """Add an event's well or stop (N m cells) from the point `start` on."""
         table = self._deep if model == "detent" else self._high
         there = table[start : start + len(bump)]

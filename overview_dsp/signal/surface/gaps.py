@@ -26,8 +26,8 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.units import clock_text
 
@@ -44,7 +44,7 @@ def ribs(
     cells: int,
     height: float,
     period_percent: float,
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+) -> tuple[BoolArray, FloatArray]:
     """Return which of cells + 1 points lie in a gap, and their friction relative to the base
     surface.
 
@@ -79,7 +79,7 @@ def ribs(
 
 
 def _warn_of_narrow(
-    gaps: tuple[tuple[float, float], ...], ribs_of: NDArray[np.float64], duration_s: float
+    gaps: tuple[tuple[float, float], ...], ribs_of: FloatArray, duration_s: float
 ) -> None:
     narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
     if narrow:
@@ -92,36 +92,34 @@ def _warn_of_narrow(
         )
 
 
-Array = NDArray[np.float64]
-
 _RIDGE = 0.2
 _FALL = 0.1
 _SEED = 1
 
 
-def _waves(x: Array) -> Array:
+def _waves(x: FloatArray) -> FloatArray:
     return 0.5 - 0.5 * np.cos(2.0 * np.pi * x)
 
 
-def _ridges(x: Array) -> Array:
-    d: Array = (x % 1.0 - 0.5) / _RIDGE
-    bump: Array = np.exp(-4.0 * np.log(2.0) * d * d)
+def _ridges(x: FloatArray) -> FloatArray:
+    d: FloatArray = (x % 1.0 - 0.5) / _RIDGE
+    bump: FloatArray = np.exp(-4.0 * np.log(2.0) * d * d)
     return bump
 
 
-def _teeth(x: Array) -> Array:
+def _teeth(x: FloatArray) -> FloatArray:
     part = x % 1.0
     return np.minimum(part / (1.0 - _FALL), (1.0 - part) / _FALL)
 
 
-def _grains(x: Array) -> Array:
+def _grains(x: FloatArray) -> FloatArray:
     heights = np.random.default_rng(_SEED).random(int(x[-1]) + 3)
     at = np.floor(x).astype(np.int64)
     way = 0.5 - 0.5 * np.cos(np.pi * (x - at))
     return heights[at] * (1.0 - way) + heights[at + 1] * way
 
 
-_PATTERNS: dict[str, Callable[[Array], Array]] = {
+_PATTERNS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "waves": _waves,
     "ridges": _ridges,
     "teeth": _teeth,
@@ -129,7 +127,7 @@ _PATTERNS: dict[str, Callable[[Array], Array]] = {
 }
 
 
-def pattern(name: str, cells: int, period_percent: float) -> Array:
+def pattern(name: str, cells: int, period_percent: float) -> FloatArray:
     """Return the pattern at the cells + 1 points of a table, 0 to 1.
 
     Parameters

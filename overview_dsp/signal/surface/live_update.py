@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.signal.surface.model import Surface, TextureStrikes
 
 BLEND = 0.01
@@ -62,7 +62,7 @@ def join_surfaces(old: Surface, new: Surface, cursor: float) -> Surface | None:
 
 def _count_before(surface: Surface, cursor: float) -> int | None:
     """Return the number of events up to the cursor; None unless they are the first in the list."""
-    begins: NDArray[np.float64] = np.minimum(surface.position, surface.edges.min(axis=1, initial=1))
+    begins: FloatArray = np.minimum(surface.position, surface.edges.min(axis=1, initial=1))
     reached = begins <= cursor
     count = int(np.count_nonzero(reached))
     return count if reached[:count].all() else None
