@@ -70,13 +70,7 @@ def run_here(grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskR
 def run_in_processes(
     grid: RenderGrid, tasks: Sequence[Sequence[Job]], processes: int
 ) -> Iterator[TaskResult]:
-    """Run tasks in `processes` processes, and yield each result when it is finished.
-
-    Raises
-    ------
-    OverviewError
-        Processes died repeatedly.
-    """
+    """Run tasks in `processes` processes, and yield each result; OverviewError if these died."""
     left = dict(enumerate(tasks))
     deaths = 0
     warned: set[str] = set()

@@ -89,13 +89,7 @@ def _decoded(name: str, data: bytes) -> Any:
 
 
 def read_rows(storage: Storage) -> tuple[Any, list[str]]:
-    """Read all finished rows of an output folder, and the names of its parts.
-
-    Raises
-    ------
-    InputError
-        A manifest or part can't be decoded.
-    """
+    """Read all finished rows of an output folder, and the names of its parts; InputError."""
     arrow = _pyarrow()
     parts = sorted(storage.sizes(PARTS))
     tables = [_schema().empty_table()]
@@ -129,10 +123,7 @@ def rows_of(
 ) -> IntArray:
     """Return the table row of each key: the finished one, else the last failed one.
 
-    Raises
-    ------
-    OverviewError
-        A key has neither, as its file was deleted during the run.
+    OverviewError for a key with neither, as its file was deleted during the run.
     """
     failed = {
         key: row

@@ -33,14 +33,8 @@ _NO_DATA = b"data" + struct.pack("<I", 0)
 def with_samples(empty: bytes, subtype: str, samples: NDArray[Any]) -> bytes | None:
     """Return the WAV file `empty` with samples; None if its header has an unexpected form.
 
-    Parameters
-    ----------
-    empty : bytes
-        WAV file without samples, whose last chunk is `data`.
-    subtype : str
-        One of `PACKED`.
-    samples : int16 or int32 (frames, channels)
-        Quantized samples in the upper bits.
+    The last chunk of `empty` is `data`. `subtype` is one of `PACKED`. `samples` (frames, channels)
+    are int16 or int32, quantized in the upper bits.
     """
     data = _packed(samples, PACKED[subtype])
     size = len(empty) + len(data) + len(data) % 2

@@ -357,8 +357,7 @@ def cards_over_goals(one: FeltEvents) -> list[float]:
 def felt_range_db(one: FeltEvents) -> float:
     """Return the level in the upper fifth of the curve minus that in the lower fifth, dB.
 
-    Levels are medians between the events; a position is mapped to its time linearly between the
-    events, as by every angle map.
+    Levels are medians between the events, where positions are linear in time, as in any angle map.
     """
     order = np.argsort(one.time_s, kind="stable")
     places = np.concatenate([[0.0], one.position[order], [1.0]])

@@ -1,4 +1,4 @@
-"""Felt level of the tactor channel, by stroke and by event.
+"""Level of the tactor channel as it is felt, by stroke and by event.
 
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk.
 The outward stroke lasts from the touch until shaft 2 disengages, which is when the disk has arrived
@@ -68,15 +68,11 @@ class Stroke:
 class StrokeFeel:
     """Felt levels of one stroke.
 
-    Attributes
-    ----------
-    stroke : Stroke
-    event_free_db : float
-        Median level of the windows outside every event's span, dB.
-    event_db : float64 (events,)
-        Highest level at each event of the surface's table, dB; NaN if the event was not passed.
-    rise : float64 (events,)
-        Steepest rise of the torque's size at each event, N m/s; NaN if the event was not passed.
+    `event_free_db`: median level of the windows outside every event's span, dB.
+    `event_db`, float64 (events,): highest level at each event of the surface's table, dB; NaN if
+        the event was not passed.
+    `rise`, float64 (events,): steepest rise of the torque's size at each event, N m/s; NaN if the
+        event was not passed.
     """
 
     stroke: Stroke
@@ -285,10 +281,8 @@ def stroke_feel(
 ) -> StrokeFeel:
     """Measure one stroke.
 
-    Parameters
-    ----------
-    columns : the trace (`cursor` and `torque` are used)
-    tactor : float32 (frames,), the tactor channel of the same render
+    `columns`: the trace (`cursor` and `torque` are used).
+    `tactor`: float32 (frames,), the tactor channel of the same render
     """
     cursor = columns["cursor"][stroke.start : stroke.stop]
     torque = np.abs(columns["torque"][stroke.start : stroke.stop])

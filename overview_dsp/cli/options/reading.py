@@ -70,7 +70,8 @@ class Window:
     heading: ClassVar[str] = DATA
 
     window: tuple[str, str] | None = option(
-        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.", metavar="START END"
+        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
+        metavar="START END",
     )
     zoom_to: str | None = option(
         "Window around an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"

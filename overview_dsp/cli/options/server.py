@@ -90,12 +90,8 @@ def open_server(
     """Serve the page, the `/control` route of a session, and more routes; yields the address.
 
     `crowd` allows hundreds of pages; `public` is an argument of `make_app`. The address is printed
-    on standard error, with a QR code if a phone can reach it.
-
-    Raises
-    ------
-    InputError
-        The address or the certificate can't be used.
+    on standard error, with a QR code if a phone can reach it. InputError if the address or the
+    certificate can't be used.
     """
     from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app

@@ -78,13 +78,7 @@ def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
 
 
 def load_document(path: Path) -> TakeDocument:
-    """Return the contents of the JSON file of a recorded take.
-
-    Raises
-    ------
-    InputError
-        The JSON file is missing or not valid; the error names file and location.
-    """
+    """Return the contents of the JSON file of a recorded take; InputError names the location."""
     beside = path.with_suffix(".json")
     try:
         text = beside.read_bytes()

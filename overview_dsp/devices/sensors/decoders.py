@@ -183,19 +183,10 @@ _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decode
 def detect(
     data: bytes, timed_out: bool = False, acceleration_known: bool = False
 ) -> DetectedFormat | str | None:
-    """Return the format of a stream's first bytes, or why it can't be detected.
+    """Return the format of a stream's first bytes, why it can't be detected, or None for too few.
 
-    Parameters
-    ----------
-    timed_out : bool
-        Whether to report a stream that would need more data.
-    acceleration_known : bool
-        Whether three numbers are an acceleration, without regard to gravity.
-
-    Returns
-    -------
-    DetectedFormat, str or None
-        None: more data are needed.
+    `timed_out`: whether to report a stream that would need more data.
+    `acceleration_known`: whether three numbers are an acceleration, without regard to gravity.
     """
     found = _detect_packets(data)
     if found is not None:

@@ -60,16 +60,7 @@ PACE = "pace"
 
 @dataclass(frozen=True, eq=False)
 class StrokeFeatures:
-    """Onsets of one stroke and their features.
-
-    Attributes
-    ----------
-    at_ms : int64 (onsets,)
-        Times from the start of the stroke.
-    features : float64 (onsets, features)
-        One column per name.
-    names : tuple of str
-    """
+    """Onsets of one stroke, ms from its start, and their features (onsets, features) by name."""
 
     at_ms: IntArray
     features: FloatArray
@@ -84,16 +75,8 @@ def stroke_features(
 ) -> dict[Modality, StrokeFeatures]:
     """Find the onsets of a stroke and their features, by each modality.
 
-    Parameters
-    ----------
-    samples : float32 (frames, 2)
-        Click and tactor of the stroke.
-    sample_rate : float
-        Hz.
-    modalities
-        Modalities of the result.
-    pace : float64 (milliseconds,), or None
-        Logarithm of the pace, which adds a feature.
+    `samples` (frames, 2) are click and tactor. `pace` (milliseconds,), the logarithm of the pace,
+    adds a feature.
     """
     level = levels(samples[:, TACTOR], sample_rate, FELT_WINDOW_S, TOUCH_FLOOR_DB)
     touched = touch_pulses(level)

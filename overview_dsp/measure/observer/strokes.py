@@ -45,14 +45,9 @@ class PassedEvents:
 
     Events that the input disk passes and the disk never reaches are rows with infinite times.
 
-    Attributes
-    ----------
-    kind : int64 (events,)
-        Index into the surface's `kind_names`.
-    enters_ms, leaves_ms : float64 (events,)
-        From the stroke's start.
-    strength : float64 (events,)
-        Friction released by the event, N m s/rad.
+    `kind`: index into the surface's `kind_names`.
+    `enters_ms`, `leaves_ms`: times from the stroke's start.
+    `strength`: friction released by the event, N m s/rad.
     """
 
     kind: IntArray
@@ -69,15 +64,8 @@ def passed_events(
 ) -> PassedEvents:
     """Find the events that a stroke passes, and those that it misses.
 
-    Parameters
-    ----------
-    surface : Surface
-    cursor : float64 (frames,)
-        Cursor of the stroke.
-    sample_rate : float
-        Hz.
-    furthest : float
-        Furthest position of the input disk: it passes all events that start before.
+    `cursor` is that of the stroke. The input disk passes the events that start before its
+    `furthest` position.
     """
     bounds = _turns(cursor, max(1, int(LOOK_S * sample_rate)))
     events, enters, leaves = [], [], []
@@ -169,14 +157,8 @@ _PACE_OVER_S = 0.05
 class ObservedStroke:
     """One stroke over one timeline.
 
-    Attributes
-    ----------
-    name : str
-        `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
-    features : dict of Modality to StrokeFeatures
-    owner : dict of Modality to int64 (onsets,)
-        The row of `events` that each onset belongs to, or -1.
-    events : PassedEvents
+    `name`: `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
+    `owner`: the row of `events` that each onset belongs to, or -1.
     """
 
     name: str
@@ -204,27 +186,11 @@ def rendered_strokes(
     progress: Callable[[int], None],
     sample_rate: float | None = None,
 ) -> dict[str, list[ObservedStroke]]:
-    """Render every stroke over every timeline on all cores.
+    """Render every stroke over every timeline on all cores; return them by name.
 
-    Parameters
-    ----------
-    preset, timelines
-        Preset and timelines that are rendered.
-    movement
-        Movement; `mixed` renders one movement of mixed pace for each timeline.
-    modalities
-        Modalities of the features.
-    seed
-        Seed of the mixed movements: timeline i gets that of `seed + i`.
-    progress
-        Called after each render with the number of renders (1).
-    sample_rate
-        Sample rate, Hz; None: the lowest rate that the modalities need.
-
-    Returns
-    -------
-    dict of str to list of ObservedStroke
-        Strokes by name, one per timeline.
+    `movement`: `mixed` renders one movement of mixed pace for each timeline i, of seed `seed + i`.
+    `progress`: called after each render with the number of renders (1).
+    `sample_rate`: Hz; None: the lowest rate that the modalities need.
     """
     if sample_rate is None:
         sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE

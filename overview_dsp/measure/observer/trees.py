@@ -38,13 +38,7 @@ class _Tree:
 
 @dataclass(frozen=True, eq=False)
 class Forest:
-    """Trained trees; see `fit_forest`.
-
-    Attributes
-    ----------
-    classes : int
-        Number of classes.
-    """
+    """Trained trees for a number of classes; see `fit_forest`."""
 
     classes: int
     trees: tuple[_Tree, ...]
@@ -76,19 +70,7 @@ def fit_forest(
     rng: np.random.Generator,
     trees: int = TREES,
 ) -> Forest:
-    """Train a forest.
-
-    Parameters
-    ----------
-    features : float64 (samples, features)
-        One sample or more.
-    classes : int64 (samples,)
-        Class numbers from 0.
-    weights : float64 (samples,)
-        Weight of each sample, > 0.
-    rng : Generator
-    trees : int
-    """
+    """Train a forest on features (samples, features), class numbers from 0 and weights > 0."""
     count = int(classes.max()) + 1
     grower = _Grower(features, classes, weights, count, rng)
     return Forest(count, tuple(grower.tree() for _ in range(trees)))

@@ -34,19 +34,9 @@ _PER_DB = 0.02
 
 
 def breakpoints(level: FloatArray, budget: int, required: Iterable[int] = ()) -> IntArray:
-    """Return the positions of a piecewise linear approximation, including both ends.
+    """Return the positions of a piecewise linear approximation of `level`, including both ends.
 
-    Parameters
-    ----------
-    level : float64 (n,), n >= 2
-    budget
-        Number of positions, 2 or more; exceeded only by required positions.
-    required
-        Positions that must be included.
-
-    Returns
-    -------
-    int64 (m,), ascending
+    `budget`: number of positions, 2 or more; exceeded only by the `required` positions.
     """
     last = len(level) - 1
     target = felt_db(level)
@@ -81,22 +71,13 @@ def control_points(
 ) -> tuple[IntArray, FloatArray]:
     """Return the points of a piecewise linear approximation that starts and ends in silence.
 
-    Parameters
-    ----------
-    level : float64 (n,)
-        Amplitude at each millisecond, at least as long as the shortest distance.
-    strikes_ms
-        Positions of strikes, ms.
-    most
-        Highest number of points after the first, 2 or more.
-    spacing_ms
-        Shortest and longest distance between neighbours, ms.
+    `level`: amplitude at each millisecond, at least as long as the shortest distance.
+    `strikes_ms`: positions of strikes, ms.
+    `most`: highest number of points after the first, 2 or more.
+    `spacing_ms`: shortest and longest distance between neighbours, ms.
 
-    Returns
-    -------
-    positions_ms : int64 (m,)
-        Positions; the first and the last are the ends of the part.
-    amplitudes : float64 (m,)
+    Returns the positions, ms, of which the first and the last are the ends of the part, and
+    amplitudes.
     """
     count = (len(level) - 1) // GRID_MS
     positions_ms = np.arange(count + 1) * GRID_MS

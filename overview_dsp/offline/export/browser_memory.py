@@ -121,13 +121,9 @@ def encode_change(
 ) -> bytes:
     """Encode a change between two presets' parameters and, optionally, to a new surface.
 
-    It corresponds to `Engine.set`, `set_preset`, `set_timeline` and `set_surface`: parameters
-    are smoothed and the surface is crossfaded from `sample_time` on; None is as soon as possible.
-
-    Raises
-    ------
-    InputError
-        The carrier doesn't fit the sample rate (Hz), or the sample time is invalid.
+    It corresponds to `Engine.set`, `set_preset`, `set_timeline` and `set_surface`: parameters are
+    smoothed and the surface is crossfaded from `sample_time` on; None is as soon as possible.
+    InputError for a carrier that doesn't fit the sample rate (Hz), or an invalid sample time.
     """
     check_carrier(after, sample_rate)
     changed = changes(before, after, sample_rate)

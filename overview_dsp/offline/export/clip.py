@@ -121,17 +121,9 @@ class Transient:
 class Clip:
     """Vibration for export to haptic formats.
 
-    Attributes
-    ----------
-    title : str
-    level : float64 (n,)
-        Amplitude of the vibration at each millisecond, 0..1 of full scale.
-    frequency_hz : float
-        Frequency of the carrier.
-    transients : tuple of Transient
-        In order of time.
-    surface : Surface
-        Surface of the render.
+    `level`: amplitude of the vibration at each millisecond, 0..1 of full scale.
+    `frequency_hz`: frequency of the carrier.
+    `transients`: strikes in order of time.
     """
 
     title: str
@@ -151,19 +143,10 @@ class Clip:
         return (len(self.level) - 1) / LEVELS_PER_S
 
     def under_strikes(self, length_ms: Callable[[Transient], int]) -> tuple[FloatArray, list[int]]:
-        """Return the continuous part: the felt level with silence during strikes.
+        """Return the felt level at each millisecond, with silence during strikes.
 
-        Parameters
-        ----------
-        length_ms : callable
-            Duration of a strike on a player, ms.
-
-        Returns
-        -------
-        level : float64 (n,)
-            Amplitude at each millisecond.
-        corners : list of int
-            Starts and ends of the silence, which need breakpoints.
+        `length_ms` returns the duration of a strike on a player, ms. It also returns the starts and
+        ends of the silence, which need breakpoints.
         """
         level = self.felt.copy()
         last = len(level) - 1
@@ -181,10 +164,7 @@ class Clip:
 def clip_of(result: RenderResult[Trace | None]) -> Clip:
     """Make a clip of a rendered gesture up to the end of its vibration.
 
-    Raises
-    ------
-    InputError
-        The result has no trace or no vibration, or is longer than ten minutes.
+    InputError for a result without trace or vibration, or longer than ten minutes.
     """
     if result.trace is None:
         raise InputError("the result has no trace, which is needed; render with trace=True")
@@ -233,15 +213,7 @@ class _Candidate:
 
 
 def strikes_of(result: RenderResult[Trace | None], felt: FloatArray) -> tuple[Transient, ...]:
-    """Return the strikes of a rendered gesture in order of time.
-
-    Parameters
-    ----------
-    result
-        Render with strikes and surface.
-    felt : float64 (n,)
-        The felt level at each millisecond.
-    """
+    """Return the strikes of a render in order of time; `felt`: level at each millisecond."""
     peaks, prominences = _pulses(felt)
     above_floor = 20.0 * np.log10(felt[peaks] / FLOOR)
     outstanding = peaks[np.minimum(prominences, above_floor) >= STANDS_OUT_DB]

@@ -154,17 +154,8 @@ def paired(path: Path) -> tuple[Path, ...]:
 def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     """Return the clips of a file or a folder by event kind.
 
-    Parameters
-    ----------
-    path
-        File of a clip, or folder with clips.
-    kind
-        Kind of a single clip. None: the file names of a folder are kinds.
-
-    Raises
-    ------
-    InputError
-        The kind of a file is missing, a folder has no clip, or a kind has several.
+    `kind` is that of a single clip. None: the file names of a folder are kinds. InputError if the
+    kind of a file is missing, a folder has no clip, or a kind has several.
     """
     place = Path(path)
     if not place.is_dir():

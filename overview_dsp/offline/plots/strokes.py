@@ -40,10 +40,8 @@ def plot_strokes(
 ) -> Figure:
     """Plot torque, friction, disk 1 and disk 2 over time, one column per gesture.
 
-        Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position
-        of the
-    clutch, not the input angle. With `gestures`, the input angle is
-        plotted, too.
+    Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position of
+    the clutch, not the input angle. With `gestures`, the input angle is plotted, too.
     """
     figure = new_figure(5.2 * len(results) + 0.6, 9.0)
     grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)

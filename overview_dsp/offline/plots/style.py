@@ -98,8 +98,8 @@ def has_face(marker: Marker) -> bool:
 def styles_of(timeline: Timeline) -> dict[str, Style]:
     """Return the style of each kind of a timeline, which is the same in all plots.
 
-    Kinds without one of their own share a few by their names; two of one picture get different ones
-    as far as there are.
+    Kinds without one of their own share a few by their names; two of one picture differ if
+    possible.
     """
     kinds = timeline.kinds()
     found = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}

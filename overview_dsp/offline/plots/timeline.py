@@ -49,12 +49,7 @@ def time_unit(duration_s: float) -> tuple[float, str]:
 class TimeAxis:
     """Time axis of a plot: in `time_unit`, or with the angle map of a surface.
 
-    Parameters
-    ----------
-    timeline
-        Timeline that is drawn.
-    angle_map
-        Map of the surface that is drawn with it; None draws equal times equally wide.
+    `timeline` is drawn; without `angle_map` equal times are equally wide.
     """
 
     def __init__(self, timeline: Timeline, angle_map: AngleMap | None = None) -> None:

@@ -32,16 +32,9 @@ SHOWN_S = 1.5
 class PassedEvent:
     """Event passed by the disk.
 
-    Attributes
-    ----------
-    time_s : float
-        Time of its strike from the start of the gesture, s.
-    event : Event
-        The event.
-    moment : str
-        Time in the timeline as text.
-    below_db : float
-        Level of its click below the strongest one, dB.
+    `time_s`: time of its strike from the start of the gesture, s.
+    `moment`: time in the timeline as text.
+    `below_db`: level of its click below the strongest one, dB.
     """
 
     time_s: float
@@ -188,25 +181,13 @@ def transcript(
 ) -> tuple[str, ...]:
     """Return one line for each of the strongest strikes of the way out and of the recoil.
 
-    Parameters
-    ----------
-    strikes
-        Strikes of a render; those of the base surface are omitted.
-    timeline
-        Rendered timeline, with kinds, labels and times.
-    engaged
-        Column of the trace that separates the recoil from the way out. None
-        without a trace: all strikes count as the way out.
-    sample_rate
-        Sample rate of `engaged`, Hz.
-    most
-        Highest number of lines for each direction.
+    `strikes`: those of a render; those of the base surface are omitted.
+    `engaged`: column of the trace, which separates the recoil from the way out; None: all strikes
+        count as the way out.
+    `sample_rate`: sample rate of `engaged`, Hz.
+    `most`: highest number of lines for each direction.
 
-    Returns
-    -------
-    tuple of str
-        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if no event was
-        passed.
+    A line is "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest".
     """
     passed = passed_events(strikes, timeline)
     touched = [True] * len(passed)

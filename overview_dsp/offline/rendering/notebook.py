@@ -32,19 +32,8 @@ def result_page(
 ) -> str:
     """Return HTML with title, player (16-bit FLAC), one row per curve, and a transcript.
 
-    Parameters
-    ----------
-    title
-        Plain text.
-    samples : float32 (frames, 2)
-    sample_rate
-        Sample rate in Hz, rounded for the player.
-    rows
-        Curves with the same duration.
-    lines
-        Lines of the transcript, initially folded.
-    passed
-        Number of passed events; the transcript has the strongest.
+    `rows` are curves with the same duration, `lines` those of the transcript, initially folded. Of
+    `passed` events the transcript has the strongest.
     """
     seconds = len(samples) / sample_rate
     name = html.escape(f"{title}, {seconds:.2f} s", quote=True)

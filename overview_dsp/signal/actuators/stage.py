@@ -49,12 +49,8 @@ def write_actuator(
     """Write an actuator's coefficients to memory at `at` and reset its state.
 
     None disables the actuator. The heat is kept, so that reopening an output does not cool the
-    model. Thread: main, before audio runs.
-
-    Raises
-    ------
-    InputError
-        The sample rate (Hz) is too low for the resonance.
+    model. InputError for a sample rate (Hz) too low for the resonance. Thread: main, before audio
+    runs.
     """
     if actuator is not None:
         _check_rate(actuator, actuator.resonance_hz, sample_rate)

@@ -281,12 +281,9 @@ def read_arrival(memory: FloatArray) -> int | None:
 
 
 def read_applied(memory: FloatArray, since: int) -> tuple[NDArray[np.void], int]:
-    """Read the control events applied after the first `since`, and the number applied so far.
+    """Read the control events applied after the first `since`, and their number so far.
 
-    Raises
-    ------
-    OverviewError
-        More events were applied since then than the log keeps.
+    OverviewError if more were applied since then than the log keeps.
     """
     since = validation.whole(since, "since", least=0)
     i64 = memory.view(np.int64)

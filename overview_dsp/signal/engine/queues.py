@@ -185,13 +185,7 @@ def _compile() -> None:
 
 
 def stamp_of(sample_time: int | None) -> int:
-    """Return the stamp of a sample time; None is as soon as possible.
-
-    Raises
-    ------
-    InputError
-        It is not a sample number.
-    """
+    """Return the stamp of a sample time; None is as soon as possible; InputError."""
     if sample_time is None:
         return _AS_SOON_AS_POSSIBLE
     if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:

@@ -49,14 +49,10 @@ BISECTIONS = 60
 class AngleMap:
     """Monotonic map from time to position, piecewise linear.
 
-    Attributes
-    ----------
-    time_s : float64 (points,)
-        Ascending from 0 to the timeline's duration; equal where events lie at one time.
-    position : float64 (points,)
-        Position of each point, strictly ascending from 0 to 1.
-    events : float64 (events,)
-        Position of each of the timeline's events.
+    `time_s`, float64 (points,): ascending from 0 to the timeline's duration; equal where events lie
+        at one time.
+    `position`, float64 (points,): position of each point, strictly ascending from 0 to 1.
+    `events`, float64 (events,): position of each of the timeline's events.
     """
 
     time_s: FloatArray
@@ -67,8 +63,7 @@ class AngleMap:
     def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
         """Return the map of a timeline and a preset.
 
-        It is linear if all events are separate, and for live timelines, so that new events do not
-        move the others.
+        It is linear if all events are separate, and for live timelines, where events must not move.
         """
         ends = np.array([0.0, timeline.duration_s])
         made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))

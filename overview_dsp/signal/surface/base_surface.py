@@ -55,16 +55,10 @@ Weber fraction of damping, may be missed; a ratio of 2 is not."""
 class BaseSurface:
     """Base surface.
 
-    Attributes
-    ----------
-    friction : float64 (cells + 1,)
-        Viscous friction at the table's points, N m s/rad.
-    energy : float64 (cells + 1,)
-        Energy of its detents, N m cells.
-    modes : tuple of ClickMode
-        Modes of its sound.
-    texture_strikes : TextureStrikes
-        Strikes of its pattern.
+    `friction`: viscous friction at the table's cells + 1 points, N m s/rad.
+    `energy`: energy of its detents there, N m cells.
+    `modes`: modes of its sound.
+    `texture_strikes`: strikes of its pattern.
     """
 
     friction: FloatArray
@@ -173,12 +167,7 @@ def heaviness(intensity_gain: float) -> float:
 def rise(now: float, cells: int) -> FloatArray:
     """Return the weight of the future at each point of a table: 0, then a smooth rise to 1.
 
-    Parameters
-    ----------
-    now
-        Position of the present, 0 to 1.
-    cells
-        Number of cells of the table.
+    `now` is the position of the present, 0 to 1.
     """
     part = np.clip((np.arange(cells + 1) / cells - now) / SOFT_END, 0.0, 1.0)
     return part * part * (3.0 - 2.0 * part)

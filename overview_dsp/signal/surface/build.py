@@ -54,22 +54,12 @@ from overview_dsp.signal.surface.profiles import bumps, entries, profile, span
 def thin_events(position: FloatArray, release: FloatArray, most: int) -> tuple[IntArray, IntArray]:
     """Select at most `most` (1 or more) events, in the order of their positions.
 
-    Events in one cell are merged. If too many remain, cells of twice the width are used,
-    and so on. Of equally strong events the first is kept.
+    Events in one cell are merged. If too many remain, cells of twice the width are used, and so on.
+    Of equally strong events the first is kept. `position` (cells) and `release` are those of each
+    strike.
 
-    Parameters
-    ----------
-    position : float64 (events,)
-        Position of each strike, cells.
-    release : float64 (events,)
-        Strength of each strike.
-
-    Returns
-    -------
-    kept : int64 (kept,)
-        Indices of the kept events.
-    stands_for : int64 (events,)
-        For each event the index, in `kept`, of the event that strikes for it.
+    Returns the indices of the kept events, and for each event the index, among these, of the event
+    that strikes for it.
     """
     order = np.argsort(position, kind="stable")
     cell = np.floor(position[order]).astype(np.int64)

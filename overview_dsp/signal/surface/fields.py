@@ -80,15 +80,10 @@ class Bristles:
 class BristleField:
     """Bristles of a surface.
 
-    Attributes
-    ----------
-    grip : float64 (CELLS + 1,)
-        Sliding torque at the table's points, N m; 0 = no bristles.
-    owner : int64 (CELLS + 1,)
-        Owner from each point to the next: index of the surface's event, or `BASE`.
-    of_kind : tuple of Bristles
-        Bristles of each kind.
-    bare : Bristles
+    `grip` (CELLS + 1,): sliding torque at the table's points, N m; 0 = no bristles.
+    `owner` (CELLS + 1,): owner from each point to the next: index of the surface's event, or
+        `BASE`.
+    `of_kind`, `bare`: bristles of each kind, and of the base surface.
     """
 
     grip: FloatArray
@@ -142,14 +137,9 @@ def has_bristles(preset: Preset) -> bool:
 class DetentField:
     """Detents of a surface.
 
-    Attributes
-    ----------
-    pull : float64 (CELLS + 1,)
-        Torque against the disk at the table's points, N m; positive in upward direction.
-    energy : float64 (CELLS + 1,)
-        Integral of the pull from the start, N m cells.
-    end_stiffness, end_damping : float
-        Springs beyond the ends, N m/rad and N m s/rad.
+    `pull` (CELLS + 1,): torque against the disk at the table's points, N m; positive upwards.
+    `energy` (CELLS + 1,): integral of the pull from the start, N m cells.
+    `end_stiffness`, `end_damping`: springs beyond the ends, N m/rad and N m s/rad.
     """
 
     pull: FloatArray

@@ -45,18 +45,10 @@ def ribs(
     height: float,
     period_percent: float,
 ) -> tuple[BoolArray, FloatArray]:
-    """Return which of cells + 1 points lie in a gap, and their friction relative to the base
-    surface.
+    """Return which points of a table lie in a gap, and their friction relative to the base surface.
 
-    Parameters
-    ----------
-    gaps : sorted, disjoint spans (start_s, end_s) of [0, duration_s]; at least one
-    height : friction of a rib, relative to the base surface
-    period_percent : from rib to rib, of the table
-
-    Returns
-    -------
-    bool (cells + 1,) and float64 (as many as are in a gap,). Warns (OverviewWarning) of gaps too
+    `gaps` are sorted and disjoint, at least one; `height` is the relative friction of a rib,
+    `period_percent` the distance from rib to rib, of the table. Warns (OverviewWarning) of gaps too
     narrow for a rib.
     """
     start, end = np.array(gaps, dtype=np.float64).T * (cells / duration_s)
@@ -128,13 +120,7 @@ _PATTERNS: dict[str, Callable[[FloatArray], FloatArray]] = {
 
 
 def pattern(name: str, cells: int, period_percent: float) -> FloatArray:
-    """Return the pattern at the cells + 1 points of a table, 0 to 1.
-
-    Parameters
-    ----------
-    name : one of `presets.parameters.PATTERNS`
-    period_percent : of the table, from one ridge to the next
-    """
+    """Return a pattern of `PATTERNS` at the points of a table, 0 to 1, with a period in % of it."""
     positions = np.arange(cells + 1, dtype=np.float64)
     if name == "none":
         return np.zeros(cells + 1)

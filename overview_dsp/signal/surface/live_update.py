@@ -14,20 +14,10 @@ BLEND = 0.01
 
 
 def join_surfaces(old: Surface, new: Surface, cursor: float) -> Surface | None:
-    """Return a surface that is the old one up to the cursor and the new one beyond it.
+    """Return a surface that is the old one up to the cursor (0 to 1) and the new one beyond it.
 
-    Parameters
-    ----------
-    old, new : Surface
-        Surfaces of the same preset and of timelines of the same duration.
-    cursor : float
-        Position, 0 to 1, up to which all values are those of the old surface.
-
-    Returns
-    -------
-    Surface or None
-        None if the events up to the cursor differ, or if a surface has bristles or detents, whose
-        state depends on the past.
+    Both are of the same preset and of timelines of the same duration. None if the events up to the
+    cursor differ, or if a surface has bristles or detents, whose state depends on the past.
     """
     layered = (old.bristles, old.detents, new.bristles, new.detents) != (None,) * 4
     if layered or (old.kind_names, old.kind_modes, old.own_modes) != (

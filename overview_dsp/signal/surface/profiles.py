@@ -100,14 +100,9 @@ def reach(shape: str, points: Points = ()) -> float:
 
 
 def profile(shape: str, distance: FloatArray, width: float, points: Points = ()) -> FloatArray:
-    """Return the profile's value, 0 to 1, at each distance from the event.
+    """Return the profile's value, 0 to 1, at each distance (in the unit of `width`) from the event.
 
-    Parameters
-    ----------
-    shape : one of `presets.parameters.SHAPES`
-    distance : float64 array, in the same unit as `width`
-    width : full width at half height, > 0
-    points : profile that replaces the shape
+    `width` is the full width at half height, > 0. `points` replace the shape.
     """
     if points:
         places = np.linspace(-1.0, 1.0, len(points))
