@@ -17,7 +17,7 @@ from multiprocessing import connection, get_context, parent_process
 
 from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.task import Job, TaskResult, Worker
-from overview_dsp.errors import OverviewError, OverviewWarning
+from overview_dsp.errors import OverviewError, OverviewWarning, warn
 
 MAX_DEATHS = 3
 """Deaths of processes after which the batch ends."""
@@ -80,7 +80,7 @@ def run_in_processes(
                 del left[number]
                 for note in notes:
                     if note not in warned:
-                        warnings.warn(note, OverviewWarning, stacklevel=2)
+                        warn(note)
                 warned.update(notes)
                 yield done
         except BrokenProcessPool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray, SampleArray
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.errors import InputError, warn
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
 from overview_dsp.kernels.device.derive_actuator import SKIN_HZ, derive_actuator
@@ -31,15 +30,12 @@ def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
     """Warn if the actuator's vibration at a frequency is hardly felt."""
     validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     resonance_hz = actuator.resonance_hz
-    felt = (
-        actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
-    )
+    felt = actuator.response_db(frequency_hz)
+    felt += pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
     if felt < FAINT_DB:
-        warnings.warn(
+        warn(
             f"{actuator.name} is felt {-felt:.0f} dB less at tactor.frequency_hz = "
-            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz",
-            OverviewWarning,
-            stacklevel=2,
+            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz"
         )
 
 

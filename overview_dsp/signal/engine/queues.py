@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import warnings
 from collections.abc import Iterator
 from functools import cache
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
+from overview_dsp.errors import InputError, OverviewError, shown, warn
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.atomics import acquired, publish
 from overview_dsp.kernels.control_events import push_control
@@ -83,11 +82,10 @@ class ControlQueues:
             self._dropped[ring] += 1
             first = self._dropped[ring] == 1
         if first:
-            warnings.warn(
+            warn(
                 f"control event dropped: {layout.RING} of source {source!r} are pending; "
                 "process a block first",
-                OverviewWarning,
-                stacklevel=3,
+                2,
             )
 
     def control_all(

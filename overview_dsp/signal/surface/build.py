@@ -3,8 +3,8 @@
     B = base surface + max over events of height * weight * profile
 
 `base_surface` builds the base surface. `fields` adds bristles and detents, if the preset has them.
-Overlapping profiles combine by their maximum, so that none
-disappears in a sum. Every event keeps a strike of its own.
+Overlapping profiles combine by their maximum, so that none disappears in a sum. Every event keeps a
+strike of its own.
 
 A kind whose events are denser than its `spacing_percent` is omitted completely: a thousand heart
 beats would be indistinguishable. Shorter windows with larger distances show them.
@@ -21,7 +21,6 @@ If there are more events than a surface holds, the strongest of neighbouring eve
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -32,7 +31,7 @@ from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.errors import InputError, warn
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.base_surface import BaseSurface, build_base_surface
@@ -155,11 +154,10 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
     assert kind.width_ms is not None
     cells = kind.width_ms / 1000.0 / duration_s * CELLS
     if cells < MIN_WIDTH_CELLS:
-        warnings.warn(
+        warn(
             f"kinds.{name}.width_ms is {kind.width_ms:g} of {duration_s:g} s, below the surface's "
             f"resolution; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
-            OverviewWarning,
-            stacklevel=3,
+            2,
         )
         return MIN_WIDTH_CELLS
     return min(cells, float(CELLS))
@@ -206,9 +204,16 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, omitted_events = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    angle_map = (
-        AngleMap.of(timeline, preset) if angle_map is None else _checked_map(angle_map, timeline)
-    )
+    if angle_map is None:
+        angle_map = AngleMap.of(timeline, preset)
+    else:
+        validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
+        if angle_map.duration_s != timeline.duration_s:
+            raise InputError(
+                f"angle_map is for {angle_map.duration_s:g} s; must be for "
+                f"{timeline.duration_s:g} s"
+            )
+        angle_map = angle_map.on(timeline)
     under = build_base_surface(timeline, preset, CELLS, angle_map)
     crests = len(under.texture_strikes.position)
     capacity = MAX_EVENTS - crests
@@ -252,15 +257,6 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     )
 
 
-def _checked_map(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
-    validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
-    if angle_map.duration_s != timeline.duration_s:
-        raise InputError(
-            f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"
-        )
-    return angle_map.on(timeline)
-
-
 def _felt(events: tuple[Event, ...], preset: Preset) -> tuple[dict[str, IntArray], dict[str, int]]:
     """Return the events' indices by kind of the preset, and the counts of omitted kinds."""
     found: dict[str, list[int]] = {}
@@ -280,11 +276,10 @@ def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
     # a tick is a tick under any preset
     unknown = sorted(kind for kind in set(kinds) - set(TICKS) if preset.kind_for(kind) is None)
     if unknown:
-        warnings.warn(
+        warn(
             f"preset {preset.name!r} has no {', '.join(unknown)}; these events use its kind "
             f"{DEFAULT_KIND!r}; its kinds: {', '.join(preset.kinds)}",
-            OverviewWarning,
-            stacklevel=3,
+            2,
         )
 
 
@@ -327,12 +322,10 @@ def _thinned(placed: _Placed, capacity: int, title: str) -> tuple[IntArray, IntA
         order = np.argsort(placed.position, kind="stable")
         return order, np.argsort(order)
     order, stands_for = thin_events(placed.position, placed.release, capacity)
-    warnings.warn(
-        f"{title}: the surface keeps {len(order)} of {len(placed.event)} events; "
-        "the strongest of neighbouring events strikes, and friction "
-        "includes all of them; use a shorter window",
-        OverviewWarning,
-        stacklevel=3,
+    warn(
+        f"{title}: the surface keeps {len(order)} of {len(placed.event)} events; the strongest of "
+        "neighbouring events strikes, and friction includes all of them; use a shorter window",
+        2,
     )
     return order, stands_for
 
@@ -343,11 +336,10 @@ def _heights(events: list[Event], name: str, ordinary: float) -> FloatArray:
     for event in events:
         height = ordinary * event.weight
         if height > MAX_FRICTION:
-            warnings.warn(
+            warn(
                 f"{name} at {event.time_s:g} s: weight {event.weight:g} gives more friction than "
                 f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
-                OverviewWarning,
-                stacklevel=3,
+                2,
             )
             height = MAX_FRICTION
         heights.append(height)

@@ -23,14 +23,13 @@ A height thus means the same torque for all models: that of viscous friction at 
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, fields
 
 import numpy as np
 
 from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import EventKind, Preset
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.errors import warn
 from overview_dsp.signal.surface.profiles import Points, profile, reach
 
 BASE = -1
@@ -47,11 +46,10 @@ def warn_of_lockup(preset: Preset, name: str, torque: float, lower: str) -> None
     """
     most = preset.number("disk.k2") * math.pi
     if torque >= most:
-        warnings.warn(
+        warn(
             f"{name}: the disk gets stuck at {torque * 1e3:.3g} mN·m, since shaft 2 pulls with "
             f"{most * 1e3:.3g} mN·m at most; lower {lower}, or raise disk.k2",
-            OverviewWarning,
-            stacklevel=5,
+            4,
         )
 
 

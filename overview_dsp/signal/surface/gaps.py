@@ -22,13 +22,12 @@ Values are 0 to 1. The period is relative to the surface and thus independent of
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
 
 from overview_dsp.arrays import BoolArray, FloatArray
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.errors import warn
 from overview_dsp.units import clock_text
 
 GROOVE = 0.1
@@ -76,11 +75,10 @@ def _warn_of_narrow(
     narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
     if narrow:
         some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
-        warnings.warn(
+        warn(
             f"{some} too narrow for perceptible ribs in {clock_text(duration_s)} (narrowest: "
             f"{min(narrow):.3g} s); use a shorter window",
-            OverviewWarning,
-            stacklevel=4,
+            3,
         )
 
 
@@ -89,19 +87,10 @@ _FALL = 0.1
 _SEED = 1
 
 
-def _waves(x: FloatArray) -> FloatArray:
-    return 0.5 - 0.5 * np.cos(2.0 * np.pi * x)
-
-
 def _ridges(x: FloatArray) -> FloatArray:
     d: FloatArray = (x % 1.0 - 0.5) / _RIDGE
     bump: FloatArray = np.exp(-4.0 * np.log(2.0) * d * d)
     return bump
-
-
-def _teeth(x: FloatArray) -> FloatArray:
-    part = x % 1.0
-    return np.minimum(part / (1.0 - _FALL), (1.0 - part) / _FALL)
 
 
 def _grains(x: FloatArray) -> FloatArray:
@@ -112,15 +101,15 @@ def _grains(x: FloatArray) -> FloatArray:
 
 
 _PATTERNS: dict[str, Callable[[FloatArray], FloatArray]] = {
-    "waves": _waves,
+    "waves": lambda x: 0.5 - 0.5 * np.cos(2.0 * np.pi * x),
     "ridges": _ridges,
-    "teeth": _teeth,
+    "teeth": lambda x: np.minimum(x % 1.0 / (1.0 - _FALL), (1.0 - x % 1.0) / _FALL),
     "grains": _grains,
 }
 
 
 def pattern(name: str, cells: int, period_percent: float) -> FloatArray:
-    """Return a pattern of `PATTERNS` at the points of a table, 0 to 1, with a period in % of it."""
+    """Return a pattern (see above) at the points of a table, 0 to 1, with a period in % of it."""
     positions = np.arange(cells + 1, dtype=np.float64)
     if name == "none":
         return np.zeros(cells + 1)

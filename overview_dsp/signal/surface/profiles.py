@@ -37,24 +37,8 @@ _RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
 _FALL = 1.0 / 8.0
 
 
-def _gaussian(d: FloatArray) -> FloatArray:
-    return np.exp(-4.0 * math.log(2.0) * d * d)
-
-
-def _raised_cosine(d: FloatArray) -> FloatArray:
-    return np.where(np.abs(d) < 1.0, 0.5 + 0.5 * np.cos(np.pi * d), 0.0)
-
-
 def _ramp_up(d: FloatArray) -> FloatArray:
     return np.maximum(np.minimum(1.0 + d / _RISE, 1.0 - d / _FALL), 0.0)
-
-
-def _ramp_down(d: FloatArray) -> FloatArray:
-    return _ramp_up(-d)
-
-
-def _plateau(d: FloatArray) -> FloatArray:
-    return np.exp(-math.log(2.0) * (2.0 * d) ** 10)
 
 
 def _stop(d: FloatArray) -> FloatArray:
@@ -62,11 +46,11 @@ def _stop(d: FloatArray) -> FloatArray:
 
 
 _SHAPES: dict[str, Callable[[FloatArray], FloatArray]] = {
-    "gaussian": _gaussian,
-    "raised_cosine": _raised_cosine,
+    "gaussian": lambda d: np.exp(-4.0 * math.log(2.0) * d * d),
+    "raised_cosine": lambda d: np.where(np.abs(d) < 1.0, 0.5 + 0.5 * np.cos(np.pi * d), 0.0),
     "ramp_up": _ramp_up,
-    "ramp_down": _ramp_down,
-    "plateau": _plateau,
+    "ramp_down": lambda d: _ramp_up(-d),
+    "plateau": lambda d: np.exp(-math.log(2.0) * (2.0 * d) ** 10),
     "stop": _stop,
 }
 
