@@ -25,10 +25,9 @@ def command() -> None:
 def learn(name: str, target: str, *, learning: Learning) -> None:
     """Assign the control that you move on the port NAME to TARGET.
 
-    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), taps (keys, each
-    with one position) or the id of a parameter (overview presets reference). The control
-    is added to the list, and replaces another control of TARGET. A knob without ends
-    is detected by its steps.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), taps (keys, each with
+    one position) or the id of a parameter (overview presets reference). The control is added to the
+    list, and replaces another control of TARGET. A knob without ends is detected by its steps.
     """
     from overview_dsp.devices.controllers.control_map import (
         KEYS,

@@ -1,8 +1,7 @@
 """Table of felt events with one row per event and stroke.
 
 An outward stroke ends where the disk turns back, which may be after the release
-(`perceived_level.strokes`).
-Each row has
+(`perceived_level.strokes`). Each row has
 
 - *reached*: whether the disk comes to the event's position;
 - *lag*: where the disk enters the event's span, the time since the input disk entered it, and the
@@ -10,8 +9,8 @@ Each row has
 - *level*: highest RMS over 10 ms while the disk is on the event, dB of full scale;
 - *contrast*: level above the median of all windows of 10 ms that overlap no event;
 - *sharpness*: steepest rise of the torque, N m/s;
-- *duration*: how long the level stays within 6 dB of its highest, ms (of an
-  event with a contrast below 12 dB: in the upper half of the contrast);
+- *duration*: time for which the level stays within 6 dB of its highest, ms (of an event with a
+  contrast below 12 dB: in the upper half of the contrast);
 - *click*: highest RMS over 10 ms of the click, dB of full scale, and when it is struck;
 - *detected*: a pulse (`perceived_level.touch_pulses`) belongs to the event;
 - *masked*: its level is less than one JND above the level between the events;
@@ -407,8 +406,8 @@ def _clicks(
     click: SampleArray,
     kinds: NDArray[np.str_],
 ) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray, NDArray[np.str_]]:
-    """Return of each event when it is struck, s, how loud, dB, how far from its vibration, ms,
-    whether that is within 30 ms of others, and which kind hides it.
+    """Return time (s), level (dB) and lag (ms) of each event's click, whether it is merged with
+    another one, and the kind that hides it.
     """
     rate, envelope, release = done.sample_rate, done.trace.envelope, done.surface.release
     level = levels(click, rate, FELT_WINDOW_S, FLOOR_DB)

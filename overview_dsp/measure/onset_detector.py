@@ -3,8 +3,7 @@
 The signal is high-passed at 250 Hz to remove rumble. Its level is taken over 2 ms Hann windows
 every 0.25 ms. An onset is a rise of the level by at least 9 dB over the highest of the 8 ms before,
 above a floor. Its time is the steepest point of the rise, and its strength the highest level of the
-5 ms from there. Onsets closer than 5 ms count as one, at the
-steepest of them.
+5 ms from there. Onsets closer than 5 ms count as one, at the steepest of them.
 """
 
 from __future__ import annotations
@@ -110,20 +109,19 @@ def onsets(signal: SampleArray, sample_rate: float, floor_db: float = FLOOR_DB) 
     edges = np.flatnonzero(rising & ~np.concatenate([[False], rising[:-1]]))
     slope = np.diff(level, prepend=level[:1])
     reach = round(MERGE_S / step)
-    found_times: list[float] = []
-    found_levels: list[float] = []
+    found: list[tuple[float, float]] = []
     sharpest = 0.0
     for edge in edges.tolist():
         first = max(0, edge - gap - 2)
         steepest = first + int(np.argmax(slope[first : edge + gap + 2]))
-        strength = float(level[steepest : steepest + reach].max())
-        if found_times and times[steepest] - found_times[-1] < MERGE_S:
-            found_levels[-1] = max(found_levels[-1], strength)
+        time_s, strength = float(times[steepest]), float(level[steepest : steepest + reach].max())
+        if found and time_s - found[-1][0] < MERGE_S:
+            before_s, before_db = found.pop()
+            strength = max(before_db, strength)
             # texture that begins just before a click is not its onset
-            if slope[steepest] > sharpest:
-                found_times[-1], sharpest = float(times[steepest]), float(slope[steepest])
-            continue
+            if slope[steepest] <= sharpest:
+                found.append((before_s, strength))
+                continue
         sharpest = float(slope[steepest])
-        found_times.append(float(times[steepest]))
-        found_levels.append(strength)
-    return Onsets(np.array(found_times), np.array(found_levels))
+        found.append((time_s, strength))
+    return Onsets(*np.array(found, dtype=np.float64).reshape(-1, 2).T)

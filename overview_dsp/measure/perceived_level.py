@@ -69,10 +69,8 @@ class StrokeFeel:
     """Felt levels of one stroke.
 
     `event_free_db`: median level of the windows outside every event's span, dB.
-    `event_db`, float64 (events,): highest level at each event of the surface's table, dB; NaN if
-        the event was not passed.
-    `rise`, float64 (events,): steepest rise of the torque's size at each event, N m/s; NaN if the
-        event was not passed.
+    `event_db`: highest level at each event of the surface, dB; NaN if it was not passed.
+    `rise`: steepest rise of the torque at each event, N m/s; NaN if it was not passed.
     """
 
     stroke: Stroke
@@ -279,11 +277,7 @@ def stroke_feel(
     sample_rate: float,
     hop_s: float = HOP_S,
 ) -> StrokeFeel:
-    """Measure one stroke.
-
-    `columns`: the trace (`cursor` and `torque` are used).
-    `tactor`: float32 (frames,), the tactor channel of the same render
-    """
+    """Measure one stroke by the trace (`cursor`, `torque`) and the tactor channel of a render."""
     cursor = columns["cursor"][stroke.start : stroke.stop]
     torque = np.abs(columns["torque"][stroke.start : stroke.stop])
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
@@ -294,14 +288,12 @@ def stroke_feel(
     occupied = within[last_frame] - within[first_frame] > 0
     free = level[~occupied]
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
-    count = len(surface.position)
-    event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
+    event_db, rise = np.full((2, len(surface.position)), np.nan)
     events, first, last = passages(surface, cursor)
     event_db[events] = _highest(starts, level, length, first, last)
     for i, start, stop in zip(events, first, last + 1, strict=True):
-        inside = (cursor[start:stop] >= surface.span[i, 0]) & (
-            cursor[start:stop] <= surface.span[i, 1]
-        )
+        low, high = surface.span[i]
+        inside = (cursor[start:stop] >= low) & (cursor[start:stop] <= high)
         rise[i] = slope[start:stop][inside].max()
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
 
@@ -333,6 +325,7 @@ def ratio_jnds(first: float, second: float, step: float) -> float:
 
 
 PULSE_HOP_S = 0.002
+"""Time between two levels in which pulses are sought, s."""
 
 
 def pulse_indices(level: FloatArray) -> IntArray:

@@ -314,22 +314,16 @@ class _Search:
                 costs[name] += gap.shortfall**2
         if self._separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
-                clear = (
-                    max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
-                    if kind.passed
-                    else FAULT_STEPS
-                )
-                costs[kind.kind] += clear**2 + FAULT_STEPS**2 * (kind.masked + kind.merged)
+                jnds = max(0.0, CLEAR_STEPS - kind.contrast_db / STEP_DB)
+                missing = jnds if kind.passed else FAULT_STEPS
+                costs[kind.kind] += missing**2 + FAULT_STEPS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))
 
     def reached(self, feels: Feels) -> bool:
         """Return whether all requirements are met."""
-        kinds = (
-            [kind for kinds in feels.values() for kind in kinds.values()] if self._separate else []
-        )
-        return all(gap.steps >= gap.required for gap in self.gaps(feels)) and not any(
-            kind.masked or kind.merged for kind in kinds
-        )
+        all_kinds = (kind for kinds in feels.values() for kind in kinds.values())
+        faulty = self._separate and any(kind.masked or kind.merged for kind in all_kinds)
+        return not faulty and all(gap.steps >= gap.required for gap in self.gaps(feels))
 
     def raised(self, moves: FloatArray, feels: Feels) -> FloatArray:
         """Raise each kind of the target by its shortfall and those of the kinds below it."""
@@ -379,16 +373,11 @@ class _Search:
 
 def _moved_kind(kind: EventKind, height: float, width: float) -> EventKind:
     key = "width_percent" if kind.width_percent is not None else "width_ms"
-    changes: dict[str, Any] = {
-        "height": _within("height", kind.height * height),
-        key: _within(key, getattr(kind, key) * width),
-    }
+    changes: dict[str, Any] = {"height": kind.height * height, key: getattr(kind, key) * width}
+    for name, value in changes.items():
+        known = KIND_PARAMETERS[name]
+        changes[name] = min(max(value, known.low), known.high)
     return replace(kind, **changes)
-
-
-def _within(key: str, value: float) -> float:
-    known = KIND_PARAMETERS[key]
-    return min(max(value, known.low), known.high)
 
 
 def _alternating(target: Sequence[str]) -> Timeline:

@@ -36,8 +36,8 @@ def updated_text(source: Path, changes: Changes, before: Preset) -> str:
     written_in = document.unwrap()
     if migrate(written_in) != {**written_in, "schema": SCHEMA}:
         raise InputError(
-            f"{source}: has keys of an older schema; save it again first: overview presets new NAME "
-            f"--base {source}"
+            f"{source}: has keys of an older schema; save it again first: "
+            f"overview presets new NAME --base {source}"
         )
     document["schema"] = SCHEMA
     base = document.get("extends")

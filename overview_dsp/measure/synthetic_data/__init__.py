@@ -1,7 +1,7 @@
-"""Random timelines like real ones, by seed: what an observer of a preset learns from and is asked.
+"""Random timelines like real ones, by seed, for the training and evaluation of an observer.
 
-Each generator draws what a reader would read (a match's events, a share's closing prices, a
-heart's beats, a crowd's loudness); the reader's own rules make the timeline of it.
+Each generator draws the data of a file (events of a match, closing prices, heartbeats, loudness of
+a crowd). The rules of the readers make a timeline of them.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ _BY_KIND: Mapping[str, Generator] = {
 }
 _SERIES = "highest"
 _SERIES_FOR: Mapping[str, Generator] = {"shares": random_share, "weather": random_weather}
-"""Words of `tags.usage` that name a kind of series."""
+"""Generator of a series by a word of `tags.usage`."""
 
 
 def generators(preset: Preset) -> tuple[Generator, ...]:
-    """Find what makes timelines for a preset, to be taken in turn."""
+    """Return the generators of timelines for a preset, which are used in turn."""
     for kind, generator in _BY_KIND.items():
         if kind in preset.kinds:
             return (generator,)
@@ -49,25 +49,25 @@ def generators(preset: Preset) -> tuple[Generator, ...]:
 
 
 def random_timelines(preset: Preset, count: int, seed: int = 0) -> list[Timeline]:
-    """Make up timelines of a preset's own kinds.
+    """Make random timelines with the kinds of a preset.
 
-    Matches for a preset with goals, hearts for one with premature beats, crowds for one with
-    cheers, shares and weather (what its tags name, or both in turn) for one with a highest place,
-    events of all its kinds for any other.
+    They are matches for a preset with goals, hearts for one with premature beats, crowds for one
+    with cheers, and shares or weather (by its tags, or both in turn) for one with a highest value.
+    For any other preset they have events of all its kinds.
 
     Parameters
     ----------
     preset : Preset
-        For which.
+        Preset of the kinds.
     count : int
-        How many.
+        Number of timelines.
     seed : int
-        Of the first; the others' follow.
+        Seed of the first timeline; each further one has the next seed.
 
     Returns
     -------
     list of Timeline
-        Each with at least one event.
+        Timelines with at least one event each.
 
     Examples
     --------

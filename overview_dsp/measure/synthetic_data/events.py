@@ -1,11 +1,12 @@
 """Random events: a football match, and events of any kinds.
 
-Rates a match (Poisson) are those of StatsBomb's open data as this project reads them: 2.7 goals, 20
-fouls, 9.5 near misses, 3.8 yellow cards. Own goals (a twelfth of the goals) and red cards (0.3) are
-three and two times as frequent as in real matches, or an observer would meet too few to learn them.
+The mean numbers per match (of Poisson distributions) are those of StatsBomb's open data as this
+project reads them: 2.7 goals, 20 fouls, 9.5 near misses, 3.8 yellow cards. Own goals (a twelfth of
+the goals) and red cards (0.3) are three and two times as frequent as in real matches, since an
+observer would otherwise learn from too few of them.
 
-What makes real matches hard to read is drawn too: goals less than two minutes apart, cards in the
-minutes after a goal, shots that rebound, and a foul at the very moment of its card.
+Difficult parts of real matches occur too: goals less than two minutes apart, cards in the minutes
+after a goal, rebounds of shots, and a foul at the time of its card.
 """
 
 from __future__ import annotations
@@ -24,28 +25,28 @@ OWN_GOAL = 1.0 / 12.0
 """Share of goals."""
 
 CLOSE_GOAL, CLOSE_GOAL_S = 0.15, (20.0, 115.0)
-"""After so many goals another one, so soon."""
+"""Share of goals that are followed by another one, and the time between them, s."""
 
 CARD_AFTER_GOAL, CARD_AFTER_GOAL_S = 0.2, (5.0, 480.0)
 REBOUND, REBOUND_S = 0.2, (2.0, 20.0)
 FOUL_WITH_CARD = 0.85
 HALF_S = 2700.0
 STOPPAGE_S = ((40.0, 260.0), (120.0, 460.0))
-"""Shortest and longest, of the first and of the second half."""
+"""Shortest and longest stoppage time of the first and of the second half, s."""
 
 
 def random_match(seed: int) -> Timeline:
-    """Make up a football match: real rates, close goals, cards soon after goals.
+    """Make a random football match with the rates of real ones, close goals and cards after goals.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same match.
+        Random seed; the same seed gives the same match.
 
     Returns
     -------
     Timeline
-        Of the kinds of the preset `football`, with the crowd's curve that readers derive.
+        Timeline with the kinds of the preset `football` and the curve of the crowd's excitement.
 
     Examples
     --------
@@ -90,26 +91,26 @@ def random_match(seed: int) -> Timeline:
 
 EVENTS_LENGTH_S = 600.0
 EVENTS = 30.0
-"""So many in the mean: about a match's."""
+"""Mean number of events, about that of a match."""
 
 CLOSE, CLOSE_S = 0.15, (1.0, 12.0)
-"""So many events have another one, so soon after them."""
+"""Share of events that are followed by another one, and the time between them, s."""
 
 
 def random_events(kinds: Sequence[str], seed: int) -> Timeline:
-    """Make up a timeline of given kinds, equally frequent, some close together, over a curve.
+    """Make a random timeline of equally frequent kinds, with close events and a curve.
 
     Parameters
     ----------
     kinds : sequence of str
-        One or more.
+        One or more kinds.
     seed : int
-        The same seed and kinds, the same timeline.
+        Random seed; the same seed and kinds give the same timeline.
 
     Returns
     -------
     Timeline
-        Of ten minutes; each kind occurs.
+        Timeline of ten minutes in which each kind occurs.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Random heartbeats with early, missed and other irregular beats.
 
-The rate lies between 55 and 85 beats a minute, breathes, wanders, and rises in one to three
-episodes by a quarter to two thirds. Two of three recordings last 5 to 30 minutes, where steady
-beats are the ground; the third is a window of less than 100 beats, each felt.
+The rate is 55 to 85 beats per minute. It varies with breathing, drifts, and rises by a quarter to
+two thirds in one to three episodes. Two of three recordings last 5 to 30 minutes, in which steady
+beats are a part of the curve. The third is a window of less than 100 beats, which are all events.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from overview_dsp.data.timeline import Event, Timeline
 
 LONG_S, SHORT_S = (300.0, 1800.0), (40.0, 68.0)
 STEADY = ((NORMAL, 0.8), ("bundle_branch_block", 0.1), ("paced", 0.1))
-"""What a recording's steady beats are, and how often."""
+"""Kinds of the steady beats of a recording, with their probabilities."""
 
 EARLY = (
     ("premature_atrial", 0.45),
@@ -28,24 +28,24 @@ EARLY = (
     ("fusion", 0.05),
 )
 MOST_OUT_OF_TURN = 0.08
-"""Of all beats; a share between nothing and this."""
+"""Largest share of early beats."""
 
 MISSED, RHYTHMS, FAULTS, FLUTTER = 3.0, 2.0, 2.0, 0.35
-"""Missed beats, changes of rhythm and of the signal's quality, spells of flutter a recording."""
+"""Mean numbers per recording: missed beats, changes of rhythm and of signal quality, flutters."""
 
 
 def random_heart(seed: int) -> Timeline:
-    """Make up a recording of a heart.
+    """Make a random recording of a heart.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same heart.
+        Random seed; the same seed gives the same heart.
 
     Returns
     -------
     Timeline
-        Of the kinds of the preset `heart`.
+        Timeline with the kinds of the preset `heart`.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def random_heart(seed: int) -> Timeline:
     usual = usual[: np.searchsorted(np.cumsum(usual), length) + 10]
     steady = _one_of(rng, STEADY)
     early = rng.random(len(usual)) < rng.uniform(0.0, MOST_OUT_OF_TURN)
-    early[:10] = False  # the usual interval is known from what surrounds it
+    early[:10] = False  # the regular interval is known from the beats around it
     missed = np.zeros(len(usual), dtype=bool)
     missed[rng.integers(10, len(usual), rng.poisson(MISSED))] = True
     kinds = [steady] * len(usual)
@@ -80,7 +80,7 @@ def random_heart(seed: int) -> Timeline:
 
 
 def _intervals(rng: np.random.Generator, length: float) -> FloatArray:
-    """The usual intervals from beat to beat, s, of as many beats as could be there."""
+    """Return regular intervals from beat to beat, s, of more beats than the length holds."""
     count = int(length * 2.5) + 20
     rate = np.full(count, rng.uniform(55.0, 85.0))
     beat = np.arange(count)
@@ -93,7 +93,7 @@ def _intervals(rng: np.random.Generator, length: float) -> FloatArray:
 
 
 def _others(rng: np.random.Generator, length: float) -> list[Event]:
-    """Annotations beside the beats."""
+    """Return annotations that are not beats."""
     found = [
         Event(float(at), kind)
         for kind, rate in (("rhythm", RHYTHMS), ("signal_quality", FAULTS))

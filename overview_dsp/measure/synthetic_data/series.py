@@ -1,12 +1,11 @@
-"""Random series: a share's closing prices, a town's daily temperatures, a crowd's loudness.
+"""Random series: closing prices of a share, daily temperatures of a town, loudness of a crowd.
 
-Prices walk at random with calm and stormy times (volatility 0.7 to 2.5 % a day, which reverts
-within a month or so) and rare jumps. Temperatures are a year's wave with weather on it that lasts
-some days, sometimes with a stretch of missing days. Events are found in them by the rules for
-tables.
+Prices are a random walk with rare jumps. Its volatility is 0.7 to 2.5 % per day and reverts to its
+mean within about a month. Temperatures are a yearly wave with deviations that last some days, and
+sometimes with missing days. The rules for tables find the events.
 
-A crowd's murmur wanders by a decibel or two; cheers rise by 7 to 18 LU within a second or two, are
-held for 2 to 12 s and die away; bursts (a whistle, a bang) last a few tenths of a second.
+The loudness of a crowd varies by one or two decibels. Cheers rise by 7 to 18 LU within one or two
+seconds, last 2 to 12 s and decay. Bursts (a whistle, a bang) last a few tenths of a second.
 """
 
 from __future__ import annotations
@@ -26,23 +25,23 @@ from overview_dsp.data.readers.tables.memory import table_of
 from overview_dsp.data.timeline import Timeline
 
 TRADING_DAYS = 252
-"""A year of a share."""
+"""Trading days per year."""
 
 _FIRST_DAY = np.datetime64("1990-01-01", "D")
 
 
 def random_share(seed: int) -> Timeline:
-    """Make up one to three years of a share's closing prices.
+    """Make one to three years of random closing prices of a share.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same share.
+        Random seed; the same seed gives the same share.
 
     Returns
     -------
     Timeline
-        Of the kinds that series have.
+        Timeline with the kinds of a series.
 
     Examples
     --------
@@ -54,13 +53,13 @@ def random_share(seed: int) -> Timeline:
     count = TRADING_DAYS * int(rng.integers(1, 4))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = np.busday_offset(start, np.arange(count), roll="forward")
-    usual = np.log(rng.uniform(0.007, 0.025))
-    storm = 0.0
+    log_volatility = np.log(rng.uniform(0.007, 0.025))
+    deviation = 0.0
     steps = np.empty(count)
     for i, (kick, move) in enumerate(rng.standard_normal((count, 2)).tolist()):
-        storm += -storm / 20.0 + 0.15 * kick
-        steps[i] = np.exp(usual + storm) * move
-    # results and other news: twice a year
+        deviation += -deviation / 20.0 + 0.15 * kick
+        steps[i] = np.exp(log_volatility + deviation) * move
+    # jumps, such as after results: twice per year
     steps += (rng.random(count) < 2.0 / TRADING_DAYS) * rng.normal(0.0, 0.06, count)
     steps += rng.normal(0.0003, 0.0004)
     price = np.round(rng.uniform(10.0, 300.0) * np.exp(np.cumsum(np.clip(steps, -0.25, 0.25))), 2)
@@ -68,17 +67,17 @@ def random_share(seed: int) -> Timeline:
 
 
 def random_weather(seed: int) -> Timeline:
-    """Make up one to four years of daily temperatures.
+    """Make one to four years of random daily temperatures.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same weather.
+        Random seed; the same seed gives the same weather.
 
     Returns
     -------
     Timeline
-        Of the kinds that series have.
+        Timeline with the kinds of a series.
 
     Examples
     --------
@@ -94,9 +93,9 @@ def random_weather(seed: int) -> Timeline:
     coldest = rng.normal(0.05, 0.02)
     season = -rng.uniform(5.0, 13.0) * np.cos(2.0 * np.pi * (of_year - coldest))
     weather = np.empty(count)
-    now, lasting = 0.0, rng.uniform(0.6, 0.8)
+    now, persistence = 0.0, rng.uniform(0.6, 0.8)
     for i, kick in enumerate(rng.normal(0.0, rng.uniform(2.0, 3.5), count).tolist()):
-        now = lasting * now + kick
+        now = persistence * now + kick
         weather[i] = now
     value = np.round(rng.uniform(5.0, 18.0) + season + weather, 1)
     if rng.random() < 0.2:  # a station that failed
@@ -115,21 +114,21 @@ def _timeline_of(
 CROWD_LENGTH_S = (180.0, 720.0)
 CHEERS_A_MINUTE, BURSTS_A_MINUTE = 1.1, 1.4
 _CROWD_RATE = 1000
-"""Hz of the recording that isn't there: only its power in each step counts."""
+"""Sample rate that is assumed, Hz; only the energy of each step is used."""
 
 
 def random_crowd(seed: int) -> Timeline:
-    """Make up the loudness of a crowd, and find its cheers and bursts.
+    """Make the random loudness of a crowd, with its cheers and bursts.
 
     Parameters
     ----------
     seed : int
-        The same seed, the same crowd.
+        Random seed; the same seed gives the same crowd.
 
     Returns
     -------
     Timeline
-        Of the kinds of the preset `crowd`.
+        Timeline with the kinds of the preset `crowd`.
 
     Examples
     --------
@@ -142,7 +141,7 @@ def random_crowd(seed: int) -> Timeline:
     count = int(length * STEPS_PER_S)
     at_s = np.arange(count) / STEPS_PER_S
     wander = np.cumsum(rng.normal(0.0, 0.15, count))
-    # back to the middle within half a minute
+    # without changes slower than half a minute
     slow = wander - np.convolve(np.pad(wander, 150, mode="edge"), np.full(301, 1 / 301), "valid")
     above = np.zeros(count)
     for start in rng.uniform(2.0, length - 5.0, rng.poisson(CHEERS_A_MINUTE * length / 60.0)):

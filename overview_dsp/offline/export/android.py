@@ -3,10 +3,9 @@
 - `createWaveform(timings, amplitudes, -1)`: steps of 10 ms, 1..255 inside the clip (0 would switch
   the motor off and cause a click). Equal steps are merged, and the last one ends with the clip.
 - Envelope effects (API 36, `WaveformEnvelopeBuilder`): every device supports 16 control points, 20
-ms
-  to 1 s apart, starting at amplitude 0. A clip becomes a sequence of effects. Each ends at a moment
-  of low vibration, and its points minimise the perceptible error.
-  An effect ramps from one control point to the next.
+  ms to 1 s apart, starting at amplitude 0. A clip becomes a sequence of effects. Each ends at a
+  moment of low vibration, and its points minimise the perceptible error. An effect ramps from one
+  control point to the next.
 """
 
 # ruff: noqa: N815

@@ -1,11 +1,10 @@
 """Piecewise linear approximation of amplitude curves with the least perceptible error.
 
-Amplitudes are perceived by ratio, so the error is measured in dB. `breakpoints` adds points
-one by one, at the worst point of the piece with the largest total error (Ramer,
-Douglas and Peucker, with a queue), until the budget is spent or no error exceeds a third of a
-JND. `control_points` finds the best pieces of a limited number for a part of a
-clip by dynamic programming: those with the fewest windows of 10 ms with an error above a JND.
-Windows with strikes have a higher weight.
+Amplitudes are perceived by ratio, so the error is measured in dB. `breakpoints` adds points one by
+one, at the worst point of the piece with the largest total error (Ramer, Douglas and Peucker, with
+a queue), until the budget is spent or no error exceeds a third of a JND. `control_points` finds the
+best pieces of a limited number for a part of a clip by dynamic programming: those with the fewest
+windows of 10 ms with an error above a JND. Windows with strikes have a higher weight.
 """
 
 from __future__ import annotations

@@ -1,12 +1,11 @@
 """Memory images for the browser: initial memory of the page's kernel, and later changes.
 
-Python derives all numbers from a timeline and a preset, with
-the code of a native engine: coefficients, friction tables, events, modes, and the actuator. The
-page's audio thread only copies these bytes to the kernel's memory and pushes
-events to the kernel's rings. Smoothing, crossfades and all sound are computed by the kernel. The
-page's samples are thus bit-identical to native ones, and a static folder has one file of these
-bytes per preset and sample rate. The page itself sets the device's gain, mute, delay and
-ceiling, which are not recorded, in the kernel's memory.
+Python derives all numbers from a timeline and a preset, with the code of a native engine:
+coefficients, friction tables, events, modes, and the actuator. The page's audio thread only copies
+these bytes to the kernel's memory and pushes events to the kernel's rings. Smoothing, crossfades
+and all sound are computed by the kernel. The page's samples are thus bit-identical to native ones,
+and a static folder has one file of these bytes per preset and sample rate. The page itself sets the
+device's gain, mute, delay and ceiling, which are not recorded, in the kernel's memory.
 
 The bytes, little-endian, in columns of 8:
 

@@ -4,15 +4,13 @@ Phones and controllers play an amplitude curve and short strikes ("transients", 
 Both come from the engine's output, so a clip includes the physics: the speed of the
 movement, the recoil, and delayed release of events.
 
-A strike is a prominent peak of the felt level where the disk
-breaks loose from an event. It has the amplitude of that peak, with the continuous part silent,
-so that players that add the two, use the stronger or duck one give the same result. An event that
-rises slowly, or is masked by a higher one, is not a strike but belongs to the continuous part, like
-everything else.
+A strike is a prominent peak of the felt level where the disk breaks loose from an event. It has the
+amplitude of that peak, with the continuous part silent, so that players that add the two, use the
+stronger or duck one give the same result. An event that rises slowly, or is masked by a higher one,
+is not a strike but belongs to the continuous part, like everything else.
 
-The error of a clip is perceptual. Felt level: RMS over 10 ms in dB, as in
-`measure`; levels more than 46 dB below full scale count as silence. Errors of up to one JND
-are imperceptible.
+The error of a clip is perceptual. Felt level: RMS over 10 ms in dB, as in `measure`; levels more
+than 46 dB below full scale count as silence. Errors of up to one JND are imperceptible.
 """
 
 from __future__ import annotations
@@ -71,8 +69,7 @@ SEPARATE_MS = 12
 
 MUCH_LOWER = 0.05
 """Ratio of friction below which an event must not strike harder than another one. For example, a
-foul with the felt level of the weakest goal, due to their positions in the gesture, is not a
-strike.
+foul with the felt level of the weakest goal, due to their positions in the gesture, is no strike.
 """
 
 DULL_HZ, SHARP_HZ = 100.0, 6400.0

@@ -144,12 +144,8 @@ class Perception(Part):
         """Yield contradictions between values, with locations relative to the perception."""
         devices = self.reference_devices or []
         for k, device in enumerate(devices):
-            limits = (
-                device.minimum_frequency,
-                device.resonance_frequency,
-                device.maximum_frequency,
-            )
-            known = [limit for limit in limits if limit is not None]
+            names = ("minimum_frequency", "resonance_frequency", "maximum_frequency")
+            known = [limit for one in names if (limit := getattr(device, one)) is not None]
             if known != sorted(known):
                 yield (
                     f".reference_devices[{k}]: minimum, resonance and maximum frequency aren't in "

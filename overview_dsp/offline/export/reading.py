@@ -165,14 +165,8 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     found: dict[str, Path] = {}
     for one in sorted(place.iterdir()):
         if one.suffix.lower() in SUFFIXES and paired(one)[0] == one:
-            name = next(
-                (
-                    one.name.removesuffix(end)
-                    for end, _ in reversed(PAIRS)
-                    if one.name.endswith(end)
-                ),
-                one.stem,
-            )
+            ends = [end for end, _ in reversed(PAIRS) if one.name.endswith(end)]
+            name = one.name.removesuffix(ends[0]) if ends else one.stem
             if name in found:
                 raise InputError(f"{place}: two clips have the name {name}; keep one of them")
             found[name] = one
@@ -271,7 +265,7 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 
 def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ...]:
-    """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
+    """Return the clip's amplitude, with its strikes, at `count` positions; its highest is 1."""
     level = clip.played
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
     edges = np.minimum(edges[:-1], len(level) - 1)
@@ -282,7 +276,7 @@ def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ..
 
 
 def modes(clip: DecodedClip) -> tuple[ClickMode, ...]:
-    """The clip's strikes as modes, the strongest first, a pitch once."""
+    """Return the clip's strikes as modes, the strongest first, each pitch once."""
     found: list[Transient] = []
     for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
         if strike.amplitude > 0.0 and all(
@@ -304,7 +298,7 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
 
 
 def with_layer(preset: Preset, kind: str, clip: DecodedClip, layer: Layer) -> Preset:
-    """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
+    """Return a preset with a clip in one of its kinds; a new kind extends `default`."""
     base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], aliases=())
     if layer in ("tactor", "both"):
         base = replace(base, points=amplitude_profile(clip))

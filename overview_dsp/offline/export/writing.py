@@ -29,7 +29,7 @@ Played = dict[str, FloatArray]
 
 @dataclass(frozen=True)
 class ExportResult:
-    """RenderResult of `export`.
+    """Result of `export`.
 
     Attributes
     ----------
@@ -137,14 +137,13 @@ def export(
     Parameters
     ----------
     result : RenderResult
-        RenderResult of `render`, with trace.
+        Result of `render`, with trace.
     to : str
         One of `formats()`.
     path : str or path
         Path of the first file; others have the same name with another suffix.
     points_per_s : float
-        Amplitude points per second of the clip, 1 to 1000 (formats with fixed steps don't
-        use it).
+        Amplitude points per second of the clip, 1 to 1000 (formats with fixed steps don't use it).
 
     Returns
     -------

@@ -101,15 +101,6 @@ def as_records(passed: Sequence[PassedEvent]) -> list[dict[str, object]]:
     ]
 
 
-def _json(passed: Sequence[PassedEvent]) -> str:
-    return json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n"
-
-
-def as_audacity(passed: Sequence[PassedEvent]) -> str:
-    """Return an Audacity label track: start, end and text, separated by tabs."""
-    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed)
-
-
 def as_reaper(passed: Sequence[PassedEvent]) -> str:
     """Return markers for REAPER's region and marker manager."""
     text = io.StringIO()
@@ -141,9 +132,12 @@ def _clock(seconds: float) -> str:
 
 
 WRITERS: dict[str, Callable[[Sequence[PassedEvent]], str]] = {
-    ".audacity.txt": as_audacity,
+    # a label track: start, end and text
+    ".audacity.txt": lambda passed: "".join(
+        f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed
+    ),
     ".txt": as_text,
-    ".json": _json,
+    ".json": lambda passed: json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n",
     ".csv": as_reaper,
     ".vtt": as_webvtt,
 }
@@ -199,10 +193,8 @@ def transcript(
     lines = []
     for i in sorted(kept):
         event, below = passed[i].event, round(passed[i].below_db)
-        words = event.kind.replace("_", " ") + (
-            f", {event.display_label}" if event.display_label else ""
-        )
-        words += "" if touched[i] else ", on the way back"
-        level = f"{below} dB below the strongest" if below else "the strongest"
-        lines.append(f"{passed[i].time_s:.2f} s: {words}, at {passed[i].moment}, {level}")
+        words = [event.kind.replace("_", " "), event.display_label]
+        words += ["" if touched[i] else "on the way back", f"at {passed[i].moment}"]
+        words.append(f"{below} dB below the strongest" if below else "the strongest")
+        lines.append(f"{passed[i].time_s:.2f} s: {', '.join(filter(None, words))}")
     return tuple(lines)

@@ -362,8 +362,7 @@ def render_many(
     Raises
     ------
     InputError
-        The tail or number of threads is invalid; or as in `render`, when a result is
-        requested.
+        The tail or number of threads is invalid; or as in `render`, when a result is requested.
 
     Examples
     --------

@@ -1,8 +1,7 @@
 """Stems: one sound file per channel and one with the trace; loudness of the click channel.
 
-Loudness follows ITU-R BS.1770. Normalisation changes the click
-
-channel only; the tactor keeps its level.
+Loudness follows ITU-R BS.1770. Normalisation changes the click channel only; the tactor keeps its
+level.
 """
 
 from __future__ import annotations

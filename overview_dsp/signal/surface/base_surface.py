@@ -7,10 +7,9 @@ curves have perceptible changes:
 
     value' = (1 - share) * value + share * rank(value)
 
-A preset may map it further (`points`). The rank of a value is the share of time with
-lower values, and the mean rank for equal values. Only times with data count: neither gaps
-nor the future. Equal steps of intensity are equal ratios of friction, which are perceived
-as equal steps (Weber's law).
+A preset may map it further (`points`). The rank of a value is the share of time with lower values,
+and the mean rank for equal values. Only times with data count: neither gaps nor the future. Equal
+steps of intensity are equal ratios of friction, which are perceived as equal steps (Weber's law).
 
 Gaps in the data have ribs instead (`gaps.ribs`). The future of a live timeline is smooth and heavy.
 It has neither strikes nor pattern nor ribs. From the present on, friction rises smoothly within a

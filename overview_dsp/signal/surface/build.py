@@ -184,8 +184,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     Raises
     ------
     InputError
-        The pattern has more crests than a surface holds strikes, or the map has another
-        duration.
+        The pattern has more crests than a surface holds strikes, or the map has another duration.
 
     Warns
     -----
