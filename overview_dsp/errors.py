@@ -20,6 +20,7 @@ OSError is a bug of this program; `--debug` shows its traceback.
 from __future__ import annotations
 
 import reprlib
+import warnings
 from collections.abc import Iterable
 from numbers import Rational, Real
 from types import ModuleType
@@ -171,6 +172,11 @@ def shown(value: object) -> str:
         return _SHORT.repr(value)
     except (ValueError, RecursionError):  # an int with thousands of digits, a recursive list
         return f"a {type(value).__name__} too large to show"
+
+
+def warn(message: str, level: int = 1) -> None:
+    """Show an OverviewWarning; its location is `level` calls above the function that warns."""
+    warnings.warn(message, OverviewWarning, stacklevel=level + 2)
 
 
 def require_internals(module: ModuleType, names: Iterable[str], requirement: str) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import reprlib
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, fields
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from overview_dsp.installation import require_package
@@ -23,32 +25,26 @@ _SHORT.maxtuple = 3
 
 
 def lazy_names(
-    package: str, modules: Mapping[str, str]
+    package: str, modules: Mapping[str, str], root: str | None = None
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Make the `__getattr__` and the `__dir__` of a package.
+    """Make the `__getattr__` of a package, and its `__dir__`, which lists `__all__`.
 
-    Parameters
-    ----------
-    package : str
-        The package's own name.
-    modules : mapping of str to str
-        Module in the package, by public name (`"render"`: `"offline.rendering.offline"`).
-        `"offline.rendering.offline:render"` has another name in its module, and
-        `"design.presets:"` is the module itself.
-
-    Returns
-    -------
-    tuple of callables
-        `__getattr__`, and `__dir__`, which lists `__all__`.
+    `modules` has the module in the package (or in `root`) by public name (`"render"`:
+    `"rendering.offline"`), or `module:name` if the name is another one there, also of a module.
     """
 
     def get(name: str) -> Any:
         if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, colon, own_name = modules[name].partition(":")
-        value: Any = import_module(f"{package}.{module}")
-        if not colon or own_name:
-            value = getattr(value, own_name or name)
+        module, _, own_name = modules[name].partition(":")
+        own_name = own_name or name
+        if module:
+            # the list also imports a module of that name
+            value = getattr(
+                __import__(f"{root or package}.{module}", fromlist=[own_name]), own_name
+            )
+        else:
+            value = import_module(f"{root or package}.{own_name}")
         setattr(sys.modules[package], name, value)
         return value
 
@@ -56,6 +52,31 @@ def lazy_names(
         return list(sys.modules[package].__all__)
 
     return get, names
+
+
+def stub_names(
+    package: str, private: Iterable[str] = ()
+) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """Make the `__getattr__`, `__dir__` and `__all__` of a package or module from its stub (.pyi).
+
+    Public names of a stub are imported as themselves (`from module import name as name`), or are
+    other names of imported ones (`load = load_actuator`). `private` are packages in this one that
+    are attributes, too, by the last part of their names.
+    """
+    stub = Path(str(sys.modules[package].__file__)).with_suffix(".pyi")
+    imported: dict[str, str] = {}
+    public: dict[str, str] = {}
+    for node in ast.parse(stub.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom):
+            module = str(node.module).removeprefix(PACKAGE).removeprefix(".")
+            here = {alias.name: f"{module}:{alias.name}" for alias in node.names}
+            imported |= here
+            public |= {alias.name: here[alias.name] for alias in node.names if alias.asname}
+        elif isinstance(node, ast.Assign):
+            public[ast.unparse(node.targets[0])] = imported[ast.unparse(node.value)]
+    parents = (name.rpartition(".") for name in private)
+    private_names = {name: f"{parent}:{name}" for parent, _, name in parents}
+    return *lazy_names(package, public | private_names, PACKAGE), sorted(public)
 
 
 def short(value: object) -> str:

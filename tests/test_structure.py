@@ -11,7 +11,9 @@ PACKAGE = Path(overview_dsp.__file__).parent
 STUDIES = PACKAGE.parent / "studies" / "overview_studies"
 ROOT_FILES = {
     "__init__.py",
+    "__init__.pyi",
     "__main__.py",
+    "arrays.py",
     "errors.py",
     "public.py",
     "installation.py",

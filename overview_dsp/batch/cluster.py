@@ -73,10 +73,8 @@ class Cluster:
     def run(self, grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
         """Run tasks on the workers of the cluster, and yield each result when it is finished.
 
-        Raises
-        ------
-        OverviewError
-            A worker can't run its task: its process died repeatedly, or lacks this program.
+        OverviewError if a worker can't run its task: its process died repeatedly, or lacks this
+        program.
         """
         client = self._client
         packed = client.submit(_same, pickle.dumps(grid), pure=False)

@@ -39,16 +39,9 @@ class Case:
 class RenderGrid:
     """A grid of renders, and their folder.
 
-    Attributes
-    ----------
-    out : str
-        A folder, or its URL (`s3://bucket/study`, `memory://study`).
-    timelines, presets, gestures : mapping
-        Objects by name.
-    parameters : mapping of id to values
-        `tactor.gain_db`, `kinds.goal.height`; each is combined with all others.
-    seeds : tuple of int
-    settings : Settings
+    `out`: a folder, or its URL (`s3://bucket/study`, `memory://study`).
+    `timelines`, `presets`, `gestures`: objects by name.
+    `parameters`: values by id (`tactor.gain_db`, `kinds.goal.height`), combined with all others.
     """
 
     out: str

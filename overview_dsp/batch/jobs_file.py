@@ -112,18 +112,10 @@ KEYS = tuple(Jobs.model_fields)
 class JobsTable:
     """Data of a jobs file, whose errors name file, line and key.
 
-    Parameters
-    ----------
-    where
-        Path or URL of the file.
-    text
-        Content of the file.
-    data
-        Table with the keys of the jobs.
-    within
-        Keys that lead to that table.
-    keys
-        Allowed keys.
+    `where`: path or URL of the file.
+    `data`: table with the keys of the jobs, of the file's `text`.
+    `within`: keys that lead to that table.
+    `keys`: allowed keys.
     """
 
     def __init__(
@@ -185,14 +177,9 @@ def _allowed(key: str) -> str:
 
 
 def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGrid:
-    """Load the render grid of a jobs file (a path or a URL) with all of its inputs.
+    """Load the render grid of a jobs file (a path or a URL) with all of its inputs; InputError.
 
     `out` replaces that of the file.
-
-    Raises
-    ------
-    InputError
-        The message names file, line and key.
     """
     name = os.fspath(where)
     text = read_text(name)
@@ -211,12 +198,9 @@ def read_grid(
     timelines: Mapping[str, Timeline] | None = None,
     gestures: Mapping[str, Gesture] | None = None,
 ) -> RenderGrid:
-    """Load the render grid of a table; `timelines` and `gestures` come before those of the table.
+    """Load the render grid of a table; InputError.
 
-    Raises
-    ------
-    InputError
-        The message names file, line and key.
+    `timelines` and `gestures` come before those of the table.
     """
     jobs = file.jobs()
     timelines, gestures = dict(timelines or {}), dict(gestures or {})

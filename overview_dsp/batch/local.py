@@ -17,7 +17,7 @@ from multiprocessing import connection, get_context, parent_process
 
 from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.task import Job, TaskResult, Worker
-from overview_dsp.errors import OverviewError, OverviewWarning
+from overview_dsp.errors import OverviewError, OverviewWarning, warn
 
 MAX_DEATHS = 3
 """Deaths of processes after which the batch ends."""
@@ -70,13 +70,7 @@ def run_here(grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskR
 def run_in_processes(
     grid: RenderGrid, tasks: Sequence[Sequence[Job]], processes: int
 ) -> Iterator[TaskResult]:
-    """Run tasks in `processes` processes, and yield each result when it is finished.
-
-    Raises
-    ------
-    OverviewError
-        Processes died repeatedly.
-    """
+    """Run tasks in `processes` processes, and yield each result; OverviewError if these died."""
     left = dict(enumerate(tasks))
     deaths = 0
     warned: set[str] = set()
@@ -86,7 +80,7 @@ def run_in_processes(
                 del left[number]
                 for note in notes:
                     if note not in warned:
-                        warnings.warn(note, OverviewWarning, stacklevel=2)
+                        warn(note)
                 warned.update(notes)
                 yield done
         except BrokenProcessPool:

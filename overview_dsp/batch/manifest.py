@@ -14,9 +14,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import __version__
+from overview_dsp.arrays import IntArray
 from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
@@ -89,13 +89,7 @@ def _decoded(name: str, data: bytes) -> Any:
 
 
 def read_rows(storage: Storage) -> tuple[Any, list[str]]:
-    """Read all finished rows of an output folder, and the names of its parts.
-
-    Raises
-    ------
-    InputError
-        A manifest or part can't be decoded.
-    """
+    """Read all finished rows of an output folder, and the names of its parts; InputError."""
     arrow = _pyarrow()
     parts = sorted(storage.sizes(PARTS))
     tables = [_schema().empty_table()]
@@ -126,13 +120,10 @@ def finished_rows(table: Any, sizes: Mapping[str, int]) -> dict[str, int]:
 
 def rows_of(
     storage: Storage, table: Any, finished: Mapping[str, int], keys: Sequence[str]
-) -> NDArray[np.int64]:
+) -> IntArray:
     """Return the table row of each key: the finished one, else the last failed one.
 
-    Raises
-    ------
-    OverviewError
-        A key has neither, as its file was deleted during the run.
+    OverviewError for a key with neither, as its file was deleted during the run.
     """
     failed = {
         key: row
@@ -150,7 +141,7 @@ def rows_of(
     return np.array(rows, np.int64)
 
 
-def encode_manifest(grid: RenderGrid, table: Any, rows: NDArray[np.int64]) -> bytes:
+def encode_manifest(grid: RenderGrid, table: Any, rows: IntArray) -> bytes:
     """Return the manifest; case `i` has the measurements in row `rows[i]` of the table."""
     arrow = _pyarrow()
     count = len(grid)
@@ -158,7 +149,7 @@ def encode_manifest(grid: RenderGrid, table: Any, rows: NDArray[np.int64]) -> by
     sizes = (*map(len, lists), len(grid.seeds))
     indices = np.unravel_index(np.arange(count), sizes)
 
-    def chosen(values: Sequence[Any], at: NDArray[np.int64]) -> Any:
+    def chosen(values: Sequence[Any], at: IntArray) -> Any:
         # each value once: with duplicates, Parquet writes uninitialised bytes
         unique = list(dict.fromkeys(values))
         code = np.array([unique.index(value) for value in values], np.int32)

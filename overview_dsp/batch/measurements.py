@@ -6,8 +6,8 @@ import hashlib
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import SampleArray
 from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
 from overview_dsp.measure.perceived_level import event_levels
 from overview_dsp.offline.rendering.many import RenderedJob
@@ -36,12 +36,12 @@ def measure_render(result: RenderedJob[Trace | None], data: bytes) -> dict[str, 
     }
 
 
-def _peak_db(signal: NDArray[np.float32]) -> float | None:
+def _peak_db(signal: SampleArray) -> float | None:
     peak = float(np.abs(signal).max(initial=0.0))
     return gain_to_db(peak) if peak > 0.0 else None
 
 
-def _loudness(click: NDArray[np.float32], sample_rate: float) -> float | None:
+def _loudness(click: SampleArray, sample_rate: float) -> float | None:
     """Return the integrated loudness of the clicks (BS.1770), LUFS; None below 4000 Hz."""
     if sample_rate < MIN_RATE or not len(click):
         return None

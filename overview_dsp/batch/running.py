@@ -34,14 +34,10 @@ Progress = Callable[[int, int], None]
 class BatchResult:
     """Result of a batch.
 
-    Attributes
-    ----------
-    cases, cached, rendered : int
-        Numbers of all cases, of those that earlier runs finished, and of new renders.
-    failed : tuple of (index, error)
-        Failed cases.
-    manifest : str
-        Path or URL of the manifest.
+    `cases`, `cached`, `rendered`: numbers of all cases, of those that earlier runs finished, and of
+        new renders.
+    `failed`: index and error of each failed case.
+    `manifest`: path or URL of the manifest.
     """
 
     cases: int
@@ -63,22 +59,11 @@ def run_batch(
     A batch that was stopped or killed resumes when it runs again. Files, hashes and manifest don't
     depend on the machine or on the number of runs. Only one run may use an output folder at a time.
 
-    Parameters
-    ----------
-    grid : RenderGrid
-    workers : int or None
-        Processes on this machine; None: one per core; 1: this process.
-    scheduler : str or None
-        Address of a Dask scheduler, whose cluster renders instead.
-    progress : callable or None
-        See `Progress`.
+    `workers`: processes on this machine; None: one per core; 1: this process.
+    `scheduler`: address of a Dask scheduler, whose cluster renders instead.
 
-    Raises
-    ------
-    InputError, OutputError
-        The output folder can't be read or written. A case that fails is in `failed` instead.
-    OverviewError
-        Workers died repeatedly, or no scheduler answers.
+    InputError or OutputError if the output folder can't be read or written; a case that fails is in
+    `failed` instead. OverviewError if workers died repeatedly, or no scheduler answers.
     """
     if not is_url(grid.out):
         # workers of a cluster run in other folders

@@ -60,13 +60,7 @@ class Storage:
         return f"{self._root.rstrip('/')}/{name}"
 
     def put(self, name: str, data: bytes) -> None:
-        """Write a file, complete or not at all.
-
-        Raises
-        ------
-        InputError, OutputError
-            The file can't be written, or the disk is full.
-        """
+        """Write a file, complete or not at all; InputError or OutputError."""
         folder = name.rpartition("/")[0]
         try:
             if self._path is None:
@@ -108,15 +102,7 @@ class Storage:
             raise
 
     def get(self, name: str) -> bytes:
-        """Read a file.
-
-        Raises
-        ------
-        FileNotFoundError
-            The file doesn't exist.
-        InputError
-            The file can't be read.
-        """
+        """Read a file; FileNotFoundError if it doesn't exist, InputError if it can't be read."""
         try:
             if self._path is None:
                 data: bytes = self._fs.cat_file(self._remote(name))
@@ -163,10 +149,7 @@ class Storage:
 
 def _files(folder: str) -> Iterator[os.DirEntry[str]]:
     """Yield the files in a folder and below it; none if the folder doesn't exist."""
-    with (
-        contextlib.suppress(FileNotFoundError, NotADirectoryError),
-        os.scandir(folder) as entries,
-    ):
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError), os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir():
                 yield from _files(entry.path)

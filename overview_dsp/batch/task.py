@@ -57,10 +57,7 @@ class Worker:
     def run(self, jobs: Sequence[Job]) -> TaskResult:
         """Render, measure and store some cases; the result lists failed cases.
 
-        Raises
-        ------
-        InputError, OutputError
-            The output folder can't be written.
+        InputError or OutputError if the output folder can't be written.
         """
         rows: list[dict[str, Any]] = []
         failed: list[tuple[int, str]] = []

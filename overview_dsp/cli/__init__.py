@@ -68,13 +68,7 @@ class Commands(click.Group):
         return list(dict.fromkeys([*COMMANDS, *added_commands()]))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import and return the command; None if it is unknown.
-
-        Raises
-        ------
-        InputError
-            The command's distribution isn't installed, or doesn't provide it.
-        """
+        """Import and return the command, None for an unknown one; InputError without it."""
         if cmd_name in COMMANDS:
             command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
         elif point := added_commands().get(cmd_name):

@@ -115,12 +115,8 @@ def list_profiles(
 ) -> None:
     """List profiles with name, title and description; print errors of invalid files as notes.
 
-    Parameters
-    ----------
-    described : callable
-        Returns the JSON report of a profile, with these three keys.
-    remark : callable
-        Returns the end of its line.
+    `described` returns the JSON report of a profile, with these three keys; `remark` the end of its
+    line.
     """
     found, faults = [], []
     for name in names:

@@ -64,13 +64,9 @@ def listen(
 ) -> Learned:
     """Read messages of a port until `decode` returns a result; then close the port.
 
-    `prompt` returns the instruction for the user, which is printed when it changes.
-
-    Raises
-    ------
-    InputError
-        No result after `timeout` (s), with the reason of `failure`; or an error of `decode`. The
-        message names the port.
+    `prompt` returns the instruction for the user, which is printed when it changes. InputError
+    names the port: no result after `timeout` (s), with the reason of `failure`; or an error of
+    `decode`.
     """
     printed = ""
     try:

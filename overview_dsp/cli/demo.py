@@ -21,9 +21,7 @@ LISTEN = {
 
 @cli_command("demo -o my-demo", name="demo")
 def command(
-    *,
-    output: str = option("Folder for the files.", default="overview-demo"),
-    as_json: bool = JSON,
+    *, output: str = option("Folder for the files.", default="overview-demo"), as_json: bool = JSON
 ) -> None:
     """Render the bundled match (World Cup final 2018) in three ways, and draw the figures.
 

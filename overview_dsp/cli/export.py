@@ -13,13 +13,7 @@ from overview_dsp.cli.common import announce_compile, print_json, progress_bar, 
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
 from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
-from overview_dsp.cli.options.reading import (
-    PRESET_OPTION,
-    Reading,
-    Window,
-    open_window,
-    preset_for,
-)
+from overview_dsp.cli.options.reading import PRESET_OPTION, Reading, Window, open_window, preset_for
 from overview_dsp.cli.render import (
     GESTURE,
     TAIL,

@@ -13,13 +13,7 @@ from overview_dsp.cli.common import announce_compile, print_json, progress_bar, 
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
-from overview_dsp.cli.options.reading import (
-    PresetChoice,
-    Reading,
-    Window,
-    open_window,
-    preset_for,
-)
+from overview_dsp.cli.options.reading import PresetChoice, Reading, Window, open_window, preset_for
 from overview_dsp.design.gestures.spec import DEFAULT, FORMS
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable

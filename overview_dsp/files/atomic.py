@@ -102,14 +102,8 @@ def atomic_file(path: str | os.PathLike[str], private: bool = False) -> Iterator
     """Yield a temporary path; rename it to `path` on success, delete it otherwise.
 
     It has the suffix of `path`, from which some writers choose their format. Only the owner can
-    read a `private` file.
-
-    Raises
-    ------
-    InputError
-        The folder doesn't exist or can't be written, or the file is a protected input.
-    OutputError
-        The disk is full or broken.
+    read a `private` file. InputError if the folder doesn't exist or can't be written, or the file
+    is a protected input; OutputError if the disk is full or broken.
     """
     target = Path(path)
     if "\0" in str(target):
@@ -147,14 +141,8 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 def atomic_folder(path: str | os.PathLike[str], marker: str) -> Iterator[Path]:
     """Yield a temporary folder; rename it to `path` on success, delete it otherwise.
 
-    An existing folder is replaced if it is empty or contains the file `marker`.
-
-    Raises
-    ------
-    InputError
-        The folder can't be written, or contains other files.
-    OutputError
-        The disk is full or broken.
+    An existing folder is replaced if it is empty or contains the file `marker`. InputError if the
+    folder can't be written, or contains other files; OutputError if the disk is full or broken.
     """
     target = Path(path)
     old = None

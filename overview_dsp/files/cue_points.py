@@ -31,19 +31,9 @@ def _chunk(name: bytes, data: bytes) -> bytes:
 
 
 def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
-    """Write cue points into a WAV file, which doesn't change if that fails.
+    """Write cue points (samples, labels) into a WAV file, which doesn't change if that fails.
 
-    Parameters
-    ----------
-    path
-        A RIFF file.
-    cues
-        Positions in samples, with their labels.
-
-    Raises
-    ------
-    InputError
-        The file isn't a WAV file, or is too large.
+    InputError if the file isn't a WAV file, or is too large.
     """
     chunks = cue_chunks(cues)
     try:

@@ -16,14 +16,9 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 class Library:
     """Files of one sort.
 
-    Attributes
-    ----------
-    sort : str
-        Name of the folders: `presets`.
-    one : str
-        Name of one file, with its article, for messages: `a preset`.
-    variable : str
-        Environment variable that names another user folder; empty: only bundled files.
+    `sort`: name of the folders: `presets`.
+    `one`: name of one file, with its article, for messages: `a preset`.
+    `variable`: environment variable that names another user folder; empty: only bundled files.
     """
 
     sort: str

@@ -20,6 +20,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import SampleArray
 from overview_dsp.errors import InputError, OutputError
 from overview_dsp.files.atomic import atomic_file, output_error
 
@@ -32,14 +33,8 @@ _NO_DATA = b"data" + struct.pack("<I", 0)
 def with_samples(empty: bytes, subtype: str, samples: NDArray[Any]) -> bytes | None:
     """Return the WAV file `empty` with samples; None if its header has an unexpected form.
 
-    Parameters
-    ----------
-    empty : bytes
-        WAV file without samples, whose last chunk is `data`.
-    subtype : str
-        One of `PACKED`.
-    samples : int16 or int32 (frames, channels)
-        Quantized samples in the upper bits.
+    The last chunk of `empty` is `data`. `subtype` is one of `PACKED`. `samples` (frames, channels)
+    are int16 or int32, quantized in the upper bits.
     """
     data = _packed(samples, PACKED[subtype])
     size = len(empty) + len(data) + len(data) % 2
@@ -120,7 +115,7 @@ class _Quantizer:
         self._random = np.random.default_rng(_DITHER_SEED) if self._dithered else None
         self.note = f"TPDF dither at {self._bits} bits" if self._dithered else "no dither"
 
-    def __call__(self, samples: NDArray[np.float32]) -> NDArray[Any]:
+    def __call__(self, samples: SampleArray) -> NDArray[Any]:
         """Return samples as steps in the upper bits of int16 or int32; floats don't change.
 
         libsndfile would round down, a constant offset of half a step.
@@ -186,7 +181,7 @@ class SoundWriter:
             self._stack = stack.pop_all()
         return self
 
-    def write(self, samples: NDArray[np.float32]) -> None:
+    def write(self, samples: SampleArray) -> None:
         """Append float32 (frames, channels)."""
         data = self._quantize(samples)
         with self._disk_errors():
@@ -238,7 +233,7 @@ class SoundWriter:
 
 def save_sound(
     path: str | os.PathLike[str],
-    samples: NDArray[np.float32],
+    samples: SampleArray,
     sample_rate: float,
     subtype: str | None = None,
 ) -> None:
@@ -254,7 +249,7 @@ def check_sound(name: str, sample_rate: float, subtype: str | None = None) -> No
 
 
 def sound_bytes(
-    name: str, samples: NDArray[np.float32], sample_rate: float, subtype: str | None = None
+    name: str, samples: SampleArray, sample_rate: float, subtype: str | None = None
 ) -> bytes:
     """Return a sound file as bytes; `name` has its suffix, samples are (frames, channels)."""
     import soundfile
@@ -310,7 +305,7 @@ def _cannot_hold(
 
 class _Samples(Protocol):
     @property
-    def samples(self) -> NDArray[np.float32]: ...
+    def samples(self) -> SampleArray: ...
     @property
     def sample_rate(self) -> float: ...
 

@@ -56,13 +56,7 @@ def faults_at_their_line(text: str, source: str) -> Iterator[None]:
 def check_head(
     data: Mapping[str, Any], sections: Iterable[str], schema: int, needs_texts: bool
 ) -> None:
-    """Check the keys of a profile outside its sections: `schema`, `title`, `description`.
-
-    Raises
-    ------
-    InputError
-        The message begins with the key.
-    """
+    """Check the keys outside a profile's sections: `schema`, `title`, `description`; InputError."""
     require_known(data, ("schema", *TEXTS, *sections))
     if "schema" not in data:
         raise InputError(f"schema is missing; must be {schema}")

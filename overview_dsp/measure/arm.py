@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, flick, scrub, sweep, tap
 from overview_dsp.design.gestures.scripts import APPROACH_REST_S, APPROACH_S
@@ -288,7 +288,7 @@ def outward(
     return found
 
 
-def percentiles(values: NDArray[np.float64]) -> Triple:
+def percentiles(values: FloatArray) -> Triple:
     """Return median, 95th percentile and maximum of the finite values; NaN without any."""
     known = values[np.isfinite(values)]
     if not len(known):
@@ -318,11 +318,11 @@ def _stroke(
     )
 
 
-def _count(parts: Iterable[NDArray[np.bool_]]) -> int:
+def _count(parts: Iterable[BoolArray]) -> int:
     return sum(int(rows.sum()) for rows in parts)
 
 
-def felt_above(one: FeltEvents, rows: NDArray[np.bool_], weakest: str) -> NDArray[np.bool_]:
+def felt_above(one: FeltEvents, rows: BoolArray, weakest: str) -> BoolArray:
     """Return which rows are detected and stronger than every distant event of the weakest kind."""
     on = one.reached & rows
     gap_s = MIN_PULSE_GAP_MS / 1e3
@@ -364,7 +364,7 @@ def felt_range_db(one: FeltEvents) -> float:
     places = np.concatenate([[0.0], one.position[order], [1.0]])
     times = np.concatenate([[0.0], one.time_s[order], [one.timeline.duration_s]])
 
-    def curve_at(position: NDArray[np.float64]) -> NDArray[np.float64]:
+    def curve_at(position: FloatArray) -> FloatArray:
         return one.timeline.normalised_intensity_at(np.interp(position, places, times))
 
     course = np.maximum.accumulate(one.course)

@@ -1,8 +1,7 @@
 """Table of felt events with one row per event and stroke.
 
 An outward stroke ends where the disk turns back, which may be after the release
-(`perceived_level.strokes`).
-Each row has
+(`perceived_level.strokes`). Each row has
 
 - *reached*: whether the disk comes to the event's position;
 - *lag*: where the disk enters the event's span, the time since the input disk entered it, and the
@@ -10,8 +9,8 @@ Each row has
 - *level*: highest RMS over 10 ms while the disk is on the event, dB of full scale;
 - *contrast*: level above the median of all windows of 10 ms that overlap no event;
 - *sharpness*: steepest rise of the torque, N m/s;
-- *duration*: how long the level stays within 6 dB of its highest, ms (of an
-  event with a contrast below 12 dB: in the upper half of the contrast);
+- *duration*: time for which the level stays within 6 dB of its highest, ms (of an event with a
+  contrast below 12 dB: in the upper half of the contrast);
 - *click*: highest RMS over 10 ms of the click, dB of full scale, and when it is struck;
 - *detected*: a pulse (`perceived_level.touch_pulses`) belongs to the event;
 - *masked*: its level is less than one JND above the level between the events;
@@ -28,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray, SampleArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
@@ -53,9 +53,6 @@ from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 from overview_dsp.units import FELT_WINDOW_S, HALF_TURN
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 FLOOR_DB = -90.0
 """Lowest level that is measured, dB of full scale."""
@@ -151,46 +148,46 @@ class FeltEvents:
     sample_rate: float
     target: float
     turn: float
-    event: NDArray[np.int64]
+    event: IntArray
     kind: NDArray[np.str_]
-    time_s: Floats
-    position: Floats
-    start: Floats
-    end: Floats
-    passed: Flags
-    reached: Flags
-    first_s: Floats
-    last_s: Floats
-    lag_ms: Floats
-    lag_percent: Floats
-    level_db: Floats
-    sharpness: Floats
-    duration_ms: Floats
-    detected: Flags
-    release: Floats
-    click_s: Floats
-    click_db: Floats
-    click_lag_ms: Floats
-    merged: Flags
+    time_s: FloatArray
+    position: FloatArray
+    start: FloatArray
+    end: FloatArray
+    passed: BoolArray
+    reached: BoolArray
+    first_s: FloatArray
+    last_s: FloatArray
+    lag_ms: FloatArray
+    lag_percent: FloatArray
+    level_db: FloatArray
+    sharpness: FloatArray
+    duration_ms: FloatArray
+    detected: BoolArray
+    release: FloatArray
+    click_s: FloatArray
+    click_db: FloatArray
+    click_lag_ms: FloatArray
+    merged: BoolArray
     lost_to: NDArray[np.str_]
-    pulse_s: Floats
+    pulse_s: FloatArray
     free_db: float
-    course: Floats
-    level: Floats
+    course: FloatArray
+    level: FloatArray
     arrived_s: float
     slope: float
 
     @property
-    def contrast_db(self) -> Floats:
+    def contrast_db(self) -> FloatArray:
         """Level above the windows that overlap no event, dB."""
         return self.level_db - self.free_db
 
     @property
-    def masked(self) -> Flags:
+    def masked(self) -> BoolArray:
         """Events whose level is less than one JND above the level between the events."""
         return np.asarray(self.contrast_db < JND_DB)
 
-    def of(self, *kinds: str) -> Flags:
+    def of(self, *kinds: str) -> BoolArray:
         """Return which events are passed, of the given kinds or of all.
 
         Parameters
@@ -377,7 +374,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     )
 
 
-def _duration_ms(level: Floats, course: Floats, span: Floats, free_db: float) -> float:
+def _duration_ms(level: FloatArray, course: FloatArray, span: FloatArray, free_db: float) -> float:
     """Return how long the level stays near its highest in a span, ms; NaN if the disk skips it."""
     inside = np.flatnonzero((course >= span[0]) & (course <= span[1]))
     if not len(inside):
@@ -389,8 +386,8 @@ def _duration_ms(level: Floats, course: Floats, span: Floats, free_db: float) ->
 
 
 def _lags(
-    gesture: Gesture, stroke: Stroke, rate: float, start: Floats, first_ms: Floats
-) -> tuple[float, Floats, Floats]:
+    gesture: Gesture, stroke: Stroke, rate: float, start: FloatArray, first_ms: FloatArray
+) -> tuple[float, FloatArray, FloatArray]:
     """Return the furthest position of the input disk, and each event's lag in ms and per cent."""
     within = gesture.touching & (gesture.time_s * rate < stroke.stop)
     within &= gesture.time_s * rate >= stroke.start - 1
@@ -406,10 +403,10 @@ def _lags(
 def _clicks(
     done: RenderedJob[Trace],
     stroke: Stroke,
-    frames: Floats,
-    click: NDArray[np.float32],
+    frames: FloatArray,
+    click: SampleArray,
     kinds: NDArray[np.str_],
-) -> tuple[Floats, Floats, Floats, Flags, NDArray[np.str_]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray, NDArray[np.str_]]:
     """Return the click of each event: time (s), level (dB), time to the vibration's peak (ms).
 
     Return also whether another event is struck within 30 ms, and the kind that hides the event.

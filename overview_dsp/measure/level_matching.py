@@ -17,10 +17,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
@@ -34,6 +33,7 @@ from overview_dsp.measure.perceived_level import (
     PULSE_HOP_S,
     near_peak,
     pulse_indices,
+    ratio_jnds,
     strokes,
     window_db,
 )
@@ -165,13 +165,13 @@ def level_matched_distance(
     return jnds_over_strokes({name: _differences(first[name], second[name]) for name in first})
 
 
-def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> NDArray[np.float64]:
+def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> list[float]:
     found = []
-    for field, a, b in zip(fields(PerceptualFeatures), astuple(one), astuple(other), strict=True):
-        least = _LEAST.get(field.name, 0.0)
-        ratio = (a + least) / (b + least) if a + least > 0.0 and b + least > 0.0 else math.nan
-        found.append(abs(math.log(ratio)) / math.log(_JNDS.get(field.name, JND_DURATION)))
-    return np.array(found)
+    for name, value in vars(one).items():
+        least = _LEAST.get(name, 0.0)
+        pair = value + least, getattr(other, name) + least
+        found.append(ratio_jnds(*pair, _JNDS.get(name, JND_DURATION)))
+    return found
 
 
 def _features(result: RenderResult, start: int, stop: int) -> PerceptualFeatures:

@@ -3,8 +3,7 @@
 The signal is high-passed at 250 Hz to remove rumble. Its level is taken over 2 ms Hann windows
 every 0.25 ms. An onset is a rise of the level by at least 9 dB over the highest of the 8 ms before,
 above a floor. Its time is the steepest point of the rise, and its strength the highest level of the
-5 ms from there. Onsets closer than 5 ms count as one, at the
-steepest of them.
+5 ms from there. Onsets closer than 5 ms count as one, at the steepest of them.
 """
 
 from __future__ import annotations
@@ -12,9 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.errors import InputError
 
 HIGH_PASS_HZ = 250.0
@@ -44,17 +43,15 @@ class Onsets:
     True
     """
 
-    time_s: NDArray[np.float64]
-    level_db: NDArray[np.float64]
+    time_s: FloatArray
+    level_db: FloatArray
 
     def __repr__(self) -> str:
         span = f", {self.time_s[0]:.3f} to {self.time_s[-1]:.3f} s" if len(self.time_s) else ""
         return f"<Onsets: {len(self.time_s)}{span}>"
 
 
-def level_curve(
-    signal: NDArray[np.float32], sample_rate: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def level_curve(signal: SampleArray, sample_rate: float) -> tuple[FloatArray, FloatArray]:
     """Return the times (s, window centres) and levels (dB) of the detector."""
     from scipy.signal import butter, fftconvolve, sosfilt
 
@@ -75,7 +72,7 @@ def level_curve(
     return at / sample_rate, 10.0 * np.log10(np.maximum(energy[at], 1e-14))
 
 
-def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
+def onsets(signal: SampleArray, sample_rate: float, floor_db: float = FLOOR_DB) -> Onsets:
     """Find the onsets of a signal, at which it suddenly gets louder.
 
     Parameters
@@ -112,20 +109,19 @@ def onsets(signal: NDArray[np.float32], sample_rate: float, floor_db: float = FL
     edges = np.flatnonzero(rising & ~np.concatenate([[False], rising[:-1]]))
     slope = np.diff(level, prepend=level[:1])
     reach = round(MERGE_S / step)
-    found_times: list[float] = []
-    found_levels: list[float] = []
+    found: list[tuple[float, float]] = []
     sharpest = 0.0
     for edge in edges.tolist():
         first = max(0, edge - gap - 2)
         steepest = first + int(np.argmax(slope[first : edge + gap + 2]))
-        strength = float(level[steepest : steepest + reach].max())
-        if found_times and times[steepest] - found_times[-1] < MERGE_S:
-            found_levels[-1] = max(found_levels[-1], strength)
+        time_s, strength = float(times[steepest]), float(level[steepest : steepest + reach].max())
+        if found and time_s - found[-1][0] < MERGE_S:
+            before_s, before_db = found.pop()
+            strength = max(before_db, strength)
             # texture that begins just before a click is not its onset
-            if slope[steepest] > sharpest:
-                found_times[-1], sharpest = float(times[steepest]), float(slope[steepest])
-            continue
+            if slope[steepest] <= sharpest:
+                found.append((before_s, strength))
+                continue
         sharpest = float(slope[steepest])
-        found_times.append(float(times[steepest]))
-        found_levels.append(strength)
-    return Onsets(np.array(found_times), np.array(found_levels))
+        found.append((time_s, strength))
+    return Onsets(*np.array(found, dtype=np.float64).reshape(-1, 2).T)

@@ -1,4 +1,4 @@
-"""Felt level of the tactor channel, by stroke and by event.
+"""Level of the tactor channel as it is felt, by stroke and by event.
 
 Level is the RMS over windows of 10 ms, in dB of full scale. A *stroke* is one movement of the disk.
 The outward stroke lasts from the touch until shaft 2 disengages, which is when the disk has arrived
@@ -21,9 +21,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.errors import InputError, shown
 from overview_dsp.signal.surface.model import Surface
@@ -68,24 +68,18 @@ class Stroke:
 class StrokeFeel:
     """Felt levels of one stroke.
 
-    Attributes
-    ----------
-    stroke : Stroke
-    event_free_db : float
-        Median level of the windows outside every event's span, dB.
-    event_db : float64 (events,)
-        Highest level at each event of the surface's table, dB; NaN if the event was not passed.
-    rise : float64 (events,)
-        Steepest rise of the torque's size at each event, N m/s; NaN if the event was not passed.
+    `event_free_db`: median level of the windows outside every event's span, dB.
+    `event_db`: highest level at each event of the surface, dB; NaN if it was not passed.
+    `rise`: steepest rise of the torque at each event, N m/s; NaN if it was not passed.
     """
 
     stroke: Stroke
     event_free_db: float
-    event_db: NDArray[np.float64]
-    rise: NDArray[np.float64]
+    event_db: FloatArray
+    rise: FloatArray
 
 
-def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[Stroke]:
+def strokes(engaged: FloatArray, cursor: FloatArray) -> list[Stroke]:
     """Find the strokes of a trace: outward movements and recoils.
 
     An outward stroke lasts from the touch until the disk turns back. The disk turns back when shaft
@@ -134,8 +128,8 @@ def strokes(engaged: NDArray[np.float64], cursor: NDArray[np.float64]) -> list[S
 
 
 def window_db(
-    signal: NDArray[np.float32], sample_rate: float, hop_s: float = FELT_WINDOW_S
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    signal: SampleArray, sample_rate: float, hop_s: float = FELT_WINDOW_S
+) -> tuple[FloatArray, FloatArray]:
     """Measure the level of windows of 10 ms.
 
     Windows may begin and end between samples, so that sample rates can be compared.
@@ -174,11 +168,11 @@ def window_db(
 
 
 def _first_within(
-    runs: NDArray[np.float64],
-    lows: NDArray[np.float64],
-    highs: NDArray[np.float64],
-    spans: NDArray[np.float64],
-) -> NDArray[np.int64]:
+    runs: FloatArray,
+    lows: FloatArray,
+    highs: FloatArray,
+    spans: FloatArray,
+) -> IntArray:
     """Return the first frame within each span; the number of frames if no frame is."""
     first, last = spans[:, 0], spans[:, 1]
     # all earlier runs are below the span, or above it
@@ -188,7 +182,7 @@ def _first_within(
     there = runs[run]
     within = (there >= first[:, None]) & (there <= last[:, None])
     position = within.argmax(axis=1)
-    frame: NDArray[np.int64] = run * _RUN + position
+    frame: IntArray = run * _RUN + position
     for i in np.flatnonzero(~within[np.arange(len(run)), position]):
         # the run skips the span
         later = runs[run[i] :].ravel()
@@ -197,9 +191,7 @@ def _first_within(
     return frame
 
 
-def passages(
-    surface: Surface, cursor: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+def passages(surface: Surface, cursor: FloatArray) -> tuple[IntArray, IntArray, IntArray]:
     """Return the events that a stroke passes, and the first and last frame on each.
 
     A stroke passes the events that it enters (`Surface.edges`). It also passes events in whose span
@@ -226,12 +218,8 @@ def passages(
 
 
 def _highest(
-    starts: NDArray[np.float64],
-    level: NDArray[np.float64],
-    length: float,
-    first: NDArray[np.int64],
-    last: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    starts: FloatArray, level: FloatArray, length: float, first: IntArray, last: IntArray
+) -> FloatArray:
     """Return the highest level of the windows that overlap frames `first` to `last`, or NaN."""
     begin = np.searchsorted(starts + length, first, side="right")
     end = np.searchsorted(starts, last, side="right")
@@ -242,10 +230,10 @@ def _highest(
 
 def event_levels(
     surface: Surface,
-    columns: Mapping[str, NDArray[np.float64]],
-    tactor: NDArray[np.float32],
+    columns: Mapping[str, FloatArray],
+    tactor: SampleArray,
     sample_rate: float,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Measure the highest level at each event of a surface, over all strokes.
 
     Parameters
@@ -290,18 +278,12 @@ def event_levels(
 def stroke_feel(
     stroke: Stroke,
     surface: Surface,
-    columns: Mapping[str, NDArray[np.float64]],
-    tactor: NDArray[np.float32],
+    columns: Mapping[str, FloatArray],
+    tactor: SampleArray,
     sample_rate: float,
     hop_s: float = HOP_S,
 ) -> StrokeFeel:
-    """Measure one stroke.
-
-    Parameters
-    ----------
-    columns : the trace (`cursor` and `torque` are used)
-    tactor : float32 (frames,), the tactor channel of the same render
-    """
+    """Measure one stroke by the trace (`cursor`, `torque`) and the tactor channel of a render."""
     cursor = columns["cursor"][stroke.start : stroke.stop]
     torque = np.abs(columns["torque"][stroke.start : stroke.stop])
     starts, level = window_db(tactor[stroke.start : stroke.stop], sample_rate, hop_s)
@@ -312,14 +294,12 @@ def stroke_feel(
     occupied = within[last_frame] - within[first_frame] > 0
     free = level[~occupied]
     slope = np.diff(torque, prepend=torque[:1]) * sample_rate
-    count = len(surface.position)
-    event_db, rise = np.full(count, np.nan), np.full(count, np.nan)
+    event_db, rise = np.full((2, len(surface.position)), np.nan)
     events, first, last = passages(surface, cursor)
     event_db[events] = _highest(starts, level, length, first, last)
     for i, start, stop in zip(events, first, last + 1, strict=True):
-        inside = (cursor[start:stop] >= surface.span[i, 0]) & (
-            cursor[start:stop] <= surface.span[i, 1]
-        )
+        low, high = surface.span[i]
+        inside = (cursor[start:stop] >= low) & (cursor[start:stop] <= high)
         rise[i] = slope[start:stop][inside].max()
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
 
@@ -351,9 +331,10 @@ def ratio_jnds(first: float, second: float, step: float) -> float:
 
 
 PULSE_HOP_S = 0.002
+"""Time between two levels in which pulses are sought, s."""
 
 
-def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
+def pulse_indices(level: FloatArray) -> IntArray:
     """Return the indices of the pulses in a level (dB, one value per `PULSE_HOP_S`)."""
     from scipy.signal import find_peaks
 
@@ -361,7 +342,7 @@ def pulse_indices(level: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.asarray(found, dtype=np.int64)
 
 
-def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
+def near_peak(level: FloatArray, peak: int, fall_db: float) -> int:
     """Return how many levels around a peak stay within `fall_db` of it, the peak included."""
     below = np.flatnonzero(level < level[peak] - fall_db)
     after = int(np.searchsorted(below, peak))
@@ -372,8 +353,8 @@ def near_peak(level: NDArray[np.float64], peak: int, fall_db: float) -> int:
 def count_resolved_events(
     stroke: Stroke,
     surface: Surface,
-    columns: Mapping[str, NDArray[np.float64]],
-    tactor: NDArray[np.float32],
+    columns: Mapping[str, FloatArray],
+    tactor: SampleArray,
     sample_rate: float,
 ) -> int:
     """Count the events of a surface that are felt separately in a stroke.
@@ -427,9 +408,7 @@ TRAILING_S = 0.15
 """Output after the disk turns back that still belongs to the outward stroke: its last pulse."""
 
 
-def levels(
-    signal: NDArray[np.float32], sample_rate: float, window_s: float, floor_db: float
-) -> NDArray[np.float64]:
+def levels(signal: SampleArray, sample_rate: float, window_s: float, floor_db: float) -> FloatArray:
     """Return the RMS over a window around each millisecond, dB of full scale, above a floor."""
     energy = np.zeros(len(signal) + 1)
     np.cumsum(np.square(signal, dtype=np.float64), out=energy[1:])
@@ -440,14 +419,12 @@ def levels(
     return np.asarray(np.maximum(10.0 * np.log10(mean + 1e-12), floor_db), dtype=np.float64)
 
 
-def touch_pulses(level: NDArray[np.float64]) -> NDArray[np.int64]:
+def touch_pulses(level: FloatArray) -> IntArray:
     """Return the milliseconds of the pulses in a level that a finger detects."""
     return find_pulses(np.maximum(level, TOUCH_FLOOR_DB), PULSE_PROMINENCE_DB, TOUCH_FLOOR_DB + 3.0)
 
 
-def find_pulses(
-    level: NDArray[np.float64], prominence_db: float, lowest_db: float
-) -> NDArray[np.int64]:
+def find_pulses(level: FloatArray, prominence_db: float, lowest_db: float) -> IntArray:
     """Return the milliseconds of a level's prominent peaks, at least 30 ms from any higher one."""
     from scipy.signal import find_peaks
 

@@ -5,18 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
-from overview_dsp.offline.plots.style import (
-    BLUE,
-    GREY,
-    VERMILION,
-    extremes,
-    new_figure,
-    tidy,
-)
+from overview_dsp.measure.perceived_level import JND_DB
+from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, extremes, new_figure, tidy
 from overview_dsp.offline.rendering.audition import audition
 from overview_dsp.offline.rendering.offline import RenderResult
 
@@ -41,8 +35,7 @@ def plot_gallery(result: RenderResult, preset: Preset) -> Figure:
     """Plot click and vibration of each kind of event, in the order of the render."""
     figure = new_figure(11.0, 4.6)
     heard, felt = figure.subplots(2, 1, sharex=True)
-    rate = result.sample_rate
-    trace = result.trace
+    rate, trace = result.sample_rate, result.trace
     # only the outward stroke: the recoil repeats it backwards
     count = int(np.argmax(trace.engaged < 0.5)) or len(trace.time)
     time = trace.time[:count]
@@ -64,15 +57,9 @@ def plot_gallery(result: RenderResult, preset: Preset) -> Figure:
         if kind not in seen:
             seen.add(kind)
             heard.annotate(
-                kind,
-                (at, 1.0),
-                xycoords=heard.get_xaxis_transform(),
-                xytext=(0, 3),
-                textcoords="offset points",
-                rotation=35.0,
-                fontsize=7,
-                va="bottom",
-            )
+                kind, (at, 1.0), xycoords=heard.get_xaxis_transform(), xytext=(0, 3),
+                textcoords="offset points", rotation=35.0, fontsize=7, va="bottom",
+            )  # fmt: skip
     for axes in (heard, felt):
         tidy(axes)
     figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
@@ -93,17 +80,8 @@ def plot_feel(report: FeelReport) -> Figure:
     image = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
     for (row, column), value in np.ndenumerate(table):
         if np.isfinite(value):
-            axes.text(
-                column,
-                row,
-                f"{value:.0f}",
-                ha="center",
-                va="center",
-                fontsize=8,
-                # one JND is 2.3 dB
-                color=VERMILION if value < 2.3 else "white" if value < 18.0 else "black",
-                fontweight="bold" if value < 2.3 else "normal",
-            )
+            colour = VERMILION if value < JND_DB else "white" if value < 18.0 else "black"
+            _write(axes, row, column, value, 8, colour, value < JND_DB)
     axes.set_xticks(range(len(report.strokes)), [stroke.name for stroke in report.strokes])
     axes.tick_params(axis="x", rotation=25, labelsize=8)
     axes.set_yticks(range(len(kinds)), kinds)
@@ -167,22 +145,22 @@ def plot_observer(report: ObserverReport) -> Figure:
 def _draw_matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
     counts = scores.confusion[np.ix_(rows, [*rows, len(scores.kinds)])]
     total = scores.confusion[rows].sum(axis=1, keepdims=True)
-    parts: NDArray[np.float64] = 100.0 * counts / np.maximum(total, 1)
+    parts: FloatArray = 100.0 * counts / np.maximum(total, 1)
     axes.imshow(parts, cmap="cividis", vmin=0.0, vmax=100.0, aspect="equal")
     for (row, column), part in np.ndenumerate(parts):
         if part >= 0.5:
-            color = "white" if part < 60.0 else "black"
-            weight = "bold" if row == column else "normal"
-            axes.text(
-                column,
-                row,
-                f"{part:.0f}",
-                ha="center",
-                va="center",
-                fontsize=6,
-                color=color,
-                fontweight=weight,
-            )
+            _write(axes, row, column, part, 6, "white" if part < 60.0 else "black", row == column)
     axes.set_xticks([])
     axes.set_yticks([])
     axes.grid(visible=False)
+
+
+def _write(
+    axes: Axes, row: int, column: int, value: float, size: int, colour: str, bold: bool
+) -> None:
+    """Write a whole number into a cell of a matrix."""
+    weight = "bold" if bold else "normal"
+    axes.text(
+        column, row, f"{value:.0f}", ha="center", va="center", fontsize=size, color=colour,
+        fontweight=weight,
+    )  # fmt: skip

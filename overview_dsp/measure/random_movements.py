@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.scripts import CONTROL_RATE
 from overview_dsp.units import HALF_TURN
@@ -52,7 +52,7 @@ def random_movement(seed: int) -> Gesture:
     rng = validation.random(seed)
     mean_pace = 1.0 / math.exp(rng.uniform(*np.log(SWEEP_S)))
     smoothing = np.hanning(round(SMOOTHED_S * CONTROL_RATE) + 2)[1:-1]
-    paces: list[NDArray[np.float64]] = []
+    paces: list[FloatArray] = []
     position = 0.0
     while position < 1.0:
         pace = mean_pace * math.exp(rng.normal(0.0, PACE_CHANGE))

@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import EventKind, Preset
@@ -261,18 +261,18 @@ class _Search:
         self._most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], len(self.names))
 
     @property
-    def unmoved(self) -> NDArray[np.float64]:
+    def unmoved(self) -> FloatArray:
         """No change: (2 kinds,), logarithms of the ratios of heights, then of widths."""
         return np.zeros(2 * len(self.names))
 
-    def moved(self, moves: NDArray[np.float64]) -> Preset:
+    def moved(self, moves: FloatArray) -> Preset:
         """Return the preset with each kind's height and width moved."""
         kinds, count = dict(self._preset.kinds), len(self.names)
         for name, height, width in zip(self.names, moves[:count], moves[count:], strict=True):
             kinds[name] = _moved_kind(kinds[name], math.exp(height), math.exp(width))
         return replace(self._preset, kinds=kinds)
 
-    def measured(self, moves: NDArray[np.float64], speeds: Sweeps, kinds: Sequence[str]) -> Feels:
+    def measured(self, moves: FloatArray, speeds: Sweeps, kinds: Sequence[str]) -> Feels:
         """Return the measurements of these kinds and of others on their timelines."""
         preset = self.moved(moves)
         parts = [
@@ -306,7 +306,7 @@ class _Search:
         # the JNDs of a kind that was never passed are not finite
         return [one if math.isfinite(one.jnds) else one._replace(jnds=UNMET) for one in found]
 
-    def _costs(self, feels: Feels) -> NDArray[np.float64]:
+    def _costs(self, feels: Feels) -> FloatArray:
         """Return the squared shortfalls by kind: (kinds,)."""
         costs = dict.fromkeys(self.names, 0.0)
         for gap in self.gaps(feels):
@@ -314,22 +314,18 @@ class _Search:
                 costs[name] += gap.shortfall**2
         if self._separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
-                clear = (
-                    max(0.0, CLEAR_JNDS - kind.contrast_db / JND_DB) if kind.passed else FAULT_JNDS
-                )
-                costs[kind.kind] += clear**2 + FAULT_JNDS**2 * (kind.masked + kind.merged)
+                jnds = max(0.0, CLEAR_JNDS - kind.contrast_db / JND_DB)
+                missing = jnds if kind.passed else FAULT_JNDS
+                costs[kind.kind] += missing**2 + FAULT_JNDS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))
 
     def reached(self, feels: Feels) -> bool:
         """Return whether all requirements are met."""
-        kinds = (
-            [kind for kinds in feels.values() for kind in kinds.values()] if self._separate else []
-        )
-        return all(gap.jnds >= gap.required for gap in self.gaps(feels)) and not any(
-            kind.masked or kind.merged for kind in kinds
-        )
+        all_kinds = (kind for kinds in feels.values() for kind in kinds.values())
+        faulty = self._separate and any(kind.masked or kind.merged for kind in all_kinds)
+        return not faulty and all(gap.jnds >= gap.required for gap in self.gaps(feels))
 
-    def raised(self, moves: NDArray[np.float64], feels: Feels) -> NDArray[np.float64]:
+    def raised(self, moves: FloatArray, feels: Feels) -> FloatArray:
         """Raise each kind of the target by its shortfall and those of the kinds below it."""
         shortfalls = dict.fromkeys(self._target, 0.0)
         for gap in self.gaps(feels):
@@ -343,11 +339,11 @@ class _Search:
 
     def improved(
         self,
-        moves: NDArray[np.float64],
+        moves: FloatArray,
         speeds: Sweeps,
         rng: np.random.Generator,
         progress: Callable[[float], None],
-    ) -> tuple[NDArray[np.float64], Feels]:
+    ) -> tuple[FloatArray, Feels]:
         """Search from the given moves; return the best moves, and measurements at these speeds."""
         feels = self.measured(moves, speeds, self.names)
         costs, everything = self._costs(feels), np.arange(len(self.names))
@@ -377,16 +373,11 @@ class _Search:
 
 def _moved_kind(kind: EventKind, height: float, width: float) -> EventKind:
     key = "width_percent" if kind.width_percent is not None else "width_ms"
-    changes: dict[str, Any] = {
-        "height": _within("height", kind.height * height),
-        key: _within(key, getattr(kind, key) * width),
-    }
+    changes: dict[str, Any] = {"height": kind.height * height, key: getattr(kind, key) * width}
+    for name, value in changes.items():
+        known = KIND_PARAMETERS[name]
+        changes[name] = min(max(value, known.low), known.high)
     return replace(kind, **changes)
-
-
-def _within(key: str, value: float) -> float:
-    known = KIND_PARAMETERS[key]
-    return min(max(value, known.low), known.high)
 
 
 def _alternating(target: Sequence[str]) -> Timeline:

@@ -8,6 +8,7 @@ import inspect
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -112,25 +113,17 @@ def test_a_command_of_this_package_asks_for_no_others():
     assert done.returncode == 0
 
 
-def names_for_types() -> set[str]:
-    """What a type checker sees of the list."""
-    tree = ast.parse(inspect.getsource(extensions))
-    block = next(node for node in tree.body if isinstance(node, ast.If))
-    return {one.asname or one.name for line in block.body for one in line.names}
-
-
-def test_every_name_of_the_list_is_there_described_and_known_to_a_type_checker():
-    names = names_for_types()
+def test_every_name_of_the_list_is_there_and_described():
+    names = extensions.__all__
     assert len(names) > 30
     described = inspect.getdoc(extensions)
     for name in names:
         assert f"`{name}`" in described, name
-    listed = {name for line in extensions._MODULES.values() for name in line.split()}
-    assert listed | {"plot_style"} == names
-    for module, line in extensions._MODULES.items():
-        home = importlib.import_module(f"overview_dsp.{module}")
-        for name in line.split():
-            assert getattr(extensions, name) is getattr(home, name)
+    stub = ast.parse(Path(extensions.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    homes = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
+    for name, module in ((one.asname, node.module) for node in homes for one in node.names):
+        if name is not None:
+            assert getattr(extensions, name) is getattr(importlib.import_module(module), name)
     assert extensions.plot_style.new_figure
     with pytest.raises(AttributeError, match="sho"):
         extensions.sho  # noqa: B018

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 import overview_dsp as ov
+from overview_dsp.arrays import SampleArray
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE
@@ -21,9 +22,6 @@ from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import SILENT
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from overview_dsp.live.output.sample_player import SamplePlayback
     from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
@@ -166,7 +164,7 @@ def _output(
 
 
 def _playback(
-    device: str | None, index: int | None, samples: NDArray[np.float32], rate: float
+    device: str | None, index: int | None, samples: SampleArray, rate: float
 ) -> SamplePlayback:
     from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
 

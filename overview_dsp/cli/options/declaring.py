@@ -66,12 +66,7 @@ class GroupOption(click.Option):
 class GroupedCommand(click.Command):
     """Command whose help lists options by heading; --help-all lists more if `first` is not empty.
 
-    Parameters
-    ----------
-    example : str
-        Call of the command, without `overview`.
-    first : tuple of str
-        Names of the parameters that --help shows.
+    `example` is a call without `overview`; `first` names the parameters that --help shows.
     """
 
     def __init__(self, name: str, example: str, first: tuple[str, ...], **settings: Any) -> None:
@@ -137,16 +132,9 @@ def cli_command(
 ) -> Callable[[Callable[..., Any]], click.Command]:
     """Make a function a command, and add it to `group`.
 
-    Parameters
-    ----------
-    example : str
-        Call of the command, without `overview`.
-    name : str or None
-        Name of the command; None: that of the function.
-    group : click.Group or None
-        Group of the command.
-    first : str
-        Names of the parameters that --help shows, if there are more than `MAX_OPTIONS`.
+    `example`: call of the command, without `overview`.
+    `name`: name of the command; None: that of the function.
+    `first`: names of the parameters that --help shows, if there are more than `MAX_OPTIONS`.
     """
 
     def decorate(function: Callable[..., Any]) -> click.Command:
@@ -205,13 +193,7 @@ def refuse_options(why: str, *refused: str | type) -> None:
 def parse_pairs(
     option: str, texts: tuple[str, ...], known: Mapping[str, Callable[[str], Any]]
 ) -> dict[str, Any]:
-    """Parse KEY=VALUE texts; `known` has the converter of each key.
-
-    Raises
-    ------
-    InputError
-        A text without `=`, an unknown or repeated key, or a value that can't be converted.
-    """
+    """Parse KEY=VALUE texts; `known` has the converter of each key; InputError."""
     values: dict[str, Any] = {}
     for text in texts:
         key, equals, value = text.partition("=")

@@ -55,13 +55,7 @@ class Feed:
 
     @contextmanager
     def opened(self, timeline: str | None, reading: Reading) -> Iterator[FollowSettings | None]:
-        """Follow the live source; yields None if TIMELINE is a file.
-
-        Raises
-        ------
-        InputError
-            There is no timeline, or two; an option is invalid or doesn't apply.
-        """
+        """Follow the live source; yields None if TIMELINE is a file; InputError."""
         if self.follow is None:
             refuse_options("needs --follow; add it", Feed)
             if timeline is None:

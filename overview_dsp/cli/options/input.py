@@ -86,13 +86,7 @@ class Controls:
 
 @dataclass
 class Sources:
-    """Checked sources of --input; `open` opens them.
-
-    Attributes
-    ----------
-    lines : TextLineInput or None
-        Standard input, after `open`.
-    """
+    """Checked sources of --input; `open` opens them, and sets `lines` if standard input is one."""
 
     openers: dict[str, Callable[[Player], Input]]
     force: bool = False
@@ -120,13 +114,7 @@ class Sources:
 
 
 def parse_sources(sources: tuple[str, ...]) -> Sources:
-    """Parse the sources of --input; nothing is opened.
-
-    Raises
-    ------
-    InputError
-        An unknown source or setting, or two sources of one kind.
-    """
+    """Parse the sources of --input, each of another kind, without opening any; InputError."""
     found = Sources({})
     for source in sources:
         kind, colon, rest = source.partition(":")

@@ -33,7 +33,7 @@ def callback_kind() -> Literal["native", "python"]:
     kind = os.environ.get(CALLBACK) or CALLBACKS[0]
     if kind not in CALLBACKS:
         raise InputError(f"{CALLBACK} is {kind}; must be {' or '.join(CALLBACKS)}")
-    return cast(Literal["native", "python"], kind)
+    return cast("Literal['native', 'python']", kind)
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,7 @@ class Output:
 
     device: str | None = DEVICE
     block_size: int | None = option(
-        "Frames per block; 0: any.  [default: 256; 128 with a motor]",
-        metavar="FRAMES",
+        "Frames per block; 0: any.  [default: 256; 128 with a motor]", metavar="FRAMES"
     )
     sample_rate: float | None = option("Sample rate.  [default: that of the device]", metavar="HZ")
     actuator: str | None = ACTUATOR

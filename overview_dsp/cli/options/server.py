@@ -37,8 +37,7 @@ class Server:
     cert: str | None = option("TLS certificate.  [default: a self-signed one]", metavar="FILE.pem")
     key: str | None = option("Private key, if --cert doesn't have it.", metavar="FILE.pem")
     token_file: str | None = option(
-        "File for the token of the address: pages reconnect after a restart.",
-        metavar="FILE",
+        "File for the token of the address: pages reconnect after a restart.", metavar="FILE"
     )
 
 
@@ -91,12 +90,8 @@ def open_server(
     """Serve the page, the `/control` route of a session, and more routes; yields the address.
 
     `crowd` allows hundreds of pages; `public` is an argument of `make_app`. The address is printed
-    on standard error, with a QR code if a phone can reach it.
-
-    Raises
-    ------
-    InputError
-        The address or the certificate can't be used.
+    on standard error, with a QR code if a phone can reach it. InputError if the address or the
+    certificate can't be used.
     """
     from overview_dsp.web import server as address
     from overview_dsp.web.app import make_app

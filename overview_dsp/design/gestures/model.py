@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
@@ -73,9 +74,9 @@ class Gesture:
     1.5
     """
 
-    time_s: NDArray[np.float64]
-    theta2: NDArray[np.float64]
-    touching: NDArray[np.bool_]
+    time_s: FloatArray
+    theta2: FloatArray
+    touching: BoolArray
     duration_s: float
     source: NDArray[np.int8] = None  # type: ignore[assignment]
     changes: tuple[Change, ...] = ()
@@ -118,7 +119,7 @@ class Gesture:
         """Return this gesture followed by the other."""
         return joined([self, other])
 
-    def stamps(self, sample_rate: float) -> NDArray[np.int64]:
+    def stamps(self, sample_rate: float) -> IntArray:
         """Return the sample nearest to the time of each event.
 
         Parameters

@@ -27,14 +27,13 @@ name beside it holds the stamped parameter and surface changes::
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Change
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.errors import InputError, warn
 from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
@@ -78,13 +77,7 @@ def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
 
 
 def load_document(path: Path) -> TakeDocument:
-    """Return the contents of the JSON file of a recorded take.
-
-    Raises
-    ------
-    InputError
-        The JSON file is missing or not valid; the error names file and location.
-    """
+    """Return the contents of the JSON file of a recorded take; InputError names the location."""
     beside = path.with_suffix(".json")
     try:
         text = beside.read_bytes()
@@ -106,11 +99,10 @@ def load_document(path: Path) -> TakeDocument:
     if not isinstance(document, dict) or document.get("overview_take") not in (1, VERSION):
         raise InputError(f'{beside}: not a take\'s changes ("overview_take": {VERSION} is missing)')
     if document["overview_take"] < VERSION:
-        warnings.warn(
+        warn(
             f"{path}: of an older version, in which a release let the disk go at once; now the "
             "disk arrives first, so that it sounds different after a release",
-            OverviewWarning,
-            stacklevel=3,
+            2,
         )
     rate = document.get("sample_rate")
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0.0:

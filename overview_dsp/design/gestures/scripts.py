@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.gestures.model import Gesture
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
@@ -271,21 +271,19 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
     return _released(time_s, np.concatenate(positions), float(time_s[-1]))
 
 
-def _parts(seconds: float) -> NDArray[np.float64]:
+def _parts(seconds: float) -> FloatArray:
     """Parts of a movement, 0 to 1, at the control rate."""
     steps = max(1, math.ceil(seconds * CONTROL_RATE))
     return np.arange(steps + 1) / steps
 
 
-def _minimum_jerk(part: NDArray[np.float64]) -> NDArray[np.float64]:
+def _minimum_jerk(part: FloatArray) -> FloatArray:
     """Position of a minimum-jerk movement from 0 to 1 at parts of its time."""
     # the polynomial passes 1 by a rounding error
     return np.asarray(np.minimum(part**3 * (10.0 - part * (15.0 - 6.0 * part)), 1.0))
 
 
-def _released(
-    time_s: NDArray[np.float64], position_at: NDArray[np.float64], release_s: float
-) -> Gesture:
+def _released(time_s: FloatArray, position_at: FloatArray, release_s: float) -> Gesture:
     """Return the gesture of a finger that touches at these positions and then releases."""
     touching = np.ones(len(time_s) + 1, dtype=bool)
     touching[-1] = False

@@ -30,13 +30,7 @@ class TakeWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], sample_rate: float, about: Mapping[str, Any]):
-        """Begin a take; an existing one is renamed (`take.1.csv`).
-
-        Raises
-        ------
-        InputError, OutputError
-            A file cannot be written.
-        """
+        """Begin a take; an existing one is renamed (`take.1.csv`); InputError or OutputError."""
         self.path = Path(path)
         self.played = 0
         self._rate = sample_rate
@@ -60,17 +54,11 @@ class TakeWriter:
         return self.played / self._rate
 
     def append(
-        self,
-        events: Sequence[Event],
-        changes: Sequence[tuple[int, Mapping[str, Any]]],
-        played: int,
+        self, events: Sequence[Event], changes: Sequence[tuple[int, Mapping[str, Any]]], played: int
     ) -> None:
         """Write events and changes in order, and the number of played samples.
 
-        Raises
-        ------
-        OSError
-            A file cannot be written or has been deleted; earlier lines stay complete.
+        OSError if a file cannot be written or has been deleted; earlier lines stay complete.
         """
         marks = self._beside.size, self._lines.size
         try:
@@ -90,12 +78,8 @@ class TakeWriter:
     def finish(self) -> None:
         """Write the last line, which repeats the last event, and the usual document; close.
 
-        If the document cannot be written, the lines stay.
-
-        Raises
-        ------
-        OSError
-            The last line cannot be written.
+        If the document cannot be written, the lines stay. OSError if the last line cannot be
+        written.
         """
         last, source, theta2, touching = self._last
         if last < self.played:

@@ -75,10 +75,7 @@ def evaluate_expressions(
 ) -> Any:
     """Return a copy of a file's data with the values of all expressions.
 
-    Raises
-    ------
-    ExpressionError
-        An expression has no value; the error has its path.
+    ExpressionError, with its path, for an expression without a value.
     """
     if isinstance(data, dict):
         return {

@@ -59,13 +59,7 @@ def user_presets() -> tuple[str, ...]:
 
 
 def preset_path(name: str | Path) -> Path:
-    """Return the file of a preset, by name or path.
-
-    Raises
-    ------
-    InputError
-        No such preset or file exists.
-    """
+    """Return the file of a preset, by name or path; InputError if no such preset or file exists."""
     return LIBRARY.path(name)
 
 
@@ -115,14 +109,9 @@ LOUDNESS_UNIT = "LUFS"
 def best_preset(kinds: Mapping[str, int], unit: str = "") -> str:
     """Return the bundled preset that names most of these kinds of events.
 
-    The result is `plain` if none names at least half of the events other than ticks.
-
-    Parameters
-    ----------
-    kinds
-        Number of events of each kind; none: a series, or a recording without cheers.
-    unit
-        Unit of the intensity curve.
+    It is `plain` if none names at least half of the events other than ticks. `kinds` has the number
+    of events of each kind; none: a series, or a recording without cheers. `unit` is that of the
+    curve.
     """
     if not kinds:
         return "crowd" if unit == LOUDNESS_UNIT else "series"

@@ -23,24 +23,11 @@ Changes = Mapping[str, Mapping[str, float]]
 
 
 def updated_text(source: Path, changes: Changes, before: Preset) -> str:
-    """Return the text of a preset file with changed values of some kinds.
+    """Return the text of a preset file (of the preset `before`) with changed values of some kinds.
 
     An expression is multiplied, so that it still follows its variables. A value of an extended
     preset is written into the file. A file of an older schema gets the present schema number.
-
-    Parameters
-    ----------
-    source
-        Preset file.
-    changes
-        New values.
-    before
-        Preset of the file.
-
-    Raises
-    ------
-    InputError
-        The file has keys with other names in the present schema.
+    InputError for a file whose keys have other names in the present schema.
     """
     import tomlkit
     from tomlkit.items import Table
@@ -50,8 +37,7 @@ def updated_text(source: Path, changes: Changes, before: Preset) -> str:
     if migrate(written_in) != {**written_in, "schema": SCHEMA}:
         raise InputError(
             f"{source}: has keys of an older schema; save it again first: "
-            f"overview presets new NAME "
-            f"--from {source}"
+            f"overview presets new NAME --base {source}"
         )
     document["schema"] = SCHEMA
     base = document.get("extends")
@@ -81,15 +67,7 @@ def save_updated(
 ) -> tuple[Path, Preset]:
     """Write a preset's text with changed values of some kinds, after a check.
 
-    Returns
-    -------
-    path, preset
-        The file and its preset.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or the preset would not be valid.
+    Returns the file and its preset. InputError if it cannot be written, or would not be valid.
     """
     before, target = load_preset(name), Path(path)
     text = updated_text(preset_path(name), changes, before)

@@ -125,10 +125,8 @@ class Layer:
 def read_layers(source: str, text: str, find: Find) -> list[Layer]:
     """Return the file and its bases, the file first.
 
-    Raises
-    ------
-    InputError
-        A file is not TOML, or a base is missing, not a name, or part of a circle.
+    InputError for a file that is not TOML, or a base that is missing, not a name, or part of a
+    circle.
     """
     layers = [_layer(source, text)]
     while (base := layers[-1].data.get("extends")) is not None:
@@ -266,24 +264,9 @@ def _no_base(base: str, source: str) -> tuple[str, str]:
 
 
 def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Preset:
-    """Return the preset of a file's text.
+    """Return the preset of a file's TOML text; `find` finds an extended preset.
 
-    Parameters
-    ----------
-    text
-        TOML.
-    name
-        Name of the preset.
-    source
-        File in error messages.
-    find
-        Function that finds an extended preset.
-
-    Raises
-    ------
-    InputError
-        The text is not TOML, or has an unknown key, a wrong type or a value out of range. The error
-        names file, line, key and range, and the number of further errors.
+    InputError names file, line, key and range of the first error, and the number of others.
     """
     layers = read_layers(source, text, find)
     data = merged(layers)

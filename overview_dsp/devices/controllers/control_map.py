@@ -88,22 +88,13 @@ ORDERS = ("xyzw", "wxyz")
 class Control:
     """One MIDI control.
 
-    Attributes
-    ----------
-    kind : str
-        bend, pressure, cc, note or keys.
-    number, highest : int
-        Its number; for keys the lowest and the highest.
-    channel : int
-        1 to 16, 0 = any.
-    to : str
-        Its target.
-    low, high : float or None
-        Values at its ends; None = the whole range.
-    relative : str
-        Code of an endless knob's steps, one of `RELATIVE`; "" = it has ends.
-    reverse, steps
-        Direction of an endless knob, and its steps from end to end.
+    `kind`: bend, pressure, cc, note or keys.
+    `number`, `highest`: its number; for keys the lowest and the highest.
+    `channel`: 1 to 16, 0 = any.
+    `to`: its target.
+    `low`, `high`: values at its ends; None = the whole range.
+    `relative`: code of an endless knob's steps, one of `RELATIVE`; "" = it has ends.
+    `reverse`, `steps`: direction of an endless knob, and its steps from end to end.
     """
 
     kind: str
@@ -142,20 +133,13 @@ class Control:
 class OscControl:
     """One OSC control.
 
-    Attributes
-    ----------
-    address : str
-        Address of its messages; after a * the end of the address.
-    to : str
-        Its target.
-    value : int
-        Which value of a message, from 1.
-    sends : tuple of float
-        Values sent at its two ends.
-    low, high : float or None
-        Meaning of these ends; None = the whole range.
-    scale, axes, order
-        Value of 1 count, axes, and order of a quaternion, for measured quantities.
+    `address`: address of its messages; after a * the end of the address.
+    `to`: its target.
+    `value`: which value of a message, from 1.
+    `sends`: values sent at its two ends.
+    `low`, `high`: meaning of these ends; None = the whole range.
+    `scale`, `axes`, `order`: for measured quantities, value of 1 count, axes, order of a
+        quaternion.
     """
 
     address: str
@@ -273,13 +257,7 @@ def load_osc_map(name: str | os.PathLike[str]) -> tuple[OscControl, ...]:
 
 
 def parse_map(text: str, source: str) -> tuple[Control, ...]:
-    """Return the controls in the text of a MIDI map file.
-
-    Raises
-    ------
-    InputError
-        The text is invalid: names file, entry, key and the allowed values.
-    """
+    """Return the controls in the text of a MIDI map file; InputError if the text is invalid."""
     return _read(text, source, _MidiEntry, _midi_control)
 
 

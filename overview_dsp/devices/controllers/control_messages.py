@@ -85,18 +85,11 @@ Message = (
 class Counters:
     """Counts of received messages and their faults; no fault ends a session.
 
-    Attributes
-    ----------
-    messages
-        Valid messages.
-    rejected
-        Invalid messages, or messages with invalid values.
-    unknown
-        Valid messages without an assignment.
-    clamped
-        Angles beyond an end of the timeline, set to that end.
-    overrun
-        Messages dropped because they arrived faster than they were read.
+    `messages`: valid messages.
+    `rejected`: invalid messages, or messages with invalid values.
+    `unknown`: valid messages without an assignment.
+    `clamped`: angles beyond an end of the timeline, set to that end.
+    `overrun`: messages dropped because they arrived faster than they were read.
     """
 
     messages: int = 0

@@ -32,12 +32,7 @@ BEND_MIDDLE = 8192
 
 
 class MidiReader:
-    """Converts MIDI messages.
-
-    Attributes
-    ----------
-    counters : Counters
-    """
+    """Converts MIDI messages."""
 
     def __init__(
         self, controls: tuple[Control, ...] = DEFAULT, counters: Counters | None = None

@@ -53,10 +53,7 @@ NAME = "device"
 class OscDevice:
     """Theta2 from an app's messages about its orientation; starts at rest, face up.
 
-    Attributes
-    ----------
-    status : str
-        Status text for display.
+    `status` is a text for display.
     """
 
     def __init__(self, controls: tuple[OscControl, ...]) -> None:
@@ -115,13 +112,7 @@ def _not_from_osc(record: logging.LogRecord) -> bool:
 
 
 def decode_packet(data: bytes) -> list[tuple[str, Sequence[Any]]]:
-    """Return the messages (address, values) of a datagram, those of bundles in order of time.
-
-    Raises
-    ------
-    InputError
-        The datagram is invalid.
-    """
+    """Return the messages (address, values) of a datagram in order of time; InputError."""
     from pythonosc.osc_packet import OscPacket
 
     if len(data) % 4:  # python-osc would fill up a cut number with zeros
@@ -153,12 +144,7 @@ ROUNDING = 1e-4
 
 
 class OscReader:
-    """Converts OSC datagrams.
-
-    Attributes
-    ----------
-    counters : Counters
-    """
+    """Converts OSC datagrams."""
 
     def __init__(
         self, counters: Counters | None = None, controls: tuple[OscControl, ...] = ()

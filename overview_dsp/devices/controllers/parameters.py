@@ -18,13 +18,7 @@ NEAR = 1.0 / 64.0
 
 
 def find_parameter(preset: Preset, id: str) -> tuple[Parameter, Value | None]:
-    """Return the parameter of an id, and its value in a preset.
-
-    Raises
-    ------
-    InputError
-        This preset has no such parameter.
-    """
+    """Return the parameter of an id, and its value in a preset; InputError for an unknown id."""
     if id in PARAMETERS:
         return PARAMETERS[id], preset.values[id]
     section, _, rest = id.partition(".")
@@ -108,13 +102,7 @@ class SoftTakeover:
         self._set: Value | None = None
 
     def value(self, preset: Preset, scale: ScaleParameter) -> Value | None:
-        """Return the value to set; None while the control hasn't reached the parameter.
-
-        Raises
-        ------
-        InputError
-            The preset has no such parameter, or the value is out of range.
-        """
+        """Return the value to set, None before the control has reached it; InputError."""
         known, present = find_parameter(preset, scale.id)
         target = position_of_value(known, scale, present)
         before, self._before = self._before, scale.position

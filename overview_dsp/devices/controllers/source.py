@@ -13,11 +13,7 @@ One rule decides on takeover: **the latest touch holds the disk until it ends or
 
 from __future__ import annotations
 
-from overview_dsp.devices.controllers.control_messages import (
-    AngleChanged,
-    TouchEnded,
-    TouchStarted,
-)
+from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
 from overview_dsp.devices.sensors.angles import AngleSample
 from overview_dsp.devices.sensors.touch_detection import Event, TouchRules, TwistTouch
 

@@ -48,14 +48,9 @@ _DISK = struct.Struct("<12f")
 class BoardTable:
     """A surface in the form of a board.
 
-    Attributes
-    ----------
-    points : uint16 (n,)
-        Friction at equal steps along the surface, each the mean of its cell.
-    unit : float
-        Friction of 1 count, N m s/rad.
-    hard : float
-        Friction that gives half of its impact, N m s/rad.
+    `points`: friction at equal steps along the surface, each the mean of its cell.
+    `unit`: friction of 1 count, N m s/rad.
+    `hard`: friction that gives half of its impact, N m s/rad.
     """
 
     points: NDArray[np.uint16]
@@ -121,12 +116,8 @@ BURST = 400
 class BoardLoop:
     """Loop of one board.
 
-    Attributes
-    ----------
-    torque : float
-        The latest reported torque, N m along theta2.
-    alive : bool
-        Whether the board was reporting at the latest step.
+    `torque` is the latest reported one, N m along theta2; `alive`: whether the board was reporting
+    at the latest step.
     """
 
     def __init__(self, sensor: Sensor, baud: int) -> None:

@@ -73,13 +73,7 @@ WINDOW_S = 1.0
 
 
 class Rate:
-    """Rate of reports.
-
-    Attributes
-    ----------
-    hz : float or None
-        Rate in the latest whole second; None before the first.
-    """
+    """Rate of reports; `hz` is that in the latest whole second, None before the first."""
 
     def __init__(self) -> None:
         self.hz: float | None = None
@@ -110,14 +104,9 @@ class MeanTorque:
         self._torque = 0.0
 
     def update(self, integral: tuple[float, float], now_s: float) -> float:
-        """Return the mean torque (N m) of the latest blocks.
+        """Return the mean torque (N m) of the latest blocks, at `now_s` of any monotonic clock.
 
-        Parameters
-        ----------
-        integral : tuple of float
-            Processed time (s) and the torque's integral (N m s), of the engine.
-        now_s : float
-            Present time, of any monotonic clock.
+        `integral`: processed time (s) and the torque's integral (N m s), of the engine.
         """
         time_s, total = integral
         if self._latest is None or time_s < self._latest[0]:  # the first update, or a reset

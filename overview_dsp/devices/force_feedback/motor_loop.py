@@ -75,13 +75,7 @@ EASE = 0.01
 
 
 class LoopDelay:
-    """Delay of the loop, measured by the device's own reports of targets.
-
-    Attributes
-    ----------
-    measured : bool
-        Whether a delay was measured.
-    """
+    """Delay of the loop by the device's own reports of targets, if `measured`."""
 
     def __init__(self, resolution: float) -> None:
         """Take targets as equal within `resolution`."""
@@ -142,12 +136,8 @@ IN_A_ROW = 5
 class ReportCheck:
     """Rejects impossible reports: lines of text have no check, so a digit may be wrong.
 
-    Attributes
-    ----------
-    rejected : int
-        Number of rejected reports.
-    restarted : bool
-        Whether the latest accepted report is the first after a restart of the device.
+    `rejected` counts them. `restarted`: whether the latest accepted report is the first after a
+    restart of the device.
     """
 
     def __init__(self, highest: float) -> None:
@@ -203,25 +193,12 @@ CREDIT_RAD = 0.5
 class MotorLoop:
     """Loop of one motor.
 
-    Attributes
-    ----------
-    observer : PassivityObserver
-    commands : int
-        Number of torques sent.
-    torque : float
-        The latest torque, N m along the shaft's angle.
-    alive : bool
-        Whether the device was reporting at the latest step.
+    `commands` counts the torques sent; `torque` is the latest, N m along the shaft's angle;
+    `alive`: whether the device was reporting at the latest step.
     """
 
     def __init__(self, sensor: Sensor) -> None:
-        """Start the loop for a profile with a motor.
-
-        Raises
-        ------
-        InputError
-            The profile has no motor.
-        """
+        """Start the loop for a profile with a motor; InputError if the profile has no motor."""
         require_motor(sensor)
         self._per_target = sensor.number("motor.nm_per_unit")
         # the disk's torque is for a hand that turns the timeline forward
@@ -307,11 +284,7 @@ class MotorLoop:
 
     @property
     def _needs_probe(self) -> bool:
-        """True while the loop's delay is unknown and the knob moves.
-
-        The controller assumes a long delay until then, so a fast back-and-forth movement would
-        never be braked.
-        """
+        """True while the loop's delay is unknown (a long one is assumed) and the knob moves."""
         smallest = self._per_target * TARGET_STEP
         moves = self.alive and self._motion.speed != 0.0
         return moves and not self._delay.measured and smallest <= self._friction

@@ -44,12 +44,9 @@ HIGHEST_HAND_ACCELERATION = 300.0
 class PassivityController:
     """Limits requested torques to passive ones.
 
-    Attributes
-    ----------
-    rejected, limited, damped : int
-        Steps in which a push was rejected, a brake was limited, or damping was added.
-    direction_stable : bool
-        Whether the hand keeps its direction while a torque sent now acts.
+    `rejected`, `limited`, `damped` count steps in which a push was rejected, a brake was limited,
+    or damping was added. `direction_stable`: whether the hand keeps its direction while a torque
+    sent now acts.
     """
 
     def __init__(self, inertia: float, ceiling: float) -> None:
@@ -108,15 +105,11 @@ FRICTION_CREDIT_J = 2e-5
 
 
 class PassivityObserver:
-    """Energy balance from torques and angles.
+    """Energy balance from torques and angles, J.
 
-    Attributes
-    ----------
-    absorbed, returned, friction_loss : float
-        Energies that the motor absorbed, that it gave, and that the knob's own friction took and
-        that was credited, J.
-    credit : float
-        Energy that the motor may give now, J; negative = it gave more than it absorbed.
+    `absorbed`, `returned`: energies that the motor absorbed and gave. `friction_loss`: energy that
+    the knob's own friction took and that was credited. `credit`: energy that the motor may give
+    now; negative = it gave more than it absorbed.
     """
 
     def __init__(self, limit: float, friction: float, resolution: float) -> None:

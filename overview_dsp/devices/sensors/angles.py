@@ -16,12 +16,7 @@ from collections import deque
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from overview_dsp.devices.sensors.calibration import (
-    CALIBRATING,
-    Calibration,
-    RawSample,
-    calibrate,
-)
+from overview_dsp.devices.sensors.calibration import CALIBRATING, Calibration, RawSample, calibrate
 from overview_dsp.devices.sensors.orientation import (
     LONGEST_GAP_S,
     GravityTilt,
@@ -175,13 +170,7 @@ class Angle(Protocol):
         """Status text for display."""
 
     def step(self, time_s: float, reading: Reading) -> AngleSample | None:
-        """Return the angle at a reading; None while there is none.
-
-        Raises
-        ------
-        InputError
-            The readings can't be converted.
-        """
+        """Return the angle at a reading, None without one; InputError for readings of no angle."""
 
 
 def touch_state(reading: Reading) -> bool | None:
@@ -192,14 +181,8 @@ def touch_state(reading: Reading) -> bool | None:
 class InertialAngle:
     """Roll from acceleration and, if present, angular velocity; starts with a calibration.
 
-    Attributes
-    ----------
-    roll : Roll
-        Present roll and pitch.
-    frozen : bool
-        Whether the readings have stopped changing.
-    gyroscope_fault : str
-        A message about a wrong unit or axis of the gyroscope; empty without a fault.
+    `roll` has the present roll and pitch. `frozen`: whether the readings have stopped changing.
+    `gyroscope_fault`: a message about a wrong unit or axis of the gyroscope, or empty.
     """
 
     detects_taps = True

@@ -39,8 +39,7 @@ class RawSample:
 class Calibration:
     """Result of a calibration.
 
-    `bias` is in rad/s. `level` is the rotation that makes the first direction of up face up.
-    `description` is a text for display.
+    `bias` is in rad/s, `level` turns the first direction of up to face up, `description` is a text.
     """
 
     units: Units

@@ -24,12 +24,7 @@ from overview_dsp.devices.sensors.labelled_lines import (
 )
 from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
 from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
-from overview_dsp.devices.sensors.packets import (
-    TeapotDecoder,
-    WitDecoder,
-    has_teapots,
-    wit_columns,
-)
+from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
@@ -98,8 +93,7 @@ def ambiguous_message(line: str) -> str:
     one, other = (
         _toml_columns(columns, numeric)
         for columns in _LIKELY.get(
-            count,
-            ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1))),
+            count, ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1)))
         )
     )
     return (
@@ -179,10 +173,7 @@ _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decode
         lambda counters, stream: WitDecoder(counters, stream.columns),
     ),
     "teapot": ("teapot packets", lambda counters, _: TeapotDecoder(counters)),
-    "app": (
-        "an app's JSON",
-        lambda counters, _: LineDecoder(counters, parse_app_batch, LONGEST),
-    ),
+    "app": ("an app's JSON", lambda counters, _: LineDecoder(counters, parse_app_batch, LONGEST)),
     "dualsense": ("a DualSense's reports", lambda counters, _: DualSenseDecoder(counters)),
     "joycon": ("a Joy-Con's reports", lambda counters, _: JoyConDecoder(counters)),
 }
@@ -192,19 +183,10 @@ _FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decode
 def detect(
     data: bytes, timed_out: bool = False, acceleration_known: bool = False
 ) -> DetectedFormat | str | None:
-    """Return the format of a stream's first bytes, or why it can't be detected.
+    """Return the format of a stream's first bytes, why it can't be detected, or None for too few.
 
-    Parameters
-    ----------
-    timed_out : bool
-        Whether to report a stream that would need more data.
-    acceleration_known : bool
-        Whether three numbers are an acceleration, without regard to gravity.
-
-    Returns
-    -------
-    DetectedFormat, str or None
-        None: more data are needed.
+    `timed_out`: whether to report a stream that would need more data.
+    `acceleration_known`: whether three numbers are an acceleration, without regard to gravity.
     """
     found = _detect_packets(data)
     if found is not None:

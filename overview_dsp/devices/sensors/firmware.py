@@ -24,13 +24,7 @@ def firmware_names() -> tuple[str, ...]:
 
 
 def firmware_head(name: str) -> str:
-    """Return purpose, wiring and commands of a firmware: the first comment of its program.
-
-    Raises
-    ------
-    InputError
-        There is no firmware of that name.
-    """
+    """Return purpose, wiring and commands of a firmware: its first comment; InputError."""
     found = _HEAD.match(_program(name).read_text(encoding="utf-8"))
     assert found is not None
     block, lines = found.groups()
@@ -38,13 +32,7 @@ def firmware_head(name: str) -> str:
 
 
 def copy_firmware(name: str, folder: Path) -> Path:
-    """Copy a firmware to a folder of its name in `folder`, as the Arduino IDE requires.
-
-    Raises
-    ------
-    InputError
-        There is no firmware of that name, or the new folder already exists.
-    """
+    """Copy a firmware to a new folder of its name in `folder`, for the Arduino IDE; InputError."""
     source, to = _program(name).parent, folder / name
     if to.exists():
         raise InputError(f"{to} already exists; move it away or choose another folder (-o)")

@@ -128,14 +128,9 @@ def name_slots(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
 class LineCycle:
     """The lines that a device repeats, and the numbers in them that make a reading.
 
-    Attributes
-    ----------
-    shapes : tuple of tuple of str
-        Shapes of the lines, the first that is needed first.
-    columns : mapping
-        Line, and index of the number in that line, by names of `COLUMNS`.
-    values : mapping
-        Values that the labels determine, by keys of a profile.
+    `shapes`: shapes of the lines, the first that is needed first.
+    `columns`: line, and index of the number in that line, by names of `COLUMNS`.
+    `values`: values that the labels determine, by keys of a profile.
     """
 
     shapes: tuple[tuple[str, ...], ...]
@@ -167,12 +162,8 @@ def cycle_from_shapes(
 ) -> LineCycle | str:
     """Return the cycle of these shapes; a reason (or an empty text) if it gives no reading.
 
-    Parameters
-    ----------
-    bare : str, optional
-        Quantity of three numbers labelled x, y, z only: acceleration or angles.
-    counts_known : bool
-        Whether the counts of `a/g:` are those of a sensor's most sensitive ranges.
+    `bare`: quantity of three numbers labelled x, y, z only: acceleration or angles.
+    `counts_known`: whether the counts of `a/g:` are those of a sensor's most sensitive ranges.
     """
     found: dict[Slot, tuple[int, int]] = {}
     units: dict[str, str] = {}

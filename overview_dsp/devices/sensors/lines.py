@@ -84,10 +84,9 @@ class LineDecoder(Decoder):
         parse: Callable[[str], Reading | list[Reading] | str | None],
         longest: int = LONGEST,
     ) -> None:
-        """Decode each line by `parse`.
+        """Decode each line by `parse`, which returns readings, or None for an invalid line.
 
-        It returns one or several readings, None for an invalid line, and an empty reading or a
-        reason for a line without usable data.
+        For a line without usable data it returns an empty reading or a reason.
         """
         super().__init__(counters)
         self._parse = parse

@@ -63,13 +63,7 @@ class GyroTilt:
     """
 
     def __init__(self, period_s: float, bias: Vector) -> None:
-        """Start the filter for samples every `period_s`; `bias` (rad/s) is the reading at rest.
-
-        Raises
-        ------
-        InputError
-            The package isn't installed.
-        """
+        """Start a filter for a period and a bias (rad/s at rest); InputError without VQF."""
         try:
             from vqf import VQF
         except ImportError:

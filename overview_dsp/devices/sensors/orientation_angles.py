@@ -26,14 +26,8 @@ JOIN_RAD_S = math.radians(400.0)
 class Roll:
     """Theta2 from the direction of up.
 
-    Attributes
-    ----------
-    roll : float
-        rad, -pi to pi, right-handed about x; also while `theta2` is held.
-    pitch : float
-        rad; elevation of x.
-    steep : bool
-        Whether theta2 is held.
+    `roll` (rad, -pi to pi, right-handed about x) is present while `theta2` is held, too. `pitch`
+    (rad) is the elevation of x. `steep`: whether theta2 is held.
     """
 
     def __init__(self) -> None:
@@ -147,13 +141,7 @@ class ThreeAngles:
         )
 
     def theta2(self, time_s: float, reading: Reading) -> float | None:
-        """Return theta2, rad, 0 to pi; None before the first turn.
-
-        Raises
-        ------
-        InputError
-            The angle of the twist folds.
-        """
+        """Return theta2, rad, 0 to pi; None before the first turn; InputError if it folds."""
         if not has(reading, ANGLES):
             return None
         angles = tuple(reading[name] for name in ANGLES)

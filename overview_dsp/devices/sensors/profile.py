@@ -41,15 +41,9 @@ SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 class Sensor:
     """A sensor's profile.
 
-    Attributes
-    ----------
-    name, title, description : str
-    values : mapping
-        Values by the ids of `SENSOR_PARAMETERS`; a missing one gets its default.
-    columns : tuple of str
-        Columns of its text lines, names of `reading.COLUMNS`; empty = detected from the data.
-    source : str
-        Its file.
+    `values`: values by the ids of `SENSOR_PARAMETERS`; a missing one gets its default.
+    `columns`: columns of its text lines, of `reading.COLUMNS`; empty = detected from the data.
+    `source`: its file.
     """
 
     name: str = DETECT
@@ -142,22 +136,12 @@ class Sensor:
 SCHEMA = 2
 LIBRARY = Library("sensors", "a sensor")
 _COLUMNS = "stream.columns"
-_SCHEMA_1_MOTOR_KEYS = {
-    "letter": "command_letter",
-    "knock": "impact_gain",
-    "home": "recoil_gain",
-}
+_SCHEMA_1_MOTOR_KEYS = {"letter": "command_letter", "knock": "impact_gain", "home": "recoil_gain"}
 _SCHEMA_1_DETECT = "told"
 
 
 def load_sensor(name: str | Path) -> Sensor:
-    """Return a sensor: a bundled name (`potentiometer`) or the path of a TOML file.
-
-    Raises
-    ------
-    InputError
-        The profile doesn't exist or is not valid: names file, line, key and range.
-    """
+    """Return a sensor by a bundled name (`potentiometer`) or a TOML file; InputError."""
     path = LIBRARY.path(name)
     return parse_sensor(read_text(path), path.stem, str(path))
 

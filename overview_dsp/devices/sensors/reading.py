@@ -56,28 +56,17 @@ def has(reading: Collection[str], columns: Iterable[str]) -> bool:
 class Counters:
     """Counts of received data and of its faults; no fault ends a session.
 
-    Attributes
-    ----------
-    received_bytes, readings
-        Received bytes, and readings decoded from them.
-    fragments
-        Pieces at the start of a stream that were already under way when it was opened.
-    damaged
-        Invalid frames or lines: a wrong check, a wrong length, a word instead of a number.
-    noise_bytes
-        Bytes in those.
-    lost
-        Samples missing according to the sequence numbers.
-    repeated
-        Samples that came twice; the second is dropped.
-    disordered
-        Samples with a stamp before the previous one; dropped.
-    clock_wraps, clock_restarts
-        Times the sensor's clock passed its highest count, or started again.
-    implausible
-        Samples beyond the range of the sensor; dropped.
-    overrun_bytes
-        Bytes dropped because they arrived faster than they were read.
+    `received_bytes`, `readings`: received bytes, and readings decoded from them.
+    `fragments`: pieces at the start of a stream that were already under way when it was opened.
+    `damaged`: invalid frames or lines: a wrong check, a wrong length, a word instead of a number.
+    `noise_bytes`: bytes in those.
+    `lost`: samples missing according to the sequence numbers.
+    `repeated`: samples that came twice; the second is dropped.
+    `disordered`: samples with a stamp before the previous one; dropped.
+    `clock_wraps`, `clock_restarts`: times the sensor's clock passed its highest count, or started
+        again.
+    `implausible`: samples beyond the range of the sensor; dropped.
+    `overrun_bytes`: bytes dropped because they arrived faster than they were read.
     """
 
     received_bytes: int = 0

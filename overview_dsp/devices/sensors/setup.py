@@ -50,14 +50,8 @@ KNOB_COLUMNS = ("pot",)
 class Setup:
     """Makes a sensor's profile from its stream while a user twists the device.
 
-    Attributes
-    ----------
-    instruction : str
-        What the user should do now.
-    problem : str
-        Why nothing can be read; empty without a problem.
-    twists : int
-        Twists seen so far.
+    `instruction` is for the user. `problem`: why nothing can be read, or empty. `twists`: their
+    number.
     """
 
     def __init__(self) -> None:
@@ -148,13 +142,7 @@ class Setup:
         return 0.0 if span < SMALLEST_SPAN else 180.0 * moved[0] / span
 
     def toml(self) -> str:
-        """Return the text of the profile.
-
-        Raises
-        ------
-        InputError
-            The device wasn't aligned at rest or in the turn, so that no axis can be named.
-        """
+        """Return the text of the profile; InputError if the device was tilted."""
         reading = self._samples[-1][1]
         detected = self._stream.detected
         lines = [f"schema = {SCHEMA}", 'title = "my sensor"']

@@ -29,14 +29,7 @@ SHORTEST_S = 0.9e-3
 class SensorSource:
     """One sensor.
 
-    Attributes
-    ----------
-    counters : Counters
-        Received data and faults.
-    angle : AngleSample or None
-        The latest angle.
-    samples : tuple of Sample
-        Samples in the bytes fed last.
+    `counters` has received data and faults, `angle` is the latest, `samples` are those fed last.
     """
 
     def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
@@ -79,13 +72,8 @@ class SensorSource:
     ) -> list[Event]:
         """Return the control events that these bytes make.
 
-        Parameters
-        ----------
-        arrival_s : float
-            Time of arrival, s of any monotonic clock. Event times are of the sensor's clock, or
-            of this one where the sensor has none.
-        other_theta2, disk_theta2, other_yields
-            As in `TwistTouch.step`.
+        `arrival_s` is of any monotonic clock. Events have the time of the sensor's clock, or of
+        this one. The other parameters are those of `TwistTouch.step`.
         """
         self.samples = tuple(self._stream.feed(data, arrival_s))
         events = [
@@ -119,11 +107,7 @@ class SensorSource:
         }
 
     def _event(
-        self,
-        sample: Sample,
-        other_theta2: float | None,
-        disk_theta2: float,
-        other_yields: bool,
+        self, sample: Sample, other_theta2: float | None, disk_theta2: float, other_yields: bool
     ) -> Event | None:
         time_s, reading = sample
         self._board_moves_disk = reading.get("knob_level", self._board_moves_disk) > 0.0

@@ -49,12 +49,7 @@ Sample = tuple[float, Reading]
 class Stream:
     """Decoder of one sensor's stream.
 
-    Attributes
-    ----------
-    detected : DetectedFormat or None
-        Format of the stream, once it is known.
-    problem : str
-        Why it can't be detected, in one line; empty without a problem.
+    `detected`: its format, once known. `problem`: why it can't be detected, in one line, or empty.
     """
 
     def __init__(self, sensor: Sensor, counters: Counters) -> None:

@@ -56,10 +56,7 @@ def split_cells(line: str, wide: bool = False) -> tuple[str, ...]:
 def parse_row(line: str, columns: tuple[str, ...]) -> Reading | None:
     """Return the reading of a line; empty if it repeats the header, None if it is invalid.
 
-    Parameters
-    ----------
-    columns : tuple of str
-        Names of `COLUMNS`, in the order of the line; a skipped column may hold anything.
+    `columns` are names of `COLUMNS`, in the order of the line; a skipped column may hold anything.
     """
     if SKIPPED not in columns:
         numbers = parse_numbers(line)

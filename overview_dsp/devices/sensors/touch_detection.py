@@ -64,12 +64,7 @@ class Event:
 class TwistTouch:
     """Control events from the angles of one device.
 
-    Attributes
-    ----------
-    rules : TouchRules
-        May be replaced at any time.
-    holding : bool
-        Whether the device holds the disk.
+    `rules` may be replaced at any time. `holding`: whether the device holds the disk.
     """
 
     def __init__(self, rules: TouchRules) -> None:
@@ -93,14 +88,9 @@ class TwistTouch:
     ) -> Event | None:
         """Return the control event of an angle, if any.
 
-        Parameters
-        ----------
-        other_theta2 : float or None
-            Theta2 of another input that holds the disk, rad.
-        disk_theta2 : float
-            Position of the disk as theta2, rad.
-        other_yields : bool
-            Whether a turn takes the disk over from the other input.
+        `other_theta2`: theta2 of another input that holds the disk, rad; `disk_theta2`: that of the
+            disk.
+        `other_yields`: whether a turn takes the disk over from the other input.
         """
         if self._rest is None:
             self._rest = angle.theta2

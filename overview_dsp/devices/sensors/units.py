@@ -67,11 +67,7 @@ def to_device_axes(
 
 @dataclass(frozen=True)
 class Units:
-    """Factors to m/s² and rad/s, and the axes.
-
-    `description` names the detected units. `gyroscope_known` is False where the unit of the
-    gyroscope can't be detected.
-    """
+    """Factors to m/s² and rad/s, and the axes; `description` names the detected units."""
 
     acceleration: float
     angular_velocity: float
@@ -89,19 +85,10 @@ class Units:
 
 
 def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -> Units:
-    """Return the units of the profile, or those detected from gravity.
+    """Return the units of the profile, or those detected from gravity; InputError if it fits none.
 
-    Parameters
-    ----------
-    binary : bool
-        Whether the numbers come from binary frames.
-    at_rest : sequence of sequence of float
-        Raw accelerations while the sensor was at rest.
-
-    Raises
-    ------
-    InputError
-        Gravity fits no unit: names the value read and the keys to set.
+    `binary`: whether the numbers come from binary frames.
+    `at_rest`: raw accelerations while the sensor was at rest.
     """
     scale = sensor.number("acceleration.scale")
     gyroscope_scale = sensor.number("angular_velocity.scale")

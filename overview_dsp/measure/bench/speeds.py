@@ -20,8 +20,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, sweep
@@ -119,7 +119,7 @@ def prepared(
     preset: Preset | None = None,
     rate: float = RATE,
     frames: int = round(SECONDS * RATE),
-    memory: NDArray[np.float64] | None = None,
+    memory: FloatArray | None = None,
 ) -> Engine:
     """Return an engine ready for blocks of up to `frames`."""
     engine = Engine(preset or load_preset("football"), timeline or bundled_timeline())
@@ -152,7 +152,7 @@ def contenders() -> list[Contender]:
     out = np.zeros((round(SECONDS * RATE), 2), dtype=np.float32)
     trace = np.zeros((len(out), len(layout.TRACE_COLUMNS)))
 
-    def one_call(trace: NDArray[np.float64] | None = None) -> float:
+    def one_call(trace: FloatArray | None = None) -> float:
         reset_and_feed(engine)
         return timed(SECONDS, lambda: engine.process(out, trace))
 
@@ -191,7 +191,7 @@ def native_calls(engine: Engine) -> float:
     return timed(SECONDS, lambda: run(memory, out, BLOCK, round(SECONDS * RATE) // BLOCK))
 
 
-def disk(engine: Engine, cells: NDArray[np.float64], torque: NDArray[np.float64]) -> None:
+def disk(engine: Engine, cells: FloatArray, torque: FloatArray) -> None:
     """Compute the torque of the held disk alone; `cells` are the input angles, in table cells."""
     from overview_dsp.kernels.disk_alone import disk_alone
 

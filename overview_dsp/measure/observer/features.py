@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.perceived_level import (
     MIN_PULSE_GAP_MS,
@@ -60,40 +60,23 @@ PACE = "pace"
 
 @dataclass(frozen=True, eq=False)
 class StrokeFeatures:
-    """Onsets of one stroke and their features.
+    """Onsets of one stroke, ms from its start, and their features (onsets, features) by name."""
 
-    Attributes
-    ----------
-    at_ms : int64 (onsets,)
-        Times from the start of the stroke.
-    features : float64 (onsets, features)
-        One column per name.
-    names : tuple of str
-    """
-
-    at_ms: NDArray[np.int64]
-    features: NDArray[np.float64]
+    at_ms: IntArray
+    features: FloatArray
     names: tuple[str, ...]
 
 
 def stroke_features(
-    samples: NDArray[np.float32],
+    samples: SampleArray,
     sample_rate: float,
     modalities: Sequence[Modality] = MODALITIES,
-    pace: NDArray[np.float64] | None = None,
+    pace: FloatArray | None = None,
 ) -> dict[Modality, StrokeFeatures]:
     """Find the onsets of a stroke and their features, by each modality.
 
-    Parameters
-    ----------
-    samples : float32 (frames, 2)
-        Click and tactor of the stroke.
-    sample_rate : float
-        Hz.
-    modalities
-        Modalities of the result.
-    pace : float64 (milliseconds,), or None
-        Logarithm of the pace, which adds a feature.
+    `samples` (frames, 2) are click and tactor. `pace` (milliseconds,), the logarithm of the pace,
+    adds a feature.
     """
     level = levels(samples[:, TACTOR], sample_rate, FELT_WINDOW_S, TOUCH_FLOOR_DB)
     touched = touch_pulses(level)
@@ -107,7 +90,7 @@ def stroke_features(
         if modality == "both":
             alone = audible[_nearest(touched, audible) > TOGETHER_MS]
             at = np.sort(np.concatenate([touched, alone]))
-        columns: list[NDArray[np.float64]] = []
+        columns: list[FloatArray] = []
         names: list[str] = []
         if modality != "sound":
             columns.append(_touch_columns(level, at, touched))
@@ -122,7 +105,7 @@ def stroke_features(
     return found
 
 
-def _nearest(times: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
+def _nearest(times: IntArray, at: IntArray) -> IntArray:
     """Return the distance of each of `at` from the nearest of ascending times."""
     far = np.iinfo(np.int64).max // 4
     edges = np.concatenate([[-far], times, [far]])
@@ -130,17 +113,13 @@ def _nearest(times: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int6
     return np.asarray(np.minimum(at - edges[after - 1], edges[after] - at), dtype=np.int64)
 
 
-def _around(
-    level: NDArray[np.float64], at: NDArray[np.int64], before: int, after: int
-) -> NDArray[np.float64]:
+def _around(level: FloatArray, at: IntArray, before: int, after: int) -> FloatArray:
     """Return the level from `before` to `after` ms around each time; its ends are extended."""
     index = at[:, None] + np.arange(-before, after + 1)
     return np.asarray(level[np.clip(index, 0, len(level) - 1)])
 
 
-def _touch_columns(
-    level: NDArray[np.float64], at: NDArray[np.int64], pulses: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _touch_columns(level: FloatArray, at: IntArray, pulses: IntArray) -> FloatArray:
     """Return the columns of `TOUCH_FEATURES` at each onset."""
     if not len(at):
         return np.zeros((0, len(TOUCH_FEATURES)))
@@ -180,11 +159,8 @@ def _touch_columns(
 
 
 def _sound_columns(
-    click: NDArray[np.float32],
-    sample_rate: float,
-    level: NDArray[np.float64],
-    at: NDArray[np.int64],
-) -> NDArray[np.float64]:
+    click: SampleArray, sample_rate: float, level: FloatArray, at: IntArray
+) -> FloatArray:
     """Return the columns of `SOUND_FEATURES`: of the loudest sound near each onset."""
     found = np.zeros((len(at), len(SOUND_FEATURES)))
     found[:, 0] = SOUND_FLOOR_DB

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
@@ -46,8 +46,8 @@ RELATIVE = ("slope_db", "duration_ms", "centroid_hz", "click_decay_ms")
 
 
 def add_sensory_noise(
-    features: NDArray[np.float64], names: tuple[str, ...], rng: np.random.Generator
-) -> NDArray[np.float64]:
+    features: FloatArray, names: tuple[str, ...], rng: np.random.Generator
+) -> FloatArray:
     """Return features (onsets, features) with one draw of a human's sensory noise."""
     found = features.copy()
     for column, name in enumerate(names):
@@ -194,7 +194,7 @@ def _check(
         raise InputError(f"held_out is {held_out} and seed is {seed}; both must be at least 0")
 
 
-def _classes(stroke: ObservedStroke, modality: Modality, nothing: int) -> NDArray[np.int64]:
+def _classes(stroke: ObservedStroke, modality: Modality, nothing: int) -> IntArray:
     """Return the true class of each onset of a stroke."""
     kinds = np.append(stroke.events.kind, nothing)
     return kinds[stroke.owner[modality]]  # -1, the last, is nothing

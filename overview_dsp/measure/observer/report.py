@@ -152,7 +152,8 @@ class ObserverReport(Report):
 
     def _warning_lines(self) -> Iterator[str]:
         for one in self.sets:
-            yield from _warnings_of(one)
+            for modality in next(iter(one.strokes.values())):
+                yield from _warnings_of(one, modality)
 
     def __repr__(self) -> str:
         sets = counted(len(self.sets), "set")
@@ -168,12 +169,13 @@ def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
         ("groups", [one.groups for one in scores]),
     ):
         if title == "groups" and tables[0].kinds == scores[0].kinds.kinds:
-            return
+            continue
         for row, kind in enumerate(tables[0].kinds):
             events = max(int(table.events[row]) // table.draws for table in tables)
             if events or any(table.reports[row] for table in tables):
-                cells = [_cell(table.recall[row], table.precision[row]) for table in tables]
-                yield f"  {kind[:20]:<20}{events:>8}" + "".join(f"{cell:>12}" for cell in cells)
+                pairs = ((table.recall[row], table.precision[row]) for table in tables)
+                cells = (f"{' / '.join(map(_percent, pair)):>12}" for pair in pairs)
+                yield f"  {kind[:20]:<20}{events:>8}{''.join(cells)}"
         means = "".join(f"{_percent(table.balanced):>12}" for table in tables)
         yield f"  {'balanced, ' + title:<28}{means}"
 
@@ -203,30 +205,26 @@ def _confusions(scores: ObserverScores) -> Iterator[tuple[str, str, float]]:
                 yield kind, taken, share
 
 
-def _warnings_of(one: SetScores) -> Iterator[str]:
-    """Yield a line for each confusion of a set and modality, with its strokes."""
-    for modality in next(iter(one.strokes.values())):
-        found: dict[tuple[str, str], list[tuple[int, int, str]]] = {}
-        for stroke, by_modality in one.strokes.items():
-            for kind, taken, share in _confusions(by_modality[modality].groups):
-                found.setdefault((kind, taken), []).append((*_ratio(share), _where(stroke)))
-        for (kind, taken), cases in found.items():
-            some, of, where = cases[0]
-            fate = "unnoticed" if taken == NOTHING else f"taken for {_a(taken)}"
-            name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
-            more = "".join(f", {some} in {of} {where}" for some, of, where in cases[1:])
-            yield (
-                f"{some} {_kind_text(name)} in {of} {verb} {fate} {where}{more} "
-                f"(by {modality}, {one.name})"
-            )
-
-
 _RATIOS = [*((1, of) for of in range(12, 1, -1)), (2, 3), (3, 4), (9, 10)]
+"""Simple ratios by which shares are written."""
 
 
-def _ratio(share: float) -> tuple[int, int]:
-    """Return a share as a simple ratio: 1 in 12 to 1 in 2, 2 in 3, 3 in 4, 9 in 10."""
-    return min(_RATIOS, key=lambda ratio: abs(math.log(ratio[0] / ratio[1] / share)))
+def _warnings_of(one: SetScores, modality: Modality) -> Iterator[str]:
+    """Yield a line for each confusion of a set by a modality, with its strokes."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for stroke, by_modality in one.strokes.items():
+        for kind, taken, share in _confusions(by_modality[modality].groups):
+            some, of = min(_RATIOS, key=lambda ratio: abs(math.log(ratio[0] / ratio[1] / share)))
+            if (kind, taken) not in found:
+                name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
+                article = "an" if taken[:1] in "aeiou" else "a"
+                fate = "unnoticed" if taken == NOTHING else f"taken for {article} {taken}"
+                text = f"{some} {name} in {of} {verb} {fate}".replace("_", " ")
+            else:
+                text = f"{some} in {of}"
+            found.setdefault((kind, taken), []).append(f"{text} {_where(stroke)}")
+    for texts in found.values():
+        yield f"{', '.join(texts)} (by {modality}, {one.name})"
 
 
 def _where(stroke: str) -> str:
@@ -237,23 +235,9 @@ def _where(stroke: str) -> str:
     return "in mixed movement" if stroke == "mixed" else f"at {stroke}"
 
 
-def _kind_text(kind: str) -> str:
-    return kind.replace("_", " ")
-
-
-def _a(kind: str) -> str:
-    return f"{'an' if kind[:1] in 'aeiou' else 'a'} {_kind_text(kind)}"
-
-
 def _plural(kind: str) -> str:
-    if kind.endswith(("s", "ch", "sh")):
-        return f"{kind}es"
-    return f"{kind}s"
+    return f"{kind}es" if kind.endswith(("s", "ch", "sh")) else f"{kind}s"
 
 
 def _percent(value: float) -> str:
     return f"{100.0 * value:.0f}" if np.isfinite(value) else "-"
-
-
-def _cell(recall: float, precision: float) -> str:
-    return f"{_percent(recall)} / {_percent(precision)}"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.measure.observer.features import RHYTHM_MS
 
 NOTHING = "nothing"
@@ -44,28 +45,28 @@ class ObserverScores:
     """
 
     kinds: tuple[str, ...]
-    confusion: NDArray[np.int64]
-    reports: NDArray[np.int64]
-    right: NDArray[np.int64]
+    confusion: IntArray
+    reports: IntArray
+    right: IntArray
     draws: int
 
     @property
-    def events(self) -> NDArray[np.int64]:
+    def events(self) -> IntArray:
         """Number of passed events of each kind, each counted once per draw."""
         return np.asarray(self.confusion[:-1].sum(axis=1), dtype=np.int64)
 
     @property
-    def recall(self) -> NDArray[np.float64]:
+    def recall(self) -> FloatArray:
         """Share of each kind's events that was recognised; NaN without events."""
         return _shares(np.diagonal(self.confusion)[:-1], self.events)
 
     @property
-    def precision(self) -> NDArray[np.float64]:
+    def precision(self) -> FloatArray:
         """Share of each kind's reports that was true; NaN without reports."""
         return _shares(self.right, self.reports)
 
     @property
-    def f1(self) -> NDArray[np.float64]:
+    def f1(self) -> FloatArray:
         """The harmonic mean of recall and precision; NaN without events."""
         precision = np.nan_to_num(self.precision)  # without reports, recall is 0 too
         total = self.recall + precision
@@ -118,7 +119,7 @@ class ObserverScores:
         )
 
 
-def _shares(some: NDArray[Any], of: NDArray[Any]) -> NDArray[np.float64]:
+def _shares(some: NDArray[Any], of: NDArray[Any]) -> FloatArray:
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(some / of, dtype=np.float64)
 
@@ -135,10 +136,10 @@ class Tally:
     """
 
     kinds: tuple[str, ...]
-    group: NDArray[np.int64]
-    confusion: NDArray[np.int64] = field(init=False)
-    reports: NDArray[np.int64] = field(init=False)
-    right: NDArray[np.int64] = field(init=False)
+    group: IntArray
+    confusion: IntArray = field(init=False)
+    reports: IntArray = field(init=False)
+    right: IntArray = field(init=False)
 
     def __post_init__(self) -> None:
         count = len(self.kinds)
@@ -147,11 +148,7 @@ class Tally:
         self.right = np.zeros(count, dtype=np.int64)
 
     def add(
-        self,
-        at_ms: NDArray[np.int64],
-        answers: NDArray[np.int64],
-        owner: NDArray[np.int64],
-        kinds: Iterable[int],
+        self, at_ms: IntArray, answers: IntArray, owner: IntArray, kinds: Iterable[int]
     ) -> None:
         """Count the onsets of a stroke (time, answer, row of its event) and its events."""
         nothing = len(self.kinds)

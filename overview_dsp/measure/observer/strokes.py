@@ -18,19 +18,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, sweep, tap
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.features import Modality, StrokeFeatures, stroke_features
-from overview_dsp.measure.perceived_level import (
-    AFTER_MS,
-    BEFORE_MS,
-    TRAILING_S,
-    passages,
-    strokes,
-)
+from overview_dsp.measure.perceived_level import AFTER_MS, BEFORE_MS, TRAILING_S, passages, strokes
 from overview_dsp.measure.random_movements import random_movement
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
@@ -61,29 +55,22 @@ class PassedEvents:
         Friction released by the event, N m s/rad.
     """
 
-    kind: NDArray[np.int64]
-    enters_ms: NDArray[np.float64]
-    leaves_ms: NDArray[np.float64]
-    strength: NDArray[np.float64]
+    kind: IntArray
+    enters_ms: FloatArray
+    leaves_ms: FloatArray
+    strength: FloatArray
 
     def __len__(self) -> int:
         return len(self.kind)
 
 
 def passed_events(
-    surface: Surface, cursor: NDArray[np.float64], sample_rate: float, furthest: float = -math.inf
+    surface: Surface, cursor: FloatArray, sample_rate: float, furthest: float = -math.inf
 ) -> PassedEvents:
     """Find the events that a stroke passes, and those that it misses.
 
-    Parameters
-    ----------
-    surface : Surface
-    cursor : float64 (frames,)
-        Cursor of the stroke.
-    sample_rate : float
-        Hz.
-    furthest : float
-        Furthest position of the input disk: it passes all events that start before.
+    `cursor` is that of the stroke. The input disk passes the events that start before its
+    `furthest` position.
     """
     bounds = _turns(cursor, max(1, int(TURN_CHECK_S * sample_rate)))
     events, enters, leaves = [], [], []
@@ -99,15 +86,10 @@ def passed_events(
     event = np.append(event, missed)
     frames = np.hstack([frames, np.full((2, len(missed)), math.inf)])
     enters_ms, leaves_ms = frames * (1000.0 / sample_rate)
-    return PassedEvents(
-        surface.kind[event],
-        enters_ms,
-        leaves_ms,
-        surface.release[event],
-    )
+    return PassedEvents(surface.kind[event], enters_ms, leaves_ms, surface.release[event])
 
 
-def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np.int64]:
+def rows_of_onsets(at_ms: IntArray, passed: PassedEvents) -> IntArray:
     """Return the row of `passed` that each onset belongs to; -1 for none."""
     if not len(passed):
         return np.full(len(at_ms), -1)
@@ -119,7 +101,7 @@ def rows_of_onsets(at_ms: NDArray[np.int64], passed: PassedEvents) -> NDArray[np
     return np.where(near.any(axis=1), row, -1)
 
 
-def _turns(cursor: NDArray[np.float64], step: int) -> list[int]:
+def _turns(cursor: FloatArray, step: int) -> list[int]:
     """Return the frames at which the disk turns back, from 0 to the number of frames."""
     coarse = cursor[::step]
     bounds, extreme, direction = [0], 0, 0
@@ -180,19 +162,13 @@ _PACE_OVER_S = 0.05
 class ObservedStroke:
     """One stroke over one timeline.
 
-    Attributes
-    ----------
-    name : str
-        `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
-    features : dict of Modality to StrokeFeatures
-    owner : dict of Modality to int64 (onsets,)
-        The row of `events` that each onset belongs to, or -1.
-    events : PassedEvents
+    `name`: `1 s` to `30 s`, `recoil`, `tap`, `arm 1 s` to `arm 6 s`, `mixed`.
+    `owner`: the row of `events` that each onset belongs to, or -1.
     """
 
     name: str
     features: dict[Modality, StrokeFeatures]
-    owner: dict[Modality, NDArray[np.int64]]
+    owner: dict[Modality, IntArray]
     events: PassedEvents
 
 
@@ -215,27 +191,11 @@ def rendered_strokes(
     progress: Callable[[int], None],
     sample_rate: float | None = None,
 ) -> dict[str, list[ObservedStroke]]:
-    """Render every stroke over every timeline on all cores.
+    """Render every stroke over every timeline on all cores; return them by name.
 
-    Parameters
-    ----------
-    preset, timelines
-        Preset and timelines that are rendered.
-    movement
-        Movement; `mixed` renders one movement of mixed pace for each timeline.
-    modalities
-        Modalities of the features.
-    seed
-        Seed of the mixed movements: timeline i gets that of `seed + i`.
-    progress
-        Called after each render with the number of renders (1).
-    sample_rate
-        Sample rate, Hz; None: the lowest rate that the modalities need.
-
-    Returns
-    -------
-    dict of str to list of ObservedStroke
-        Strokes by name, one per timeline.
+    `movement`: `mixed` renders one movement of mixed pace for each timeline i, of seed `seed + i`.
+    `progress`: called after each render with the number of renders (1).
+    `sample_rate`: Hz; None: the lowest rate that the modalities need.
     """
     if sample_rate is None:
         sample_rate = TOUCH_RATE if tuple(modalities) == ("touch",) else SOUND_RATE
@@ -281,7 +241,7 @@ def _observed_strokes(
         )
 
 
-def log_pace(gesture: Gesture) -> NDArray[np.float64]:
+def log_pace(gesture: Gesture) -> FloatArray:
     """Return the logarithm of the pace at each millisecond, in timelines per second."""
     at = np.arange(0.0, gesture.duration_s, 0.001)
     position = np.interp(

@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
+
 TREES = 40
 CANDIDATES = 8
 """Random splits that are compared at each node."""
@@ -27,27 +29,21 @@ MIN_SAMPLES = 5
 class _Tree:
     """Nodes in order of depth; `below` is 0 for a leaf."""
 
-    feature: NDArray[np.int64]
-    threshold: NDArray[np.float64]
-    below: NDArray[np.int64]
+    feature: IntArray
+    threshold: FloatArray
+    below: IntArray
     """Node of samples below the threshold; the next node has the others."""
-    share: NDArray[np.float64]  # (nodes, classes)
+    share: FloatArray  # (nodes, classes)
 
 
 @dataclass(frozen=True, eq=False)
 class Forest:
-    """Trained trees; see `fit_forest`.
-
-    Attributes
-    ----------
-    classes : int
-        Number of classes.
-    """
+    """Trained trees for a number of classes; see `fit_forest`."""
 
     classes: int
     trees: tuple[_Tree, ...]
 
-    def probabilities(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+    def probabilities(self, features: FloatArray) -> FloatArray:
         """Return the probability of each class: float64 (samples, classes)."""
         total = np.zeros((len(features), self.classes))
         rows = np.arange(len(features))
@@ -62,31 +58,19 @@ class Forest:
             total += tree.share[node]
         return total / len(self.trees)
 
-    def predict(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
+    def predict(self, features: FloatArray) -> IntArray:
         """Return the most probable class of each sample of (samples, features)."""
         return np.asarray(self.probabilities(features).argmax(axis=1), dtype=np.int64)
 
 
 def fit_forest(
-    features: NDArray[np.float64],
-    classes: NDArray[np.int64],
-    weights: NDArray[np.float64],
+    features: FloatArray,
+    classes: IntArray,
+    weights: FloatArray,
     rng: np.random.Generator,
     trees: int = TREES,
 ) -> Forest:
-    """Train a forest.
-
-    Parameters
-    ----------
-    features : float64 (samples, features)
-        One sample or more.
-    classes : int64 (samples,)
-        Class numbers from 0.
-    weights : float64 (samples,)
-        Weight of each sample, > 0.
-    rng : Generator
-    trees : int
-    """
+    """Train a forest on features (samples, features), class numbers from 0 and weights > 0."""
     count = int(classes.max()) + 1
     grower = _Grower(features, classes, weights, count, rng)
     return Forest(count, tuple(grower.tree() for _ in range(trees)))
@@ -96,9 +80,9 @@ def fit_forest(
 class _Grower:
     """Trainer of trees on one set of samples."""
 
-    features: NDArray[np.float64]
-    classes: NDArray[np.int64]
-    weights: NDArray[np.float64]
+    features: FloatArray
+    classes: IntArray
+    weights: FloatArray
     count: int
     rng: np.random.Generator
 
@@ -127,8 +111,8 @@ class _Grower:
         return _Tree(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def _best_splits(
-        self, rows: NDArray[np.int64], node: NDArray[np.int64], sums: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
+        self, rows: IntArray, node: IntArray, sums: FloatArray
+    ) -> tuple[IntArray, FloatArray, BoolArray]:
         """Find the best of `CANDIDATES` at each node: feature, threshold, and whether it splits."""
         nodes = len(sums)
         size = np.bincount(node, minlength=nodes)
@@ -154,9 +138,7 @@ class _Grower:
             splits |= better
         return found, threshold, splits
 
-    def _sums(
-        self, rows: NDArray[np.int64], node: NDArray[np.int64], nodes: int
-    ) -> NDArray[np.float64]:
+    def _sums(self, rows: IntArray, node: IntArray, nodes: int) -> FloatArray:
         """Return the weight of each class at each node: (nodes, classes)."""
         column = node * self.count + self.classes[rows]
         sums = np.bincount(column, self.weights[rows], minlength=nodes * self.count)

@@ -33,7 +33,7 @@ _BY_KIND: Mapping[str, Generator] = {
 }
 _SERIES = "highest"
 _SERIES_FOR: Mapping[str, Generator] = {"shares": random_share, "weather": random_weather}
-"""Words of `tags.usage` that name a kind of series."""
+"""Generator of a series by a word of `tags.usage`."""
 
 
 def generators(preset: Preset) -> tuple[Generator, ...]:

@@ -8,9 +8,9 @@ only unusual beats are events; the third has fewer than 100 beats, and each is a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.rhythm import NORMAL, Beats
 from overview_dsp.data.readers.cardiac.build import Description, heart_timeline
 from overview_dsp.data.readers.data_file import LoadOptions
@@ -79,7 +79,7 @@ def random_heart(seed: int) -> Timeline:
     return heart_timeline(about, beats, ((), ()), others, LoadOptions())
 
 
-def _intervals(rng: np.random.Generator, length: float) -> NDArray[np.float64]:
+def _intervals(rng: np.random.Generator, length: float) -> FloatArray:
     """Return the intervals of a regular rhythm, s, for the largest number of beats."""
     count = int(length * 2.5) + 20
     rate = np.full(count, rng.uniform(55.0, 85.0))

@@ -1,4 +1,4 @@
-"""Random series: a share's closing prices, a town's daily temperatures, a crowd's loudness.
+"""Random series: closing prices of a share, daily temperatures of a town, loudness of a crowd.
 
 Prices are random walks with rare jumps; their volatility (0.7 to 2.5 % a day) varies and reverts
 within a month or so. Temperatures are a yearly wave plus noise with a memory of some days; in some
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.loudness import STEPS_PER_S, Steps
 from overview_dsp.data.readers.audio.reader import MAPS, timeline_of
 from overview_dsp.data.readers.data_file import LoadOptions
@@ -52,13 +53,13 @@ def random_share(seed: int) -> Timeline:
     count = TRADING_DAYS * int(rng.integers(1, 4))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = np.busday_offset(start, np.arange(count), roll="forward")
-    usual = np.log(rng.uniform(0.007, 0.025))
-    storm = 0.0
+    log_volatility = np.log(rng.uniform(0.007, 0.025))
+    deviation = 0.0
     steps = np.empty(count)
     for i, (kick, move) in enumerate(rng.standard_normal((count, 2)).tolist()):
-        storm += -storm / 20.0 + 0.15 * kick
-        steps[i] = np.exp(usual + storm) * move
-    # results and other news: twice a year
+        deviation += -deviation / 20.0 + 0.15 * kick
+        steps[i] = np.exp(log_volatility + deviation) * move
+    # jumps, such as after results: twice per year
     steps += (rng.random(count) < 2.0 / TRADING_DAYS) * rng.normal(0.0, 0.06, count)
     steps += rng.normal(0.0003, 0.0004)
     price = np.round(rng.uniform(10.0, 300.0) * np.exp(np.cumsum(np.clip(steps, -0.25, 0.25))), 2)
@@ -104,7 +105,7 @@ def random_weather(seed: int) -> Timeline:
 
 
 def _timeline_of(
-    days: NDArray[np.datetime64], values: NDArray[np.float64], header: str, title: str
+    days: NDArray[np.datetime64], values: FloatArray, header: str, title: str
 ) -> Timeline:
     table = replace(table_of({"Date": days, header: values}), kind="random")
     return series_timeline(table, LoadOptions(), title)

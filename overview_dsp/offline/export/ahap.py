@@ -24,21 +24,15 @@ from typing import Annotated
 
 import numpy as np
 import pydantic
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed
 from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
-from overview_dsp.offline.export.document import (
-    CHECKING,
-    MAX_ENTRIES,
-    Part,
-    Seconds,
-    descending,
-)
+from overview_dsp.offline.export.document import CHECKING, MAX_ENTRIES, Part, Seconds, descending
 
 TRANSIENTS_MS = (12, 6, 22)
 """Assumed lengths of a transient; exports are optimised for the first."""
@@ -245,7 +239,7 @@ class Ahap(Part):
             covered = max(covered, event.end_s)
 
 
-def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
+def decoded(pattern: Ahap) -> tuple[FloatArray, list[Transient]]:
     """Return the amplitude of a pattern's vibration at each millisecond, and its strikes."""
     spans = [one for one in pattern.events if one.EventType == CONTINUOUS]
     strikes = [
@@ -286,9 +280,7 @@ def decoded(pattern: Ahap) -> tuple[NDArray[np.float64], list[Transient]]:
     return intensity**2, sorted(strikes, key=lambda strike: strike.time_s)
 
 
-def with_transients(
-    level: NDArray[np.float64], strikes: Sequence[Transient], length_ms: int
-) -> NDArray[np.float64]:
+def with_transients(level: FloatArray, strikes: Sequence[Transient], length_ms: int) -> FloatArray:
     """Return a continuous level with added transients."""
     starts = [round(strike.time_s * LEVELS_PER_S) for strike in strikes]
     count = max([len(level), *(start + length_ms for start in starts)])

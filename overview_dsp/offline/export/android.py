@@ -3,10 +3,9 @@
 - `createWaveform(timings, amplitudes, -1)`: steps of 10 ms, 1..255 inside the clip (0 would switch
   the motor off and cause a click). Equal steps are merged, and the last one ends with the clip.
 - Envelope effects (API 36, `WaveformEnvelopeBuilder`): every device supports 16 control points, 20
-ms
-  to 1 s apart, starting at amplitude 0. A clip becomes a sequence of effects. Each ends at a moment
-  of low vibration, and its points minimise the perceptible error.
-  An effect ramps from one control point to the next.
+  ms to 1 s apart, starting at amplitude 0. A clip becomes a sequence of effects. Each ends at a
+  moment of low vibration, and its points minimise the perceptible error. An effect ramps from one
+  control point to the next.
 """
 
 # ruff: noqa: N815
@@ -18,9 +17,9 @@ from typing import Annotated, Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.files.schema import Allowed
 from overview_dsp.offline.export.breakpoints import control_points
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
@@ -135,7 +134,7 @@ def waveform_xml(wave: Waveform) -> bytes:
     return text + b"\n"
 
 
-def _parts(level: NDArray[np.float64]) -> list[tuple[int, int]]:
+def _parts(level: FloatArray) -> list[tuple[int, int]]:
     """Divide a clip about every `PART_MS` at moments of low vibration."""
     last = len(level) - 1
     cuts = [0]
@@ -161,12 +160,12 @@ def validate_xml(root: ElementTree.Element) -> list[str]:
     return validate(Waveform, wave)
 
 
-def waveform_played(wave: Waveform) -> NDArray[np.float64]:
+def waveform_played(wave: Waveform) -> FloatArray:
     """Return the amplitude of a waveform at each millisecond."""
     return np.append(np.repeat(np.array(wave.amplitudes) / 255.0, wave.timings), 0.0)
 
 
-def envelopes_played(effects: Sequence[EnvelopeEffect]) -> NDArray[np.float64]:
+def envelopes_played(effects: Sequence[EnvelopeEffect]) -> FloatArray:
     """Return the amplitude of envelope effects at each millisecond."""
     times, values = [0], [0.0]
     for effect in effects:

@@ -1,11 +1,10 @@
 """Piecewise linear approximation of amplitude curves with the least perceptible error.
 
-Amplitudes are perceived by ratio, so the error is measured in dB. `breakpoints` adds points
-one by one, at the worst point of the piece with the largest total error (Ramer,
-Douglas and Peucker, with a queue), until the budget is spent or no error exceeds a third of a
-JND. `control_points` finds the best pieces of a limited number for a part of a
-clip by dynamic programming: those with the fewest windows of 10 ms with an error above a JND.
-Windows with strikes have a higher weight.
+Amplitudes are perceived by ratio, so the error is measured in dB. `breakpoints` adds points one by
+one, at the worst point of the piece with the largest total error (Ramer, Douglas and Peucker, with
+a queue), until the budget is spent or no error exceeds a third of a JND. `control_points` finds the
+best pieces of a limited number for a part of a clip by dynamic programming: those with the fewest
+windows of 10 ms with an error above a JND. Windows with strikes have a higher weight.
 """
 
 from __future__ import annotations
@@ -15,8 +14,8 @@ import itertools
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.offline.export.clip import NOTICEABLE_DB, felt_db
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
@@ -33,24 +32,10 @@ _PER_DB = 0.02
 """Cost of an error of 1 dB, which selects the better of otherwise equal solutions."""
 
 
-def breakpoints(
-    level: NDArray[np.float64],
-    budget: int,
-    required: Iterable[int] = (),
-) -> NDArray[np.int64]:
-    """Return the positions of a piecewise linear approximation, including both ends.
+def breakpoints(level: FloatArray, budget: int, required: Iterable[int] = ()) -> IntArray:
+    """Return the positions of a piecewise linear approximation of `level`, including both ends.
 
-    Parameters
-    ----------
-    level : float64 (n,), n >= 2
-    budget
-        Number of positions, 2 or more; exceeded only by required positions.
-    required
-        Positions that must be included.
-
-    Returns
-    -------
-    int64 (m,), ascending
+    `budget`: number of positions, 2 or more; exceeded only by the `required` positions.
     """
     last = len(level) - 1
     target = felt_db(level)
@@ -81,29 +66,17 @@ def breakpoints(
 
 
 def control_points(
-    level: NDArray[np.float64],
-    strikes_ms: Sequence[int],
-    most: int,
-    spacing_ms: tuple[int, int],
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    level: FloatArray, strikes_ms: Sequence[int], most: int, spacing_ms: tuple[int, int]
+) -> tuple[IntArray, FloatArray]:
     """Return the points of a piecewise linear approximation that starts and ends in silence.
 
-    Parameters
-    ----------
-    level : float64 (n,)
-        Amplitude at each millisecond, at least as long as the shortest distance.
-    strikes_ms
-        Positions of strikes, ms.
-    most
-        Highest number of points after the first, 2 or more.
-    spacing_ms
-        Shortest and longest distance between neighbours, ms.
+    `level`: amplitude at each millisecond, at least as long as the shortest distance.
+    `strikes_ms`: positions of strikes, ms.
+    `most`: highest number of points after the first, 2 or more.
+    `spacing_ms`: shortest and longest distance between neighbours, ms.
 
-    Returns
-    -------
-    positions_ms : int64 (m,)
-        Positions; the first and the last are the ends of the part.
-    amplitudes : float64 (m,)
+    Returns the positions, ms, of which the first and the last are the ends of the part, and
+    amplitudes.
     """
     count = (len(level) - 1) // GRID_MS
     positions_ms = np.arange(count + 1) * GRID_MS
@@ -132,12 +105,12 @@ def control_points(
 
 
 def _costs(
-    positions_ms: NDArray[np.int64],
-    node: NDArray[np.float64],
-    target: NDArray[np.float64],
-    weight: NDArray[np.float64],
+    positions_ms: IntArray,
+    node: FloatArray,
+    target: FloatArray,
+    weight: FloatArray,
     spacing_ms: tuple[int, int],
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the cost of each linear piece between nodes, (nodes, nodes); inf if not allowed."""
     count = len(target)
     cost = np.full((count + 1, count + 1), np.inf)

@@ -1,12 +1,11 @@
 """Memory images for the browser: initial memory of the page's kernel, and later changes.
 
-Python derives all numbers from a timeline and a preset, with
-the code of a native engine: coefficients, friction tables, events, modes, and the actuator. The
-page's audio thread only copies these bytes to the kernel's memory and pushes
-events to the kernel's rings. Smoothing, crossfades and all sound are computed by the kernel. The
-page's samples are thus bit-identical to native ones, and a static folder has one file of these
-bytes per preset and sample rate. The page itself sets the device's gain, mute, delay and
-ceiling, which are not recorded, in the kernel's memory.
+Python derives all numbers from a timeline and a preset, with the code of a native engine:
+coefficients, friction tables, events, modes, and the actuator. The page's audio thread only copies
+these bytes to the kernel's memory and pushes events to the kernel's rings. Smoothing, crossfades
+and all sound are computed by the kernel. The page's samples are thus bit-identical to native ones,
+and a static folder has one file of these bytes per preset and sample rate. The page itself sets the
+device's gain, mute, delay and ceiling, which are not recorded, in the kernel's memory.
 
 The bytes, little-endian, in columns of 8:
 
@@ -121,13 +120,9 @@ def encode_change(
 ) -> bytes:
     """Encode a change between two presets' parameters and, optionally, to a new surface.
 
-    It corresponds to `Engine.set`, `set_preset`, `set_timeline` and `set_surface`: parameters
-    are smoothed and the surface is crossfaded from `sample_time` on; None is as soon as possible.
-
-    Raises
-    ------
-    InputError
-        The carrier doesn't fit the sample rate (Hz), or the sample time is invalid.
+    It corresponds to `Engine.set`, `set_preset`, `set_timeline` and `set_surface`: parameters are
+    smoothed and the surface is crossfaded from `sample_time` on; None is as soon as possible.
+    InputError for a carrier that doesn't fit the sample rate (Hz), or an invalid sample time.
     """
     check_carrier(after, sample_rate)
     changed = changes(before, after, sample_rate)

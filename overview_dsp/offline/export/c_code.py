@@ -108,7 +108,7 @@ def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -
 
 
 def c_sources(*names: str) -> dict[str, bytes]:
-    """Files of the package's C folder, by name, kernel.c checked: OverviewError if it is old."""
+    """Return files of the package's C folder by name; OverviewError if kernel.c is outdated."""
     source = resources.files("overview_dsp.offline.export") / "c"
     contents = {name: (source / name).read_bytes() for name in names}
     if f"kernels {sources_digest()}\n".encode() not in contents["kernel.c"][:1000]:

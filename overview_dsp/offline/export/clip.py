@@ -4,15 +4,13 @@ Phones and controllers play an amplitude curve and short strikes ("transients", 
 Both come from the engine's output, so a clip includes the physics: the speed of the
 movement, the recoil, and delayed release of events.
 
-A strike is a prominent peak of the felt level where the disk
-breaks loose from an event. It has the amplitude of that peak, with the continuous part silent,
-so that players that add the two, use the stronger or duck one give the same result. An event that
-rises slowly, or is masked by a higher one, is not a strike but belongs to the continuous part, like
-everything else.
+A strike is a prominent peak of the felt level where the disk breaks loose from an event. It has the
+amplitude of that peak, with the continuous part silent, so that players that add the two, use the
+stronger or duck one give the same result. An event that rises slowly, or is masked by a higher one,
+is not a strike but belongs to the continuous part, like everything else.
 
-The error of a clip is perceptual. Felt level: RMS over 10 ms in dB, as in
-`measure`; levels more than 46 dB below full scale count as silence. Errors of up to one JND
-are imperceptible.
+The error of a clip is perceptual. Felt level: RMS over 10 ms in dB, as in `measure`; levels more
+than 46 dB below full scale count as silence. Errors of up to one JND are imperceptible.
 """
 
 from __future__ import annotations
@@ -24,8 +22,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.errors import InputError
 from overview_dsp.offline.rendering.offline import RenderResult
@@ -71,8 +69,7 @@ SEPARATE_MS = 12
 
 MUCH_LOWER = 0.05
 """Ratio of friction below which an event must not strike harder than another one. For example, a
-foul with the felt level of the weakest goal, due to their positions in the gesture, is not a
-strike.
+foul with the felt level of the weakest goal, due to their positions in the gesture, is no strike.
 """
 
 DULL_HZ, SHARP_HZ = 100.0, 6400.0
@@ -81,12 +78,12 @@ NOTICEABLE_DB = 2.3
 """JND of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
 
-def felt_db(amplitude: NDArray[np.float64]) -> NDArray[np.float64]:
+def felt_db(amplitude: FloatArray) -> FloatArray:
     """Return an amplitude in dB of full scale, limited to `FLOOR`."""
     return 20.0 * np.log10(np.maximum(amplitude, FLOOR))
 
 
-def felt_level(level: NDArray[np.float64]) -> NDArray[np.float64]:
+def felt_level(level: FloatArray) -> FloatArray:
     """Return the felt level: RMS over 9 ms around each millisecond, float64 (n,)."""
     energy = np.convolve(level**2, np.ones(FELT_MS) / FELT_MS, "same")
     return np.asarray(np.sqrt(np.maximum(energy, 0.0)))
@@ -121,27 +118,19 @@ class Transient:
 class Clip:
     """Vibration for export to haptic formats.
 
-    Attributes
-    ----------
-    title : str
-    level : float64 (n,)
-        Amplitude of the vibration at each millisecond, 0..1 of full scale.
-    frequency_hz : float
-        Frequency of the carrier.
-    transients : tuple of Transient
-        In order of time.
-    surface : Surface
-        Surface of the render.
+    `level`: amplitude of the vibration at each millisecond, 0..1 of full scale.
+    `frequency_hz`: frequency of the carrier.
+    `transients`: strikes in order of time.
     """
 
     title: str
-    level: NDArray[np.float64]
+    level: FloatArray
     frequency_hz: float
     transients: tuple[Transient, ...]
     surface: Surface
 
     @cached_property
-    def felt(self) -> NDArray[np.float64]:
+    def felt(self) -> FloatArray:
         """Perceived level at each millisecond, float64 (n,)."""
         return felt_level(self.level)
 
@@ -150,22 +139,11 @@ class Clip:
         """Duration in s; the last level is at its end."""
         return (len(self.level) - 1) / LEVELS_PER_S
 
-    def under_strikes(
-        self, length_ms: Callable[[Transient], int]
-    ) -> tuple[NDArray[np.float64], list[int]]:
-        """Return the continuous part: the felt level with silence during strikes.
+    def under_strikes(self, length_ms: Callable[[Transient], int]) -> tuple[FloatArray, list[int]]:
+        """Return the felt level at each millisecond, with silence during strikes.
 
-        Parameters
-        ----------
-        length_ms : callable
-            Duration of a strike on a player, ms.
-
-        Returns
-        -------
-        level : float64 (n,)
-            Amplitude at each millisecond.
-        corners : list of int
-            Starts and ends of the silence, which need breakpoints.
+        `length_ms` returns the duration of a strike on a player, ms. It also returns the starts and
+        ends of the silence, which need breakpoints.
         """
         level = self.felt.copy()
         last = len(level) - 1
@@ -183,10 +161,7 @@ class Clip:
 def clip_of(result: RenderResult[Trace | None]) -> Clip:
     """Make a clip of a rendered gesture up to the end of its vibration.
 
-    Raises
-    ------
-    InputError
-        The result has no trace or no vibration, or is longer than ten minutes.
+    InputError for a result without trace or vibration, or longer than ten minutes.
     """
     if result.trace is None:
         raise InputError("the result has no trace, which is needed; render with trace=True")
@@ -212,7 +187,7 @@ def clip_of(result: RenderResult[Trace | None]) -> Clip:
     )
 
 
-def _by_millisecond(envelope: NDArray[np.float64], sample_rate: float) -> NDArray[np.float64]:
+def _by_millisecond(envelope: FloatArray, sample_rate: float) -> FloatArray:
     """Return the RMS of the envelope around each millisecond."""
     energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
     frames = np.arange(len(energy), dtype=np.float64)
@@ -234,18 +209,8 @@ class _Candidate:
     sharpness: float
 
 
-def strikes_of(
-    result: RenderResult[Trace | None], felt: NDArray[np.float64]
-) -> tuple[Transient, ...]:
-    """Return the strikes of a rendered gesture in order of time.
-
-    Parameters
-    ----------
-    result
-        Render with strikes and surface.
-    felt : float64 (n,)
-        The felt level at each millisecond.
-    """
+def strikes_of(result: RenderResult[Trace | None], felt: FloatArray) -> tuple[Transient, ...]:
+    """Return the strikes of a render in order of time; `felt`: level at each millisecond."""
     peaks, prominences = _pulses(felt)
     above_floor = 20.0 * np.log10(felt[peaks] / FLOOR)
     outstanding = peaks[np.minimum(prominences, above_floor) >= STANDS_OUT_DB]
@@ -274,7 +239,7 @@ def strikes_of(
     )
 
 
-def _pulses(felt: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _pulses(felt: FloatArray) -> tuple[IntArray, FloatArray]:
     """Return the peaks of the felt level, ms, ascending, and their prominence, dB."""
     from scipy.signal import find_peaks
 
@@ -342,19 +307,17 @@ class PerceptualError:
     within_percent: float
 
 
-def perceptual_error(played: NDArray[np.float64], rendered: NDArray[np.float64]) -> PerceptualError:
+def perceptual_error(played: FloatArray, rendered: FloatArray) -> PerceptualError:
     """Compare two amplitude curves with one value per millisecond; a missing end is silence."""
     count = max(len(played), len(rendered))
     sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
     error = np.abs(_windows_db(sides[0]) - _windows_db(sides[1]))
     return PerceptualError(
-        float(np.median(error)),
-        float(error.max()),
-        float(100.0 * np.mean(error <= NOTICEABLE_DB)),
+        float(np.median(error)), float(error.max()), float(100.0 * np.mean(error <= NOTICEABLE_DB))
     )
 
 
-def _windows_db(level: NDArray[np.float64]) -> NDArray[np.float64]:
+def _windows_db(level: FloatArray) -> FloatArray:
     width = round(FELT_WINDOW_S * LEVELS_PER_S)
     padded = np.pad(level, (0, -len(level) % width))
     return felt_db(np.sqrt(np.mean(padded.reshape(-1, width) ** 2, axis=1)))

@@ -18,21 +18,14 @@ from collections.abc import Iterable, Iterator
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
-from overview_dsp.offline.export.document import (
-    MAX_ENTRIES,
-    Count,
-    Part,
-    Seconds,
-    Unit,
-    descending,
-)
+from overview_dsp.offline.export.document import MAX_ENTRIES, Count, Part, Seconds, Unit, descending
 
 DUCKING = 0.5
 DULL_MS, SHARP_MS = 36.4, 12.1
@@ -148,7 +141,7 @@ def emphasis_ms(frequency: float) -> int:
     return int(DULL_MS + (SHARP_MS - DULL_MS) * frequency)
 
 
-def with_emphasis(level: NDArray[np.float64], strikes: Iterable[Transient]) -> NDArray[np.float64]:
+def with_emphasis(level: FloatArray, strikes: Iterable[Transient]) -> FloatArray:
     """Return a continuous level with added emphases."""
     emphasis = np.zeros(len(level))
     for strike in strikes:
@@ -159,7 +152,7 @@ def with_emphasis(level: NDArray[np.float64], strikes: Iterable[Transient]) -> N
     return np.asarray(np.minimum(ducked + emphasis, 1.0))
 
 
-def decoded(document: Haptic) -> tuple[NDArray[np.float64], list[Transient]]:
+def decoded(document: Haptic) -> tuple[FloatArray, list[Transient]]:
     """Return the envelope's amplitude at each millisecond, and the emphases."""
     for fault in document.unplayable():
         raise InputError(fault)

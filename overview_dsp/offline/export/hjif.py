@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.files.schema import Allowed
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.breakpoints import breakpoints
@@ -143,12 +144,8 @@ class Perception(Part):
         """Yield contradictions between values, with locations relative to the perception."""
         devices = self.reference_devices or []
         for k, device in enumerate(devices):
-            limits = (
-                device.minimum_frequency,
-                device.resonance_frequency,
-                device.maximum_frequency,
-            )
-            known = [limit for limit in limits if limit is not None]
+            names = ("minimum_frequency", "resonance_frequency", "maximum_frequency")
+            known = [limit for one in names if (limit := getattr(device, one)) is not None]
             if known != sorted(known):
                 yield (
                     f".reference_devices[{k}]: minimum, resonance and maximum frequency aren't in "
@@ -294,7 +291,7 @@ def _friction(clip: Clip, highest: float) -> Band:
     )
 
 
-def played(hjif: Hjif) -> NDArray[np.float64]:
+def played(hjif: Hjif) -> FloatArray:
     """Return the amplitude of the vibrotactile perceptions at each millisecond."""
     parts = [
         part
@@ -317,9 +314,7 @@ def played(hjif: Hjif) -> NDArray[np.float64]:
     return np.asarray(np.sqrt(energy))
 
 
-def _parts(
-    band: str, effect: Effect, gain: float
-) -> list[tuple[int, NDArray[np.float64], float, float]]:
+def _parts(band: str, effect: Effect, gain: float) -> list[tuple[int, FloatArray, float, float]]:
     """Return (start, amplitude at each millisecond, Hz, phase) of an effect's waves."""
     at = [frame.relative_position for frame in effect.keyframes]
     levels = [gain * frame.amplitude_modulation for frame in effect.keyframes]

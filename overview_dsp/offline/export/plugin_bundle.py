@@ -51,8 +51,8 @@ class Image:
 class Bundle:
     """Bundle: name of the plugin, timelines and presets by name, and an image for each pair.
 
-    Images are ordered by timeline, then by preset. The
-    timelines' starts are seconds since 1970 in local time, NaN without a calendar.
+    Images are ordered by timeline, then by preset. The timelines' starts are seconds since 1970 in
+    local time, NaN without a calendar.
     """
 
     name: str

@@ -126,9 +126,8 @@ def build_plugin(
     seed : int
         Seed of the texture noise.
     target : str, optional
-        Target machine, compiled with ziglang: `"x86_64-linux"`,
-        `"aarch64-linux"`, `"x86_64-windows"`, `"x86_64-macos"` or `"aarch64-macos"`. Default:
-        this machine.
+        Target machine, compiled with ziglang: `"x86_64-linux"`, `"aarch64-linux"`,
+        `"x86_64-windows"`, `"x86_64-macos"` or `"aarch64-macos"`. Default: this machine.
 
     Returns
     -------

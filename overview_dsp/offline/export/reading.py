@@ -21,9 +21,9 @@ from typing import Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
@@ -77,9 +77,9 @@ class DecodedClip:
     True
     """
 
-    level: NDArray[np.float64]
+    level: FloatArray
     transients: tuple[Transient, ...]
-    played: NDArray[np.float64]
+    played: FloatArray
 
     def __repr__(self) -> str:
         return f"<DecodedClip: {len(self.level)} ms, {counted(len(self.transients), 'strike')}>"
@@ -133,7 +133,7 @@ def _read(path: Path) -> DecodedClip:
     raise InputError(f"{path}: must be AHAP (with a Pattern) or .haptic (with signals)")
 
 
-def _core_haptics(level: NDArray[np.float64], strikes: list[Transient]) -> DecodedClip:
+def _core_haptics(level: FloatArray, strikes: list[Transient]) -> DecodedClip:
     played = ahap.with_transients(level, strikes, ahap.TRANSIENTS_MS[0])
     return DecodedClip(level, tuple(strikes), played)
 
@@ -154,17 +154,8 @@ def paired(path: Path) -> tuple[Path, ...]:
 def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     """Return the clips of a file or a folder by event kind.
 
-    Parameters
-    ----------
-    path
-        File of a clip, or folder with clips.
-    kind
-        Kind of a single clip. None: the file names of a folder are kinds.
-
-    Raises
-    ------
-    InputError
-        The kind of a file is missing, a folder has no clip, or a kind has several.
+    `kind` is that of a single clip. None: the file names of a folder are kinds. InputError if the
+    kind of a file is missing, a folder has no clip, or a kind has several.
     """
     place = Path(path)
     if not place.is_dir():
@@ -174,14 +165,8 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
     found: dict[str, Path] = {}
     for one in sorted(place.iterdir()):
         if one.suffix.lower() in SUFFIXES and paired(one)[0] == one:
-            name = next(
-                (
-                    one.name.removesuffix(end)
-                    for end, _ in reversed(PAIRS)
-                    if one.name.endswith(end)
-                ),
-                one.stem,
-            )
+            ends = [end for end, _ in reversed(PAIRS) if one.name.endswith(end)]
+            name = one.name.removesuffix(ends[0]) if ends else one.stem
             if name in found:
                 raise InputError(f"{place}: two clips have the name {name}; keep one of them")
             found[name] = one
@@ -280,7 +265,7 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 
 
 def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ...]:
-    """The clip's amplitude, strikes among it, at `count` positions, its highest 1."""
+    """Return the clip's amplitude, with its strikes, at `count` positions; its highest is 1."""
     level = clip.played
     edges = np.linspace(0, len(level), count + 1).astype(np.int64)
     edges = np.minimum(edges[:-1], len(level) - 1)
@@ -291,7 +276,7 @@ def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ..
 
 
 def modes(clip: DecodedClip) -> tuple[ClickMode, ...]:
-    """The clip's strikes as modes, the strongest first, a pitch once."""
+    """Return the clip's strikes as modes, the strongest first, each pitch once."""
     found: list[Transient] = []
     for strike in sorted(clip.transients, key=lambda strike: -strike.amplitude):
         if strike.amplitude > 0.0 and all(
@@ -313,7 +298,7 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
 
 
 def with_layer(preset: Preset, kind: str, clip: DecodedClip, layer: Layer) -> Preset:
-    """The preset with a clip laid into one of its kinds, which is made from `default` if new."""
+    """Return a preset with a clip in one of its kinds; a new kind extends `default`."""
     base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], aliases=())
     if layer in ("tactor", "both"):
         base = replace(base, points=amplitude_profile(clip))

@@ -8,10 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
-from numpy.typing import NDArray
-
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError, shown
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.sound import save_sound
@@ -25,13 +23,13 @@ from overview_dsp.public import counted, short
 POINTS_PER_S = 50.0
 """Default number of amplitude points per second (Meta's studio has 40; fast sweeps need more)."""
 
-Played = dict[str, NDArray[np.float64]]
+Played = dict[str, FloatArray]
 """Amplitude at each millisecond on each player of a document."""
 
 
 @dataclass(frozen=True)
 class ExportResult:
-    """RenderResult of `export`.
+    """Result of `export`.
 
     Attributes
     ----------
@@ -139,14 +137,13 @@ def export(
     Parameters
     ----------
     result : RenderResult
-        RenderResult of `render`, with trace.
+        Result of `render`, with trace.
     to : str
         One of `formats()`.
     path : str or path
         Path of the first file; others have the same name with another suffix.
     points_per_s : float
-        Amplitude points per second of the clip, 1 to 1000 (formats with fixed steps don't
-        use it).
+        Amplitude points per second of the clip, 1 to 1000 (formats with fixed steps don't use it).
 
     Returns
     -------

@@ -36,10 +36,7 @@ def draw(timeline: Timeline, results: dict[str, RenderResult], folder: str | Pat
     fast, slow = results["fast sweep"], results["slow sweep"]
     gestures = _gestures()
     sweeps = plot_strokes(
-        [
-            (f"fast sweep, {FAST_S:g} s", fast),
-            (f"slow sweep, {SLOW_S:g} s", slow),
-        ],
+        [(f"fast sweep, {FAST_S:g} s", fast), (f"slow sweep, {SLOW_S:g} s", slow)],
         timeline,
         f"{timeline.title}: sweeps and recoil",
         [gestures["fast sweep"], gestures["slow sweep"]],

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
@@ -40,17 +39,16 @@ def plot_strokes(
 ) -> Figure:
     """Plot torque, friction, disk 1 and disk 2 over time, one column per gesture.
 
-        Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position
-        of the
-    clutch, not the input angle. With `gestures`, the input angle is
-        plotted, too.
+    Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position of
+    the clutch, not the input angle. With `gestures`, the input angle is plotted, too.
     """
     figure = new_figure(5.2 * len(results) + 0.6, 9.0)
     grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
         trace = result.trace
         # the last part of the recoil is uniform
-        shown = trace.time <= _end_of_interest(trace.time, trace.cursor)
+        away = np.flatnonzero(trace.cursor > 0.01)
+        shown = trace.time <= (trace.time[away[-1]] + 0.3 if len(away) else trace.time[-1])
         time, touching = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
         rows = (
@@ -69,7 +67,10 @@ def plot_strokes(
                 release = float(time[np.flatnonzero(touching)[-1]])
                 ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
         if gestures:
-            angle = _input_angle(gestures[column], trace.time[shown], touching)
+            gesture = gestures[column]
+            latest = np.searchsorted(gesture.time_s, time, side="right") - 1
+            inside = touching & (latest >= 0)
+            angle = np.where(inside, gesture.theta2[np.maximum(latest, 0)], 0.0)
             axes[4].plot(
                 *extremes(time, angle), color=GREY, linewidth=0.9, label="input angle", zorder=1.5
             )
@@ -98,18 +99,6 @@ def plot_strokes(
     if handles:
         figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
     return figure
-
-
-def _input_angle(
-    gesture: Gesture, time: NDArray[np.float64], touching: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    latest = np.searchsorted(gesture.time_s, time, side="right") - 1
-    return np.where(touching & (latest >= 0), gesture.theta2[np.maximum(latest, 0)], 0.0)
-
-
-def _end_of_interest(time: NDArray[np.float64], cursor: NDArray[np.float64]) -> float:
-    away = np.flatnonzero(cursor > 0.01)
-    return float(time[away[-1]]) + 0.3 if len(away) else float(time[-1])
 
 
 def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: float) -> None:

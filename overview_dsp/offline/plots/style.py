@@ -9,8 +9,9 @@ import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
 
 if TYPE_CHECKING:
@@ -97,8 +98,8 @@ def has_face(marker: Marker) -> bool:
 def styles_of(timeline: Timeline) -> dict[str, Style]:
     """Return the style of each kind of a timeline, which is the same in all plots.
 
-    Kinds without one of their own share a few by their names; two of one picture get different ones
-    as far as there are.
+    Kinds without one of their own share a few by their names; two of one picture differ if
+    possible.
     """
     kinds = timeline.kinds()
     found = {kind: style for kind, style in KIND_STYLE.items() if kind in kinds}
@@ -137,9 +138,7 @@ def tidy(axes: Axes) -> None:
     axes.set_axisbelow(True)
 
 
-def extremes(
-    x: NDArray[np.float64], y: NDArray[np.float64], points: int = _POINTS
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def extremes(x: FloatArray, y: FloatArray, points: int = _POINTS) -> tuple[FloatArray, FloatArray]:
     """Return a curve with fewer points: the lowest and highest value of each step."""
     if len(x) <= 2 * points:
         return x, y

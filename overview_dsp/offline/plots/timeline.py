@@ -11,8 +11,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.data.timeline import Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
@@ -48,12 +49,7 @@ def time_unit(duration_s: float) -> tuple[float, str]:
 class TimeAxis:
     """Time axis of a plot: in `time_unit`, or with the angle map of a surface.
 
-    Parameters
-    ----------
-    timeline
-        Timeline that is drawn.
-    angle_map
-        Map of the surface that is drawn with it; None draws equal times equally wide.
+    `timeline` is drawn; without `angle_map` equal times are equally wide.
     """
 
     def __init__(self, timeline: Timeline, angle_map: AngleMap | None = None) -> None:
@@ -62,19 +58,19 @@ class TimeAxis:
         self.scale, self.unit = time_unit(timeline.duration_s)
         self.width = timeline.duration_s / self.scale
 
-    def x(self, time_s: ArrayLike) -> NDArray[np.float64]:
+    def x(self, time_s: ArrayLike) -> FloatArray:
         """Return the coordinates of times."""
         if self._map is None:
             return np.asarray(time_s, dtype=np.float64) / self.scale
         return self._map.position_of(time_s) * self.width
 
-    def event_x(self) -> NDArray[np.float64]:
+    def event_x(self) -> FloatArray:
         """Return the coordinates of the timeline's events."""
         if self._map is None:
             return self.x([event.time_s for event in self._timeline.events])
         return self._map.events * self.width
 
-    def even_times(self, count: int) -> NDArray[np.float64]:
+    def even_times(self, count: int) -> FloatArray:
         """Return the times at evenly spaced coordinates, including both ends."""
         places = np.linspace(0.0, 1.0, count)
         return (
@@ -225,12 +221,7 @@ def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
 
 
 def _draw_curve(
-    axes: Axes,
-    timeline: Timeline,
-    curve: Intensity,
-    axis: TimeAxis,
-    colour: str,
-    band: float = 0.3,
+    axes: Axes, timeline: Timeline, curve: Intensity, axis: TimeAxis, colour: str, band: float = 0.3
 ) -> None:
     """Plot a line through few points, or the mean and range of many points."""
     if curve.is_constant:
@@ -250,8 +241,8 @@ def _draw_curve(
 
 
 def _broken(
-    times: NDArray[np.float64], values: NDArray[np.float64], timeline: Timeline, axis: TimeAxis
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    times: FloatArray, values: FloatArray, timeline: Timeline, axis: TimeAxis
+) -> tuple[FloatArray, FloatArray]:
     """Return the points outside gaps, with the line interrupted at each gap."""
     known = ~in_gap(timeline.gaps, times)
     middles = np.array([(start + end) / 2.0 for start, end in timeline.gaps])
@@ -309,7 +300,7 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
         axes.set_ylim(-0.7, len(styles) - 0.3)
 
 
-def _heights(timeline: Timeline, at: NDArray[np.float64], bottom: float) -> NDArray[np.float64]:
+def _heights(timeline: Timeline, at: FloatArray, bottom: float) -> FloatArray:
     """Return the height of events on the curve; 0 without a curve."""
     curve = timeline.intensity
     assert curve is not None

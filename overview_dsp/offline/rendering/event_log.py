@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
@@ -32,16 +32,9 @@ SHOWN_S = 1.5
 class PassedEvent:
     """Event passed by the disk.
 
-    Attributes
-    ----------
-    time_s : float
-        Time of its strike from the start of the gesture, s.
-    event : Event
-        The event.
-    moment : str
-        Time in the timeline as text.
-    below_db : float
-        Level of its click below the strongest one, dB.
+    `time_s`: time of its strike from the start of the gesture, s.
+    `moment`: time in the timeline as text.
+    `below_db`: level of its click below the strongest one, dB.
     """
 
     time_s: float
@@ -108,15 +101,6 @@ def as_records(passed: Sequence[PassedEvent]) -> list[dict[str, object]]:
     ]
 
 
-def _json(passed: Sequence[PassedEvent]) -> str:
-    return json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n"
-
-
-def as_audacity(passed: Sequence[PassedEvent]) -> str:
-    """Return an Audacity label track: start, end and text, separated by tabs."""
-    return "".join(f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed)
-
-
 def as_reaper(passed: Sequence[PassedEvent]) -> str:
     """Return markers for REAPER's region and marker manager."""
     text = io.StringIO()
@@ -148,9 +132,12 @@ def _clock(seconds: float) -> str:
 
 
 WRITERS: dict[str, Callable[[Sequence[PassedEvent]], str]] = {
-    ".audacity.txt": as_audacity,
+    # a label track: start, end and text
+    ".audacity.txt": lambda passed: "".join(
+        f"{one.time_s:.6f}\t{one.time_s:.6f}\t{one.text}\n" for one in passed
+    ),
     ".txt": as_text,
-    ".json": _json,
+    ".json": lambda passed: json.dumps(as_records(passed), indent=1, ensure_ascii=False) + "\n",
     ".csv": as_reaper,
     ".vtt": as_webvtt,
 }
@@ -182,31 +169,19 @@ MOST = 8
 def transcript(
     strikes: Strikes,
     timeline: Timeline,
-    engaged: NDArray[np.float64] | None,
+    engaged: FloatArray | None,
     sample_rate: float,
     most: int = MOST,
 ) -> tuple[str, ...]:
     """Return one line for each of the strongest strikes of the way out and of the recoil.
 
-    Parameters
-    ----------
-    strikes
-        Strikes of a render; those of the base surface are omitted.
-    timeline
-        Rendered timeline, with kinds, labels and times.
-    engaged
-        Column of the trace that separates the recoil from the way out. None
-        without a trace: all strikes count as the way out.
-    sample_rate
-        Sample rate of `engaged`, Hz.
-    most
-        Highest number of lines for each direction.
+    `strikes`: those of a render; those of the base surface are omitted.
+    `engaged`: column of the trace, which separates the recoil from the way out; None: all strikes
+        count as the way out.
+    `sample_rate`: sample rate of `engaged`, Hz.
+    `most`: highest number of lines for each direction.
 
-    Returns
-    -------
-    tuple of str
-        "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest"; empty if no event was
-        passed.
+    A line is "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest".
     """
     passed = passed_events(strikes, timeline)
     touched = [True] * len(passed)
@@ -218,10 +193,8 @@ def transcript(
     lines = []
     for i in sorted(kept):
         event, below = passed[i].event, round(passed[i].below_db)
-        words = event.kind.replace("_", " ") + (
-            f", {event.display_label}" if event.display_label else ""
-        )
-        words += "" if touched[i] else ", on the way back"
-        level = f"{below} dB below the strongest" if below else "the strongest"
-        lines.append(f"{passed[i].time_s:.2f} s: {words}, at {passed[i].moment}, {level}")
+        words = [event.kind.replace("_", " "), event.display_label]
+        words += ["" if touched[i] else "on the way back", f"at {passed[i].moment}"]
+        words.append(f"{below} dB below the strongest" if below else "the strongest")
+        lines.append(f"{passed[i].time_s:.2f} s: {', '.join(filter(None, words))}")
     return tuple(lines)

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 from typing import Generic, Literal, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import SampleArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.growable_array import GrowableArray
 from overview_dsp.design.gestures import Gesture
@@ -117,7 +117,7 @@ class RenderedJob(SavableSound, Generic[Traced]):
 
     job: RenderJob
     surface: Surface
-    samples: NDArray[np.float32]
+    samples: SampleArray
     sample_rate: float
     trace: Traced
     strikes: Strikes
@@ -362,8 +362,7 @@ def render_many(
     Raises
     ------
     InputError
-        The tail or number of threads is invalid; or as in `render`, when a result is
-        requested.
+        The tail or number of threads is invalid; or as in `render`, when a result is requested.
 
     Examples
     --------

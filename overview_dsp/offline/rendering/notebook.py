@@ -11,19 +11,20 @@ import io
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from overview_dsp.arrays import FloatArray, SampleArray
 
 WIDTH, ROW = 720, 70
 _POINTS = 700
 _STYLE = 'fill="none" stroke="{}" stroke-width="1"'
 
-Row = tuple[str, NDArray[np.float64], str]
+Row = tuple[str, FloatArray, str]
 """A curve: label, values of the frames, and colour."""
 
 
 def result_page(
     title: str,
-    samples: NDArray[np.float32],
+    samples: SampleArray,
     sample_rate: float,
     rows: Sequence[Row],
     lines: Sequence[str] = (),
@@ -31,19 +32,8 @@ def result_page(
 ) -> str:
     """Return HTML with title, player (16-bit FLAC), one row per curve, and a transcript.
 
-    Parameters
-    ----------
-    title
-        Plain text.
-    samples : float32 (frames, 2)
-    sample_rate
-        Sample rate in Hz, rounded for the player.
-    rows
-        Curves with the same duration.
-    lines
-        Lines of the transcript, initially folded.
-    passed
-        Number of passed events; the transcript has the strongest.
+    `rows` are curves with the same duration, `lines` those of the transcript, initially folded. Of
+    `passed` events the transcript has the strongest.
     """
     seconds = len(samples) / sample_rate
     name = html.escape(f"{title}, {seconds:.2f} s", quote=True)
@@ -76,7 +66,7 @@ def _transcript(lines: Sequence[str], passed: int) -> str:
     return f"<details><summary>Transcript: {count}</summary><ul>{items}</ul></details>"
 
 
-def _flac(samples: NDArray[np.float32], rate: int) -> bytes:
+def _flac(samples: SampleArray, rate: int) -> bytes:
     import soundfile
 
     data = io.BytesIO()

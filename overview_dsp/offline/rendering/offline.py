@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, Literal, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.readers.tables.memory import TimelineData
 from overview_dsp.data.timeline.model import Timeline
@@ -58,14 +58,14 @@ Progress = Callable[[float], None]
 class Block:
     """Rendered block: samples float32 (frames, 2), trace float64 (frames, columns) or None."""
 
-    samples: NDArray[np.float32]
-    trace: NDArray[np.float64] | None
+    samples: SampleArray
+    trace: FloatArray | None
     strikes: Strikes
 
 
 @dataclass(frozen=True, eq=False)
 class RenderResult(SavableSound, Generic[Traced]):
-    """RenderFileResult gesture, which notebooks display as a player with curves.
+    """Rendered gesture, which notebooks display as a player with curves.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class RenderResult(SavableSound, Generic[Traced]):
     'football'
     """
 
-    samples: NDArray[np.float32]
+    samples: SampleArray
     sample_rate: float
     trace: Traced
     strikes: Strikes
@@ -150,9 +150,8 @@ class RenderResult(SavableSound, Generic[Traced]):
 
     def __repr__(self) -> str:
         return (
-            f"<RenderResult: {len(self.samples) / self.sample_rate:.3f} s at "
-            f"{self.sample_rate:g} Hz, "
-            f"{counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
+            f"<RenderResult: {len(self.samples) / self.sample_rate:.3f} s at {self.sample_rate:g} "
+            f"Hz, {counted(len(self.strikes), 'strike')}, {short(self.engine.preset.name)} on "
             f"{short(self.engine.timeline.title)}>"
         )
 
@@ -168,9 +167,8 @@ def blocks(
 ) -> Iterator[Block]:
     """Render a gesture with a prepared engine, block by block, in constant memory.
 
-    `progress` receives the progress, 0 to 1. The blocks' arrays are not reused.
-    With an actuator's `stage`, the tactor's samples are its drive. Blocks have up to `block` frames
-    (None: `BLOCK`).
+    `progress` receives the progress, 0 to 1. The blocks' arrays are not reused. With an actuator's
+    `stage`, the tactor's samples are its drive. Blocks have up to `block` frames (None: `BLOCK`).
     """
     play = GesturePlayer(engine, gesture, tail, block or BLOCK)
     while not play.over:
@@ -252,8 +250,7 @@ def render(
     seed : int
         Seed of the texture noise.
     tail : {"rest", "none"} or float
-        Duration after the gesture: until the disk is at rest (at most 30 s), none,
-        or seconds.
+        Duration after the gesture: until the disk is at rest (at most 30 s), none, or seconds.
     trace : bool
         Whether to return the trace of the disk.
     actuator : Actuator or None
@@ -281,18 +278,23 @@ def render(
     >>> ov.render(days, "series", "sweep:1", sample_rate=8000).engine.preset.name
     'series'
     """
-    engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
+    engine, moved, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
     nothing = Block(
         np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.pop_strikes()
     )
-    rendered = [nothing, *blocks(engine, hand, tail, trace, stage=stage)]
+    rendered = [nothing, *blocks(engine, moved, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
     table = np.concatenate([b.trace for b in rendered if b.trace is not None])
     strikes = join_strikes([block.strikes for block in rendered])
-    kept: Trace | None = Trace(table) if trace else None
-    protected = stage.protected if stage is not None else None
-    missed = unreached(engine.surface, hand, strikes.event)
-    return RenderResult(samples, engine.sample_rate, kept, strikes, engine, protected, missed)
+    return RenderResult(
+        samples,
+        engine.sample_rate,
+        Trace(table) if trace else None,
+        strikes,
+        engine,
+        stage.protected if stage is not None else None,
+        unreached(engine.surface, moved, strikes.event),
+    )
 
 
 def _prepared(
@@ -332,7 +334,7 @@ def join_strikes(parts: list[Strikes]) -> Strikes:
 
 @dataclass(frozen=True)
 class RenderFileResult:
-    """RenderResult of `render_to_file`.
+    """Result of `render_to_file`.
 
     Attributes
     ----------
@@ -353,8 +355,7 @@ class RenderFileResult:
     passed : Strikes or None
         Strikes of events.
     lufs : float or None
-        Loudness of the written click channel (ITU-R BS.1770), if requested;
-        None for silence.
+        Loudness of the written click channel (ITU-R BS.1770), if requested; None for silence.
     gain_db : float
         Gain of the click by `normalize`, dB.
 
@@ -465,11 +466,11 @@ def render_to_file(
     target = validation.path(path, "path")
     if normalize is not None:
         require_loudness(normalize)
-    engine, hand, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
+    engine, moved, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
     gain = 1.0
     if normalize is not None:
         meter = ClickMeter(sample_rate)
-        for block in blocks(engine, hand, tail, False, None, stage):
+        for block in blocks(engine, moved, tail, False, None, stage):
             meter.feed(block.samples)
         gain = meter.gain_to(normalize)
         engine.reset()
@@ -478,14 +479,13 @@ def render_to_file(
     peaks = np.zeros(2)
     strikes: list[Strikes] = [engine.pop_strikes()]
     full_torque = 1e-3 * engine.preset.number("tactor.reference_torque_mnm")
+    trace_file = None if trace_path is None else validation.path(trace_path, "trace_path")
     with (
         SoundWriter(target, engine.sample_rate, subtype) as sound,
-        TraceWriter(
-            None if trace_path is None else validation.path(trace_path, "trace_path")
-        ) as traced,
+        TraceWriter(trace_file) as traced,
         StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
     ):
-        for block in blocks(engine, hand, tail, trace_path is not None or stems, progress, stage):
+        for block in blocks(engine, moved, tail, trace_path is not None or stems, progress, stage):
             if gain != 1.0:
                 block.samples[:, CLICK] *= np.float32(gain)
             sound.write(block.samples)
@@ -509,7 +509,7 @@ def render_to_file(
         note,
         engine,
         stage.protected if stage is not None else None,
-        unreached(engine.surface, hand, all_strikes.event),
+        unreached(engine.surface, moved, all_strikes.event),
         all_strikes.of_events(),
         loudness_of(heard.steps()) if heard is not None else None,
         gain_to_db(gain),

@@ -6,8 +6,8 @@ import math
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import IntArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.errors import InputError, shown
 from overview_dsp.signal.engine import Engine
@@ -46,7 +46,7 @@ def checked_tail(tail: Any) -> Tail:
     return float(tail)
 
 
-def unreached(surface: Surface, gesture: Gesture, reached: NDArray[np.int64]) -> tuple[int, ...]:
+def unreached(surface: Surface, gesture: Gesture, reached: IntArray) -> tuple[int, ...]:
     """Return the timeline's events that the input passed but the disk never reached.
 
     `reached` are the events of all strikes. The input passes events up to

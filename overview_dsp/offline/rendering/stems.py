@@ -1,8 +1,7 @@
 """Stems: one sound file per channel and one with the trace; loudness of the click channel.
 
-Loudness follows ITU-R BS.1770. Normalisation changes the click
-
-channel only; the tactor keeps its level.
+Loudness follows ITU-R BS.1770. Normalisation changes the click channel only; the tactor keeps its
+level.
 """
 
 from __future__ import annotations
@@ -12,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.data.analysis.loudness import MIN_RATE, SILENCE_LUFS, StepMeter, Steps
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SoundWriter
@@ -59,7 +58,7 @@ class StemWriter(contextlib.ExitStack):
             self.push(stack.pop_all())
         return self
 
-    def write(self, samples: NDArray[np.float32], trace: NDArray[np.float64] | None) -> None:
+    def write(self, samples: SampleArray, trace: FloatArray | None) -> None:
         """Append a block."""
         if not self._writers or trace is None:
             return
@@ -106,7 +105,7 @@ class ClickMeter:
         self._waiting = np.zeros((0, 1), np.float32)
         self.peak = 0.0
 
-    def feed(self, samples: NDArray[np.float32]) -> None:
+    def feed(self, samples: SampleArray) -> None:
         """Feed the next samples, float32 (frames, 2)."""
         click = samples[:, CLICK : CLICK + 1]
         self.peak = max(self.peak, float(np.abs(click).max(initial=0.0)))

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file, output_error
 from overview_dsp.kernels.layout import TRACE_COLUMNS
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 
-class Trace(Mapping[str, NDArray[np.float64]]):
+class Trace(Mapping[str, FloatArray]):
     """Motion of the disk: columns with one value per frame, `trace.torque` or `trace["torque"]`.
 
     Parameters
@@ -61,24 +61,24 @@ class Trace(Mapping[str, NDArray[np.float64]]):
     ['time', 'theta2', 'touching']
     """
 
-    time: NDArray[np.float64]
-    theta2: NDArray[np.float64]
-    touching: NDArray[np.float64]
-    theta1: NDArray[np.float64]
-    omega1: NDArray[np.float64]
-    cursor: NDArray[np.float64]
-    friction: NDArray[np.float64]
-    torque: NDArray[np.float64]
-    envelope: NDArray[np.float64]
-    engaged: NDArray[np.float64]
+    time: FloatArray
+    theta2: FloatArray
+    touching: FloatArray
+    theta1: FloatArray
+    omega1: FloatArray
+    cursor: FloatArray
+    friction: FloatArray
+    torque: FloatArray
+    envelope: FloatArray
+    engaged: FloatArray
 
-    def __init__(self, table: NDArray[np.float64], names: tuple[str, ...] = TRACE_COLUMNS) -> None:
+    def __init__(self, table: FloatArray, names: tuple[str, ...] = TRACE_COLUMNS) -> None:
         self._table = table
         self._names = names
 
     if not TYPE_CHECKING:  # a type checker knows the columns above, and no others
 
-        def __getattr__(self, name: str) -> NDArray[np.float64]:
+        def __getattr__(self, name: str) -> FloatArray:
             # a column is copied on first access
             if name.startswith("_") or name not in self._names:
                 raise AttributeError(f"the trace has no column {name!r}")
@@ -86,11 +86,11 @@ class Trace(Mapping[str, NDArray[np.float64]]):
             setattr(self, name, column)
             return column
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> FloatArray:
         """Return a column by its name."""
         if name not in self._names:
             raise KeyError(name)
-        column: NDArray[np.float64] = getattr(self, name)
+        column: FloatArray = getattr(self, name)
         return column
 
     def __iter__(self) -> Iterator[str]:
@@ -172,7 +172,7 @@ class TraceWriter(contextlib.ExitStack):
             self.push(stack.pop_all())
         return self
 
-    def write(self, table: NDArray[np.float64]) -> None:
+    def write(self, table: FloatArray) -> None:
         """Append float64 (frames, columns)."""
         if self._path is None or not len(table):
             return

@@ -11,51 +11,6 @@ Examples
 (250, 33)
 """
 
-from __future__ import annotations
+from overview_dsp.public import stub_names
 
-from typing import TYPE_CHECKING
-
-from overview_dsp.public import lazy_names
-
-if TYPE_CHECKING:
-    from overview_dsp.signal.actuators.calibration import (
-        apply_calibration,
-        forget_threshold,
-        save_threshold,
-    )
-    from overview_dsp.signal.actuators.library import actuator_names as names
-    from overview_dsp.signal.actuators.library import load_actuator as load
-    from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS as PARAMETERS
-    from overview_dsp.signal.actuators.model import Actuator
-    from overview_dsp.signal.actuators.stage import ActuatorStage, ProtectionReport
-    from overview_dsp.signal.actuators.sweep import log_sweep
-
-__all__ = [
-    "PARAMETERS",
-    "Actuator",
-    "ActuatorStage",
-    "ProtectionReport",
-    "apply_calibration",
-    "forget_threshold",
-    "load",
-    "log_sweep",
-    "names",
-    "save_threshold",
-]
-
-if not TYPE_CHECKING:  # a type checker knows the names above, and no others
-    __getattr__, __dir__ = lazy_names(
-        __name__,
-        {
-            "PARAMETERS": "model:ACTUATOR_PARAMETERS",
-            "Actuator": "model",
-            "ActuatorStage": "stage",
-            "ProtectionReport": "stage",
-            "apply_calibration": "calibration",
-            "forget_threshold": "calibration",
-            "load": "library:load_actuator",
-            "log_sweep": "sweep",
-            "names": "library:actuator_names",
-            "save_threshold": "calibration",
-        },
-    )
+__getattr__, __dir__, __all__ = stub_names(__name__)

@@ -106,13 +106,7 @@ def forget_threshold(actuator: Actuator) -> bool:
 
 
 def gain_of(actuator: Actuator) -> float:
-    """Return the calibrated gain of an actuator, dB; 0 without a calibration.
-
-    Raises
-    ------
-    InputError
-        The file of thresholds is damaged.
-    """
+    """Return the calibrated gain of an actuator, dB; 0 without; InputError for a damaged file."""
     name = reference(actuator)
     entry = _read().get(name)
     if entry is None:

@@ -26,14 +26,7 @@ _RENAMED = {"sharpen": "overdrive", "equal_sensation": "perceptual_weighting"}
 
 
 def parse_actuator(text: str, name: str, source: str) -> Actuator:
-    """Parse the text of a profile.
-
-    Raises
-    ------
-    InputError
-        Not TOML, an unknown key, a wrong type, a value out of range or one that contradicts
-        another: names file, line, key and range.
-    """
+    """Parse the text of a profile; InputError names file, line, key and range."""
     data = parse_toml(text, source)
     with faults_at_their_line(text, source):
         if data.get("schema") == 1:

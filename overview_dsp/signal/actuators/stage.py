@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.arrays import FloatArray, SampleArray
+from overview_dsp.errors import InputError, warn
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
 from overview_dsp.kernels.device.derive_actuator import SKIN_HZ, derive_actuator
@@ -31,33 +30,23 @@ def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:
     """Warn if the actuator's vibration at a frequency is hardly felt."""
     validation.instance(actuator, Actuator, "actuator", "ov.load_actuator gives one")
     resonance_hz = actuator.resonance_hz
-    felt = (
-        actuator.response_db(frequency_hz) + pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
-    )
+    felt = actuator.response_db(frequency_hz)
+    felt += pacinian_db(frequency_hz) - pacinian_db(resonance_hz)
     if felt < FAINT_DB:
-        warnings.warn(
+        warn(
             f"{actuator.name} is felt {-felt:.0f} dB less at tactor.frequency_hz = "
-            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz",
-            OverviewWarning,
-            stacklevel=2,
+            f"{frequency_hz:g} than at its resonance; set that to {resonance_hz:g} Hz"
         )
 
 
 def write_actuator(
-    memory: NDArray[np.float64],
-    at: int,
-    actuator: Actuator | None,
-    sample_rate: float,
+    memory: FloatArray, at: int, actuator: Actuator | None, sample_rate: float
 ) -> None:
     """Write an actuator's coefficients to memory at `at` and reset its state.
 
     None disables the actuator. The heat is kept, so that reopening an output does not cool the
-    model. Thread: main, before audio runs.
-
-    Raises
-    ------
-    InputError
-        The sample rate (Hz) is too low for the resonance.
+    model. InputError for a sample rate (Hz) too low for the resonance. Thread: main, before audio
+    runs.
     """
     if actuator is not None:
         _check_rate(actuator, actuator.resonance_hz, sample_rate)
@@ -133,7 +122,7 @@ def protection_json(actuator: Actuator | None, protected: ProtectionReport | Non
     }
 
 
-def read_protection(memory: NDArray[np.float64], at: int) -> ProtectionReport:
+def read_protection(memory: FloatArray, at: int) -> ProtectionReport:
     """Read an actuator's protection report from memory."""
     left = math.sqrt(max(1e-12, 1.0 - float(memory[at + layout.ACT_MOST_TAKEN])))
     held = int(memory.view(np.int64)[at + layout.ACT_AT_PEAK])
@@ -174,7 +163,7 @@ class ActuatorStage:
         self._memory = np.zeros(layout.ACT_SIZE)
         write_actuator(self._memory, 0, actuator, sample_rate)
 
-    def process(self, samples: NDArray[np.float32], channel: int) -> None:
+    def process(self, samples: SampleArray, channel: int) -> None:
         """Replace one channel by the drive.
 
         Parameters

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 
@@ -22,7 +22,7 @@ MIN_LEVEL_DB = -80.0
 
 def log_sweep(
     low_hz: float, high_hz: float, seconds: float, level_db: float, sample_rate: float
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return a logarithmic sine sweep for measuring an actuator.
 
     Parameters
@@ -72,7 +72,7 @@ def log_sweep(
     return swept * edges(frames, round(EDGE_S * sample_rate))
 
 
-def edges(frames: int, length: int) -> NDArray[np.float64]:
+def edges(frames: int, length: int) -> FloatArray:
     """Return a gain of 1 with smooth fades of `length` frames from and to 0."""
     at = np.arange(frames)
     near = np.clip(np.minimum(at, frames - 1 - at) / length, 0.0, 1.0)

@@ -9,8 +9,8 @@ import sys
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import InputError
@@ -39,7 +39,7 @@ KERNEL_RANGES = {
 _COEFFICIENTS = range(layout.C_SPRING_HELD, layout.C_RECOIL_EXPONENT + 1)
 
 
-def write_parameters(memory: NDArray[np.float64], preset: Preset) -> None:
+def write_parameters(memory: FloatArray, preset: Preset) -> None:
     """Write a preset's kernel parameters to their columns."""
     values = preset.values
     for id, column in _COLUMN_OF.items():
@@ -72,7 +72,7 @@ def changes(before: Preset, after: Preset, sample_rate: float) -> list[tuple[int
 
 
 def store_requested(
-    memory: NDArray[np.float64], preset: Preset, changed: Sequence[tuple[int, float]]
+    memory: FloatArray, preset: Preset, changed: Sequence[tuple[int, float]]
 ) -> None:
     """Store a preset in the block whose `changes` will be pushed next."""
     write_parameters(memory, preset)

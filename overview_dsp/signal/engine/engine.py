@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray, SampleArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import PARAMETERS
@@ -68,7 +69,7 @@ def decode_state(state: bytes) -> tuple[Preset, int]:
     return preset, seed
 
 
-def _require_table(array: NDArray[np.float64], shape: tuple[int, ...], name: str) -> None:
+def _require_table(array: FloatArray, shape: tuple[int, ...], name: str) -> None:
     if array.dtype != np.float64 or array.shape != shape or not array.flags.c_contiguous:
         raise InputError(f"{name} must be a C-ordered float64 array {shape}")
 
@@ -121,12 +122,7 @@ class Engine:
     """
 
     def __init__(
-        self,
-        preset: Preset,
-        timeline: Timeline,
-        *,
-        seed: int = 0,
-        surface: Surface | None = None,
+        self, preset: Preset, timeline: Timeline, *, seed: int = 0, surface: Surface | None = None
     ) -> None:
         if surface is None:
             surface = build_surface(timeline, preset)
@@ -147,7 +143,7 @@ class Engine:
         sample_rate: float = 48_000,
         max_block_size: int = 512,
         *,
-        memory: NDArray[np.float64] | None = None,
+        memory: FloatArray | None = None,
     ) -> None:
         """Allocate for a sample rate and a maximum block size.
 
@@ -200,12 +196,7 @@ class Engine:
         self.reset()
 
     def restart(
-        self,
-        preset: Preset,
-        timeline: Timeline,
-        *,
-        seed: int = 0,
-        surface: Surface | None = None,
+        self, preset: Preset, timeline: Timeline, *, seed: int = 0, surface: Surface | None = None
     ) -> None:
         """Reset with another preset and timeline, in the same memory.
 
@@ -291,7 +282,7 @@ class Engine:
         return self._surface
 
     @property
-    def memory(self) -> NDArray[np.float64]:
+    def memory(self) -> FloatArray:
         """Memory block, float64, for an audio stream that runs the kernel itself."""
         self._require_prepared()
         return self._f64
@@ -312,11 +303,7 @@ class Engine:
             raise NotPreparedError("the engine is not prepared; call prepare(sample_rate=...)")
 
     def control(
-        self,
-        theta2: float,
-        touching: bool,
-        sample_time: int | None = None,
-        source: str = "touch",
+        self, theta2: float, touching: bool, sample_time: int | None = None, source: str = "touch"
     ) -> None:
         """Queue a control event of an input.
 
@@ -352,9 +339,9 @@ class Engine:
 
     def control_all(
         self,
-        theta2: NDArray[np.float64],
-        touching: NDArray[np.bool_],
-        sample_times: NDArray[np.int64],
+        theta2: FloatArray,
+        touching: BoolArray,
+        sample_times: IntArray,
         sources: NDArray[np.int8],
     ) -> None:
         """Queue many events of `control`, in order.
@@ -762,7 +749,7 @@ class Engine:
             taken.append((applied, self._journal.popleft()[1]))
         return taken
 
-    def tactor_of(self, torque: NDArray[np.float64]) -> NDArray[np.float32]:
+    def tactor_of(self, torque: FloatArray) -> SampleArray:
         """Return the tactor signal of a torque signal, starting from rest.
 
         Parameters
@@ -790,7 +777,7 @@ class Engine:
         self._require_prepared()
         return memory_reader.tactor_of(self._f64, torque)
 
-    def process(self, out: NDArray[np.float32], trace: NDArray[np.float64] | None = None) -> None:
+    def process(self, out: SampleArray, trace: FloatArray | None = None) -> None:
         """Overwrite a buffer with the next block; allocate nothing. Thread: audio.
 
         Parameters

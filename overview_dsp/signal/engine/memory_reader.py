@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
@@ -159,10 +160,10 @@ class Strikes:
     'period'
     """
 
-    time_s: NDArray[np.float64]
-    event: NDArray[np.int64]
-    torque: NDArray[np.float64]
-    level: NDArray[np.float64]
+    time_s: FloatArray
+    event: IntArray
+    torque: FloatArray
+    level: FloatArray
 
     def to_dataframe(self) -> DataFrame:
         """Return a pandas DataFrame with one row per strike.
@@ -210,7 +211,7 @@ class Strikes:
         return f"<Strikes: {len(self)}{span}>"
 
 
-def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
+def read_meters(memory: FloatArray, dropped_events: int) -> Meters:
     """Read counters and levels as of the last block."""
     f64, i64 = memory, memory.view(np.int64)
     return Meters(
@@ -235,7 +236,7 @@ def read_meters(memory: NDArray[np.float64], dropped_events: int) -> Meters:
     )
 
 
-def read_torque_integral(memory: NDArray[np.float64]) -> tuple[int, float]:
+def read_torque_integral(memory: FloatArray) -> tuple[int, float]:
     """Read the samples since reset and the sum of the torque over them (N m samples)."""
     i64 = memory.view(np.int64)
     while True:  # the audio thread may write between the two
@@ -245,7 +246,7 @@ def read_torque_integral(memory: NDArray[np.float64]) -> tuple[int, float]:
             return summed, total
 
 
-def read_active_input(memory: NDArray[np.float64]) -> tuple[str, float] | None:
+def read_active_input(memory: FloatArray) -> tuple[str, float] | None:
     """Read the source that controls the disk and its theta2 (rad), or None."""
     source = int(memory.view(np.int64)[layout.HOLDER])
     if source < 0:
@@ -253,7 +254,7 @@ def read_active_input(memory: NDArray[np.float64]) -> tuple[str, float] | None:
     return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
 
 
-def read_arrival(memory: NDArray[np.float64]) -> int | None:
+def read_arrival(memory: FloatArray) -> int | None:
     """Read the sample since which the disk is at the input angle, without an event between them.
 
     With sticking friction: since which it is at rest. None otherwise, or without an active input.
@@ -279,13 +280,10 @@ def read_arrival(memory: NDArray[np.float64]) -> int | None:
     return max(since, int(memory[layout.LOG_TIME + (strikes - 1) % layout.STRIKE_LOG]))
 
 
-def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.void], int]:
-    """Read the control events applied after the first `since`, and the number applied so far.
+def read_applied(memory: FloatArray, since: int) -> tuple[NDArray[np.void], int]:
+    """Read the control events applied after the first `since`, and their number so far.
 
-    Raises
-    ------
-    OverviewError
-        More events were applied since then than the log keeps.
+    OverviewError if more were applied since then than the log keeps.
     """
     since = validation.whole(since, "since", least=0)
     i64 = memory.view(np.int64)
@@ -307,7 +305,7 @@ def read_applied(memory: NDArray[np.float64], since: int) -> tuple[NDArray[np.vo
 
 
 def pop_strikes(
-    memory: NDArray[np.float64],
+    memory: FloatArray,
     history: SurfaceHistory,
     applied_at: Callable[[int], int | None],
     sample_rate: float,
@@ -333,7 +331,7 @@ def pop_strikes(
     return strikes, timelines
 
 
-def read_inputs(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, float]]]:
+def read_inputs(memory: FloatArray) -> tuple[int, int, list[tuple[int, float]]]:
     """Return a sample, the number of events applied by then, and the touching inputs.
 
     Inputs are pairs of source (an index) and theta2 (rad), in the order of their touches.
@@ -351,7 +349,7 @@ def read_inputs(memory: NDArray[np.float64]) -> tuple[int, int, list[tuple[int, 
             return now, applied, [(source, float(theta2[source])) for source in order]
 
 
-def tactor_of(memory: NDArray[np.float64], torque: NDArray[np.float64]) -> NDArray[np.float32]:
+def tactor_of(memory: FloatArray, torque: FloatArray) -> SampleArray:
     """Return the tactor signal of a torque signal (N m per frame), starting from rest."""
     out = np.zeros(len(torque), dtype=np.float32)
     block.tactor_stage(memory, np.ascontiguousarray(torque, dtype=np.float64), out)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import warnings
 from collections.abc import Iterator
 from functools import cache
 
@@ -17,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.errors import InputError, OverviewError, OverviewWarning, shown
+from overview_dsp.errors import InputError, OverviewError, shown, warn
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.atomics import acquired, publish
 from overview_dsp.kernels.control_events import push_control
@@ -33,7 +33,7 @@ class ControlQueues:
     Thread: any for `control`, `control_all` and `dropped`; one control thread for the rest.
     """
 
-    def __init__(self, memory: NDArray[np.float64]) -> None:
+    def __init__(self, memory: FloatArray) -> None:
         """Write to the rings of `memory`, a block of `kernels.layout`."""
         self._f64 = memory
         self._i64 = memory.view(np.int64)
@@ -82,19 +82,14 @@ class ControlQueues:
             self._dropped[ring] += 1
             first = self._dropped[ring] == 1
         if first:
-            warnings.warn(
+            warn(
                 f"control event dropped: {layout.RING} of source {source!r} are pending; "
                 "process a block first",
-                OverviewWarning,
-                stacklevel=3,
+                2,
             )
 
     def control_all(
-        self,
-        theta2: NDArray[np.float64],
-        touching: NDArray[np.bool_],
-        stamps: NDArray[np.int64],
-        sources: NDArray[np.int8],
+        self, theta2: FloatArray, touching: BoolArray, stamps: IntArray, sources: NDArray[np.int8]
     ) -> None:
         """Push control events in order; if a ring is full raise OverviewError and push none."""
         rows = {"theta2": theta2, "touching": touching, "sample_times": stamps, "sources": sources}
@@ -188,13 +183,7 @@ def _compile() -> None:
 
 
 def stamp_of(sample_time: int | None) -> int:
-    """Return the stamp of a sample time; None is as soon as possible.
-
-    Raises
-    ------
-    InputError
-        It is not a sample number.
-    """
+    """Return the stamp of a sample time; None is as soon as possible; InputError."""
     if sample_time is None:
         return _AS_SOON_AS_POSSIBLE
     if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:

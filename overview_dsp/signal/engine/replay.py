@@ -19,17 +19,9 @@ from overview_dsp.signal.surface.live_update import join_surfaces
 def apply_change(
     engine: Engine, whole: Timeline, what: Mapping[str, Any], sample_time: int | None = None
 ) -> Timeline:
-    """Apply a change of `gestures.Change` at a sample; windows refer to the timeline `whole`.
+    """Apply a change of `gestures.Change` at a sample; return the whole timeline after it.
 
-    Returns
-    -------
-    Timeline
-        The whole timeline after the change.
-
-    Raises
-    ------
-    InputError
-        The change is invalid or doesn't fit this preset or timeline.
+    Windows refer to the timeline `whole`. InputError if the change is invalid or doesn't fit.
     """
     try:
         if "set" in what:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, SampleArray
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.simd import memory as lane_memory
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
@@ -35,14 +35,14 @@ class EngineBatch:
         self._block = block
         self._announced = False
 
-    def memory(self, lane: int) -> NDArray[np.float64]:
+    def memory(self, lane: int) -> FloatArray:
         """Return the memory of a lane's engine."""
         start = lane_memory.SIZE + lane * layout.TOTAL
         return self._f64[start : start + layout.TOTAL]
 
     def process(
         self, engines: Sequence[Engine | None], frames: int, trace: bool
-    ) -> tuple[NDArray[np.float32], NDArray[np.float64] | None]:
+    ) -> tuple[SampleArray, FloatArray | None]:
         """Return the next frames of all engines (None: an empty lane).
 
         Returns float32 (SIMD_WIDTH, frames, 2) and, with `trace`, the traces, float64 (SIMD_WIDTH,
@@ -63,9 +63,9 @@ class EngineBatch:
     def _together(
         self,
         engines: Sequence[Engine | None],
-        out: NDArray[np.float32],
+        out: SampleArray,
         frames: int,
-        table: NDArray[np.float64],
+        table: FloatArray,
         trace: bool,
     ) -> Sequence[bool]:
         """Process the engines that the lanes' loops support; return which ones these are."""

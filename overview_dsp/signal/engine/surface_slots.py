@@ -13,8 +13,8 @@ from dataclasses import astuple, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.derive import derive_clicks
 from overview_dsp.signal.surface.fields import BASE, BristleField, DetentField
@@ -37,7 +37,7 @@ _STRIKES = {
 }
 
 
-def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
+def write_surface(m: FloatArray, slot: int, surface: Surface) -> None:
     """Write a surface's friction, events and clicks to slot 0, 1 or 2 of the block `m`.
 
     The sample rate must be in the block.
@@ -80,7 +80,7 @@ def write_surface(m: NDArray[np.float64], slot: int, surface: Surface) -> None:
     derive_clicks(m, w, base)
 
 
-def timeline_events(surface: Surface) -> NDArray[np.int64]:
+def timeline_events(surface: Surface) -> IntArray:
     """Return the timeline's events by the kernel's event numbers; `BASE` is the base surface.
 
     The last entry is the base surface, too.
@@ -89,13 +89,13 @@ def timeline_events(surface: Surface) -> NDArray[np.int64]:
     return np.append(np.concatenate([surface.event, own])[_strike_order(surface)], BASE)
 
 
-def _strike_order(surface: Surface) -> NDArray[np.int64]:
+def _strike_order(surface: Surface) -> IntArray:
     """Return the order of positions of the surface's events followed by its texture strikes."""
     position = np.concatenate([surface.position, surface.texture_strikes.position])
     return np.argsort(position, kind="stable")
 
 
-def _steep(surface: Surface) -> NDArray[np.bool_]:
+def _steep(surface: Surface) -> BoolArray:
     """Return for each block of cells whether it or a neighbour has a steep edge."""
     friction = surface.friction
     cells = np.flatnonzero(np.abs(np.diff(friction)) > STEEP * friction.min())
@@ -107,14 +107,14 @@ def _steep(surface: Surface) -> NDArray[np.bool_]:
     return found
 
 
-def _write_table(table: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+def _write_table(table: FloatArray, values: FloatArray) -> None:
     """Write values at the table's points, interleaved with the slopes between them."""
     table[0::2] = values
     table[1:-1:2] = np.diff(values)
     table[-1] = 0.0
 
 
-def _write_clicks(m: NDArray[np.float64], base: int, surface: Surface) -> None:
+def _write_clicks(m: FloatArray, base: int, surface: Surface) -> None:
     """Write the clicks of each kind and of the base surface."""
     w = m.view(np.int64)
     w[base + layout.KIND_CLICK :][: layout.BANKS] = 0
@@ -128,9 +128,7 @@ def _write_clicks(m: NDArray[np.float64], base: int, surface: Surface) -> None:
             at += layout.CLICK_SIZE
 
 
-def _write_bristles(
-    m: NDArray[np.float64], base: int, field: BristleField, rank: NDArray[np.int64]
-) -> None:
+def _write_bristles(m: FloatArray, base: int, field: BristleField, rank: IntArray) -> None:
     w = m.view(np.int64)
     w[base + layout.SLOT_MODELS] |= layout.HAS_BRISTLES
     _write_table(m[base + layout.SLOT_SLIDING_TORQUE :][: 2 * (layout.CELLS + 1)], field.grip)
@@ -143,7 +141,7 @@ def _write_bristles(
         m[row + layout.P_STIFFNESS : row + layout.P_BREAK_AWAY + 1] = astuple(bristles)
 
 
-def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> None:
+def _write_detents(m: FloatArray, base: int, field: DetentField) -> None:
     m.view(np.int64)[base + layout.SLOT_MODELS] |= layout.HAS_DETENTS
     _write_table(m[base + layout.SLOT_PULL :][: 2 * (layout.CELLS + 1)], field.pull)
     m[base + layout.SLOT_DETENT_ENERGY :][: layout.CELLS + 1] = field.energy
@@ -156,7 +154,7 @@ def _write_detents(m: NDArray[np.float64], base: int, field: DetentField) -> Non
 class _PastSurface:
     change: int  # number of the change to it, for `ControlQueues.applied_at`
     sample: int | None  # first sample of its use; None while it is pending
-    events: NDArray[np.int64]  # of `timeline_events`
+    events: IntArray  # of `timeline_events`
     timeline: Timeline
 
 
@@ -195,11 +193,11 @@ class SurfaceHistory:
 
     def find(
         self,
-        numbers: NDArray[np.int64],
-        times: NDArray[np.float64],
+        numbers: IntArray,
+        times: FloatArray,
         now: int,
         applied_at: Callable[[int], int | None],
-    ) -> tuple[NDArray[np.int64], list[Timeline | None]]:
+    ) -> tuple[IntArray, list[Timeline | None]]:
         """Return events and timelines of strikes from their numbers and times (samples).
 
         An event of -1 is the base surface. Later calls get strikes from sample `now` on.

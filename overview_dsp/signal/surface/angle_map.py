@@ -21,9 +21,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import Preset
@@ -43,33 +44,26 @@ SHARE = "surface.angle_map"
 BISECTIONS = 60
 """Bisection steps for the factor of the wide intervals, to float64 precision."""
 
-Array = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class AngleMap:
     """Monotonic map from time to position, piecewise linear.
 
-    Attributes
-    ----------
-    time_s : float64 (points,)
-        Ascending from 0 to the timeline's duration; equal where events lie at one time.
-    position : float64 (points,)
-        Position of each point, strictly ascending from 0 to 1.
-    events : float64 (events,)
-        Position of each of the timeline's events.
+    `time_s`, float64 (points,): ascending from 0 to the timeline's duration; equal where events lie
+        at one time.
+    `position`, float64 (points,): position of each point, strictly ascending from 0 to 1.
+    `events`, float64 (events,): position of each of the timeline's events.
     """
 
-    time_s: Array
-    position: Array
-    events: Array
+    time_s: FloatArray
+    position: FloatArray
+    events: FloatArray
 
     @classmethod
     def of(cls, timeline: Timeline, preset: Preset) -> AngleMap:
         """Return the map of a timeline and a preset.
 
-        It is linear if all events are separate, and for live timelines, so that new events do not
-        move the others.
+        It is linear if all events are separate, and for live timelines, where events must not move.
         """
         ends = np.array([0.0, timeline.duration_s])
         made = cls(ends, np.array([0.0, 1.0]), np.zeros(0))
@@ -105,12 +99,12 @@ class AngleMap:
         """True if positions are proportional to time."""
         return len(self.time_s) == 2
 
-    def position_of(self, time_s: ArrayLike) -> Array:
+    def position_of(self, time_s: ArrayLike) -> FloatArray:
         """Return positions (0 to 1) of times (s), which are limited to the timeline."""
         times = np.clip(validation.numbers(time_s, "time_s"), 0.0, self.duration_s)
         return times / self.duration_s if self.is_linear else self._between(times, forward=True)
 
-    def time_at(self, position: ArrayLike) -> Array:
+    def time_at(self, position: ArrayLike) -> FloatArray:
         """Return times (s) at positions, which are limited to 0 to 1."""
         positions = np.clip(validation.numbers(position, "position"), 0.0, 1.0)
         return positions * self.duration_s if self.is_linear else self._between(positions)
@@ -121,19 +115,19 @@ class AngleMap:
         ends = zip(self.position[:-1], self.position[1:], strict=True)
         return [(float(a), float(b)) for (a, b), one in zip(ends, wide, strict=True) if one]
 
-    def evened(self, time_s: ArrayLike) -> Array:
+    def evened(self, time_s: ArrayLike) -> FloatArray:
         """Return times (s) to which a linear map gives the positions of `time_s`."""
         times = validation.numbers(time_s, "time_s")
         return times if self.is_linear else self.position_of(times) * self.duration_s
 
-    def at_even_positions(self, even: Array) -> Array:
+    def at_even_positions(self, even: FloatArray) -> FloatArray:
         """Resample values at evenly spaced times to evenly spaced positions."""
         if self.is_linear:
             return even
         points = np.linspace(0.0, 1.0, len(even))
         return np.interp(self.time_at(points) / self.duration_s, points, even)
 
-    def _between(self, at: Array, forward: bool = False) -> Array:
+    def _between(self, at: FloatArray, forward: bool = False) -> FloatArray:
         x, y = (self.time_s, self.position) if forward else (self.position, self.time_s)
         # the last of equal times counts
         lower = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
@@ -156,7 +150,7 @@ def _separated_events(timeline: Timeline) -> Iterator[tuple[int, float]]:
             yield i, event.time_s
 
 
-def _least_gaps(timeline: Timeline, points: Array, share: float) -> Array:
+def _least_gaps(timeline: Timeline, points: FloatArray, share: float) -> FloatArray:
     """Return the least width of each interval between points, s."""
     gaps = len(points) - 1
     times = [event.time_s for event in timeline.events if event.kind in BETWEEN]
@@ -166,7 +160,7 @@ def _least_gaps(timeline: Timeline, points: Array, share: float) -> Array:
     return np.asarray(timeline.duration_s * min(share, 1.0 / float(room.sum())) * room)
 
 
-def _spread(gaps: Array, least: Array) -> Array:
+def _spread(gaps: FloatArray, least: FloatArray) -> FloatArray:
     """Return the positions of the intervals' ends after widening them to at least `least`."""
     total = float(gaps.sum())
     low, high = 0.0, 1.0

@@ -7,10 +7,9 @@ curves have perceptible changes:
 
     value' = (1 - share) * value + share * rank(value)
 
-A preset may map it further (`points`). The rank of a value is the share of time with
-lower values, and the mean rank for equal values. Only times with data count: neither gaps
-nor the future. Equal steps of intensity are equal ratios of friction, which are perceived
-as equal steps (Weber's law).
+A preset may map it further (`points`). The rank of a value is the share of time with lower values,
+and the mean rank for equal values. Only times with data count: neither gaps nor the future. Equal
+steps of intensity are equal ratios of friction, which are perceived as equal steps (Weber's law).
 
 Gaps in the data have ribs instead (`gaps.ribs`). The future of a live timeline is smooth and heavy.
 It has neither strikes nor pattern nor ribs. From the present on, friction rises smoothly within a
@@ -32,8 +31,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.design.presets.model import ClickMode, Preset
@@ -42,8 +41,6 @@ from overview_dsp.signal.surface.fields import impedance, warn_of_lockup
 from overview_dsp.signal.surface.gaps import pattern, ribs
 from overview_dsp.signal.surface.materials import louder, modes_of
 from overview_dsp.signal.surface.model import NO_TEXTURE_STRIKES, TextureStrikes
-
-Array = NDArray[np.float64]
 
 SOFT_END = 0.03
 """Width of the rise of friction at the present: wider than any event of the bundled presets."""
@@ -57,20 +54,14 @@ Weber fraction of damping, may be missed; a ratio of 2 is not."""
 class BaseSurface:
     """Base surface.
 
-    Attributes
-    ----------
-    friction : float64 (cells + 1,)
-        Viscous friction at the table's points, N m s/rad.
-    energy : float64 (cells + 1,)
-        Energy of its detents, N m cells.
-    modes : tuple of ClickMode
-        Modes of its sound.
-    texture_strikes : TextureStrikes
-        Strikes of its pattern.
+    `friction`: viscous friction at the table's cells + 1 points, N m s/rad.
+    `energy`: energy of its detents there, N m cells.
+    `modes`: modes of its sound.
+    `texture_strikes`: strikes of its pattern.
     """
 
-    friction: NDArray[np.float64]
-    energy: NDArray[np.float64]
+    friction: FloatArray
+    energy: FloatArray
     modes: tuple[ClickMode, ...]
     texture_strikes: TextureStrikes
 
@@ -136,7 +127,7 @@ def build_base_surface(
 
 def _intensity(
     timeline: Timeline, preset: Preset, cells: int, angle_map: AngleMap
-) -> tuple[Array, float]:
+) -> tuple[FloatArray, float]:
     """Return the intensity at the table's points, and by how much the rank raises its mean."""
     even = timeline.normalised_levels(cells)
     plain = felt = angle_map.at_even_positions(even)
@@ -154,7 +145,7 @@ def _intensity(
     return felt, float((felt - plain).mean()) if share > 0.0 else 0.0
 
 
-def _detents(course: Array, pull: float, period: float, loud: Array) -> Array:
+def _detents(course: FloatArray, pull: float, period: float, loud: FloatArray) -> FloatArray:
     """Return the energy (N m cells) of detents with a highest pull of `pull` N m times `loud`."""
     steepest = float(np.abs(np.gradient(course)).max())
     if steepest == 0.0:
@@ -172,21 +163,16 @@ def heaviness(intensity_gain: float) -> float:
     return OVER_THE_CURVE * (1.0 + intensity_gain)
 
 
-def rise(now: float, cells: int) -> NDArray[np.float64]:
+def rise(now: float, cells: int) -> FloatArray:
     """Return the weight of the future at each point of a table: 0, then a smooth rise to 1.
 
-    Parameters
-    ----------
-    now
-        Position of the present, 0 to 1.
-    cells
-        Number of cells of the table.
+    `now` is the position of the present, 0 to 1.
     """
     part = np.clip((np.arange(cells + 1) / cells - now) / SOFT_END, 0.0, 1.0)
     return part * part * (3.0 - 2.0 * part)
 
 
-def mixed_with_rank(levels: Array, known: Array, share: float) -> Array:
+def mixed_with_rank(levels: FloatArray, known: FloatArray, share: float) -> FloatArray:
     """Return levels (0 to 1) mixed with their rank among the known levels.
 
     Levels without a curve or of a constant curve are returned unchanged.
@@ -199,19 +185,19 @@ def mixed_with_rank(levels: Array, known: Array, share: float) -> Array:
     return np.asarray((1.0 - share) * levels + share * rank)
 
 
-def crests(course: NDArray[np.float64]) -> NDArray[np.int64]:
+def crests(course: FloatArray) -> IntArray:
     """Return the points that are higher than the one before and not lower than the next."""
     inner = course[1:-1]
     return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
 
 
-def crests_of(course: NDArray[np.float64], top: float) -> TextureStrikes:
+def crests_of(course: FloatArray, top: float) -> TextureStrikes:
     """Return strikes at the crests of a pattern (0 to 1), where 1 is `top` N m s/rad."""
     at = crests(course)
     return TextureStrikes(at / (len(course) - 1), top * course[at])
 
 
-def troughs_of(course: NDArray[np.float64], impedance: float) -> TextureStrikes:
+def troughs_of(course: FloatArray, impedance: float) -> TextureStrikes:
     """Return strikes at the troughs of a pattern of detents with an `impedance` in N m s/rad."""
     at = crests(-course)
     return TextureStrikes(at / (len(course) - 1), np.full(len(at), impedance))

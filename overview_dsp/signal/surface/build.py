@@ -3,8 +3,8 @@
     B = base surface + max over events of height * weight * profile
 
 `base_surface` builds the base surface. `fields` adds bristles and detents, if the preset has them.
-Overlapping profiles combine by their maximum, so that none
-disappears in a sum. Every event keeps a strike of its own.
+Overlapping profiles combine by their maximum, so that none disappears in a sum. Every event keeps a
+strike of its own.
 
 A kind whose events are denser than its `spacing_percent` is omitted completely: a thousand heart
 beats would be indistinguishable. Shorter windows with larger distances show them.
@@ -21,18 +21,17 @@ If there are more events than a surface holds, the strongest of neighbouring eve
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.errors import InputError, warn
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.base_surface import BaseSurface, build_base_surface
@@ -51,27 +50,15 @@ from overview_dsp.signal.surface.model import Surface
 from overview_dsp.signal.surface.profiles import bumps, entries, profile, span
 
 
-def thin_events(
-    position: NDArray[np.float64], release: NDArray[np.float64], most: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def thin_events(position: FloatArray, release: FloatArray, most: int) -> tuple[IntArray, IntArray]:
     """Select at most `most` (1 or more) events, in the order of their positions.
 
-    Events in one cell are merged. If too many remain, cells of twice the width are used,
-    and so on. Of equally strong events the first is kept.
+    Events in one cell are merged. If too many remain, cells of twice the width are used, and so on.
+    Of equally strong events the first is kept. `position` (cells) and `release` are those of each
+    strike.
 
-    Parameters
-    ----------
-    position : float64 (events,)
-        Position of each strike, cells.
-    release : float64 (events,)
-        Strength of each strike.
-
-    Returns
-    -------
-    kept : int64 (kept,)
-        Indices of the kept events.
-    stands_for : int64 (events,)
-        For each event the index, in `kept`, of the event that strikes for it.
+    Returns the indices of the kept events, and for each event the index, among these, of the event
+    that strikes for it.
     """
     order = np.argsort(position, kind="stable")
     cell = np.floor(position[order]).astype(np.int64)
@@ -96,16 +83,16 @@ MIN_WIDTH_CELLS = 4.0
 class _Placed:
     """Table of the events on a surface, in the timeline's order; positions in cells."""
 
-    event: NDArray[np.int64]
-    centre: NDArray[np.float64]
-    position: NDArray[np.float64]
-    edges: NDArray[np.float64]
-    release: NDArray[np.float64]
-    kind: NDArray[np.int64]
-    span: NDArray[np.float64]
+    event: IntArray
+    centre: FloatArray
+    position: FloatArray
+    edges: FloatArray
+    release: FloatArray
+    kind: IntArray
+    span: FloatArray
 
     @classmethod
-    def of(cls, event: NDArray[np.int64], angle_map: AngleMap) -> _Placed:
+    def of(cls, event: IntArray, angle_map: AngleMap) -> _Placed:
         """Return a table with events and centres; `_fill_rows` adds the rest."""
         count = len(event)
         return cls(
@@ -131,9 +118,9 @@ class _Layers:
         self,
         kind: EventKind,
         name: str,
-        members: NDArray[np.int64],
-        centre: NDArray[np.float64],
-        height: NDArray[np.float64],
+        members: IntArray,
+        centre: FloatArray,
+        height: FloatArray,
         width: float,
     ) -> None:
         """Add the profiles of a kind's events; `members` are their rows, lengths are in cells."""
@@ -155,7 +142,7 @@ class _Layers:
         else:
             self._raise(profiles)
 
-    def _raise(self, profiles: Iterator[tuple[int, int, NDArray[np.float64]]]) -> None:
+    def _raise(self, profiles: Iterator[tuple[int, int, FloatArray]]) -> None:
         for _, start, bump in profiles:
             there = self.raised[start : start + len(bump)]
             np.maximum(there, bump, out=there)
@@ -167,11 +154,10 @@ def _width_cells(kind: EventKind, name: str, duration_s: float) -> float:
     assert kind.width_ms is not None
     cells = kind.width_ms / 1000.0 / duration_s * CELLS
     if cells < MIN_WIDTH_CELLS:
-        warnings.warn(
+        warn(
             f"kinds.{name}.width_ms is {kind.width_ms:g} of {duration_s:g} s, below the surface's "
             f"resolution; widened to {MIN_WIDTH_CELLS / CELLS * duration_s * 1000.0:.3g} ms",
-            OverviewWarning,
-            stacklevel=3,
+            2,
         )
         return MIN_WIDTH_CELLS
     return min(cells, float(CELLS))
@@ -198,8 +184,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     Raises
     ------
     InputError
-        The pattern has more crests than a surface holds strikes, or the map has another
-        duration.
+        The pattern has more crests than a surface holds strikes, or the map has another duration.
 
     Warns
     -----
@@ -218,9 +203,16 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     by_kind, omitted_events = _felt(timeline.events, preset)
     felt = np.sort(np.concatenate([np.zeros(0, np.int64), *by_kind.values()]))
-    angle_map = (
-        AngleMap.of(timeline, preset) if angle_map is None else _checked_map(angle_map, timeline)
-    )
+    if angle_map is None:
+        angle_map = AngleMap.of(timeline, preset)
+    else:
+        validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
+        if angle_map.duration_s != timeline.duration_s:
+            raise InputError(
+                f"angle_map is for {angle_map.duration_s:g} s; must be for "
+                f"{timeline.duration_s:g} s"
+            )
+        angle_map = angle_map.on(timeline)
     under = build_base_surface(timeline, preset, CELLS, angle_map)
     crests = len(under.texture_strikes.position)
     capacity = MAX_EVENTS - crests
@@ -264,18 +256,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
     )
 
 
-def _checked_map(angle_map: AngleMap, timeline: Timeline) -> AngleMap:
-    validation.instance(angle_map, AngleMap, "angle_map", "another surface's angle_map is one")
-    if angle_map.duration_s != timeline.duration_s:
-        raise InputError(
-            f"angle_map is for {angle_map.duration_s:g} s; must be for {timeline.duration_s:g} s"
-        )
-    return angle_map.on(timeline)
-
-
-def _felt(
-    events: tuple[Event, ...], preset: Preset
-) -> tuple[dict[str, NDArray[np.int64]], dict[str, int]]:
+def _felt(events: tuple[Event, ...], preset: Preset) -> tuple[dict[str, IntArray], dict[str, int]]:
     """Return the events' indices by kind of the preset, and the counts of omitted kinds."""
     found: dict[str, list[int]] = {}
     for i, event in enumerate(events):
@@ -294,20 +275,19 @@ def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
     # a tick is a tick under any preset
     unknown = sorted(kind for kind in set(kinds) - set(TICKS) if preset.kind_for(kind) is None)
     if unknown:
-        warnings.warn(
+        warn(
             f"preset {preset.name!r} has no {', '.join(unknown)}; these events use its kind "
             f"{DEFAULT_KIND!r}; its kinds: {', '.join(preset.kinds)}",
-            OverviewWarning,
-            stacklevel=3,
+            2,
         )
 
 
 def _fill_rows(
     placed: _Placed,
-    members: NDArray[np.int64],
+    members: IntArray,
     kind: EventKind,
     preset: Preset,
-    height: NDArray[np.float64],
+    height: FloatArray,
     width: float,
 ) -> None:
     """Fill position, edges, release and span of a kind's events."""
@@ -335,35 +315,30 @@ def _fill_rows(
     placed.edges[members] = own
 
 
-def _thinned(
-    placed: _Placed, capacity: int, title: str
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _thinned(placed: _Placed, capacity: int, title: str) -> tuple[IntArray, IntArray]:
     """Return the kept rows by position, and for each row the kept one that strikes for it."""
     if len(placed.event) <= capacity:
         order = np.argsort(placed.position, kind="stable")
         return order, np.argsort(order)
     order, stands_for = thin_events(placed.position, placed.release, capacity)
-    warnings.warn(
-        f"{title}: the surface keeps {len(order)} of {len(placed.event)} events; "
-        "the strongest of neighbouring events strikes, and friction "
-        "includes all of them; use a shorter window",
-        OverviewWarning,
-        stacklevel=3,
+    warn(
+        f"{title}: the surface keeps {len(order)} of {len(placed.event)} events; the strongest of "
+        "neighbouring events strikes, and friction includes all of them; use a shorter window",
+        2,
     )
     return order, stands_for
 
 
-def _heights(events: list[Event], name: str, ordinary: float) -> NDArray[np.float64]:
+def _heights(events: list[Event], name: str, ordinary: float) -> FloatArray:
     """Return the highest friction of each event of a kind."""
     heights = []
     for event in events:
         height = ordinary * event.weight
         if height > MAX_FRICTION:
-            warnings.warn(
+            warn(
                 f"{name} at {event.time_s:g} s: weight {event.weight:g} gives more friction than "
                 f"a surface holds; lowered to {MAX_FRICTION:g} N·m·s/rad",
-                OverviewWarning,
-                stacklevel=3,
+                2,
             )
             height = MAX_FRICTION
         heights.append(height)

@@ -23,17 +23,14 @@ A height thus means the same torque for all models: that of viscous friction at 
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import EventKind, Preset
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.errors import warn
 from overview_dsp.signal.surface.profiles import Points, profile, reach
-
-Array = NDArray[np.float64]
 
 BASE = -1
 """Owner of positions with the bristles of the base surface."""
@@ -49,11 +46,10 @@ def warn_of_lockup(preset: Preset, name: str, torque: float, lower: str) -> None
     """
     most = preset.number("disk.k2") * math.pi
     if torque >= most:
-        warnings.warn(
+        warn(
             f"{name}: the disk gets stuck at {torque * 1e3:.3g} mN·m, since shaft 2 pulls with "
             f"{most * 1e3:.3g} mN·m at most; lower {lower}, or raise disk.k2",
-            OverviewWarning,
-            stacklevel=5,
+            4,
         )
 
 
@@ -82,19 +78,14 @@ class Bristles:
 class BristleField:
     """Bristles of a surface.
 
-    Attributes
-    ----------
-    grip : float64 (CELLS + 1,)
-        Sliding torque at the table's points, N m; 0 = no bristles.
-    owner : int64 (CELLS + 1,)
-        Owner from each point to the next: index of the surface's event, or `BASE`.
-    of_kind : tuple of Bristles
-        Bristles of each kind.
-    bare : Bristles
+    `grip` (CELLS + 1,): sliding torque at the table's points, N m; 0 = no bristles.
+    `owner` (CELLS + 1,): owner from each point to the next: index of the surface's event, or
+        `BASE`.
+    `of_kind`, `bare`: bristles of each kind, and of the base surface.
     """
 
-    grip: NDArray[np.float64]
-    owner: NDArray[np.int64]
+    grip: FloatArray
+    owner: IntArray
     of_kind: tuple[Bristles, ...]
     bare: Bristles
 
@@ -102,7 +93,7 @@ class BristleField:
 class BristleLayer:
     """Field under construction, event by event."""
 
-    def __init__(self, preset: Preset, ambient: NDArray[np.float64]) -> None:
+    def __init__(self, preset: Preset, ambient: FloatArray) -> None:
         """Start with the base surface, whose viscous friction is `ambient` (N m s/rad)."""
         self._preset = preset
         self._grip = np.zeros(len(ambient))
@@ -112,19 +103,19 @@ class BristleLayer:
             warn_of_lockup(preset, "surface.torque_ratio", static, "it or surface.static_ratio")
         self._owner = np.full(len(ambient), BASE)
 
-    def raise_to(self, event: int, first: int, bump: NDArray[np.float64]) -> None:
+    def raise_to(self, event: int, first: int, bump: FloatArray) -> None:
         """Raise the grip to an event's profile (N m s/rad) from the point `first` on."""
         here = self._grip[first : first + len(bump)]
         higher = bump > here
         here[higher] = bump[higher]
         self._owner[first : first + len(bump)][higher] = event
 
-    def check(self, name: str, height: NDArray[np.float64]) -> None:
+    def check(self, name: str, height: FloatArray) -> None:
         """Warn (OverviewWarning) if the disk can never pass the events of a kind."""
         static = height.max() * self._preset.kinds[name].static_ratio
         warn_of_lockup(self._preset, f"kinds.{name}", static, "its height or static_ratio")
 
-    def field(self, number: NDArray[np.int64]) -> BristleField:
+    def field(self, number: IntArray) -> BristleField:
         """Return the field; `number` maps events to their index in the surface."""
         return BristleField(
             self._grip,
@@ -144,18 +135,13 @@ def has_bristles(preset: Preset) -> bool:
 class DetentField:
     """Detents of a surface.
 
-    Attributes
-    ----------
-    pull : float64 (CELLS + 1,)
-        Torque against the disk at the table's points, N m; positive in upward direction.
-    energy : float64 (CELLS + 1,)
-        Integral of the pull from the start, N m cells.
-    end_stiffness, end_damping : float
-        Springs beyond the ends, N m/rad and N m s/rad.
+    `pull` (CELLS + 1,): torque against the disk at the table's points, N m; positive upwards.
+    `energy` (CELLS + 1,): integral of the pull from the start, N m cells.
+    `end_stiffness`, `end_damping`: springs beyond the ends, N m/rad and N m s/rad.
     """
 
-    pull: Array
-    energy: Array
+    pull: FloatArray
+    energy: FloatArray
     end_stiffness: float
     end_damping: float
 
@@ -163,18 +149,18 @@ class DetentField:
 class DetentLayer:
     """Field under construction, event by event."""
 
-    def __init__(self, preset: Preset, under: Array) -> None:
+    def __init__(self, preset: Preset, under: FloatArray) -> None:
         """Start with the energy of the base surface (N m cells)."""
         self._preset = preset
         self._under = under
         self._deep = np.zeros(len(under))
         self._high = np.zeros(len(under))
 
-    def check(self, name: str, height: Array) -> None:
+    def check(self, name: str, height: FloatArray) -> None:
         """Warn (OverviewWarning) if the disk can never pass events of this pull."""
         warn_of_lockup(self._preset, f"kinds.{name}", height.max(), "its height")
 
-    def lay(self, model: str, start: int, bump: Array) -> None:
+    def lay(self, model: str, start: int, bump: FloatArray) -> None:
         """Add an event's well or stop (N m cells) from the point `start` on."""
         table = self._deep if model == "detent" else self._high
         there = table[start : start + len(bump)]

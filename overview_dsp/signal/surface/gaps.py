@@ -22,13 +22,12 @@ Values are 0 to 1. The period is relative to the surface and thus independent of
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from overview_dsp.errors import OverviewWarning
+from overview_dsp.arrays import BoolArray, FloatArray
+from overview_dsp.errors import warn
 from overview_dsp.units import clock_text
 
 GROOVE = 0.1
@@ -44,19 +43,11 @@ def ribs(
     cells: int,
     height: float,
     period_percent: float,
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Return which of cells + 1 points lie in a gap, and their friction relative to the base
-    surface.
+) -> tuple[BoolArray, FloatArray]:
+    """Return which points of a table lie in a gap, and their friction relative to the base surface.
 
-    Parameters
-    ----------
-    gaps : sorted, disjoint spans (start_s, end_s) of [0, duration_s]; at least one
-    height : friction of a rib, relative to the base surface
-    period_percent : from rib to rib, of the table
-
-    Returns
-    -------
-    bool (cells + 1,) and float64 (as many as are in a gap,). Warns (OverviewWarning) of gaps too
+    `gaps` are sorted and disjoint, at least one; `height` is the relative friction of a rib,
+    `period_percent` the distance from rib to rib, of the table. Warns (OverviewWarning) of gaps too
     narrow for a rib.
     """
     start, end = np.array(gaps, dtype=np.float64).T * (cells / duration_s)
@@ -79,64 +70,46 @@ def ribs(
 
 
 def _warn_of_narrow(
-    gaps: tuple[tuple[float, float], ...], ribs_of: NDArray[np.float64], duration_s: float
+    gaps: tuple[tuple[float, float], ...], ribs_of: FloatArray, duration_s: float
 ) -> None:
     narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
     if narrow:
         some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
-        warnings.warn(
+        warn(
             f"{some} too narrow for perceptible ribs in {clock_text(duration_s)} (narrowest: "
             f"{min(narrow):.3g} s); use a shorter window",
-            OverviewWarning,
-            stacklevel=4,
+            3,
         )
 
-
-Array = NDArray[np.float64]
 
 _RIDGE = 0.2
 _FALL = 0.1
 _SEED = 1
 
 
-def _waves(x: Array) -> Array:
-    return 0.5 - 0.5 * np.cos(2.0 * np.pi * x)
-
-
-def _ridges(x: Array) -> Array:
-    d: Array = (x % 1.0 - 0.5) / _RIDGE
-    bump: Array = np.exp(-4.0 * np.log(2.0) * d * d)
+def _ridges(x: FloatArray) -> FloatArray:
+    d: FloatArray = (x % 1.0 - 0.5) / _RIDGE
+    bump: FloatArray = np.exp(-4.0 * np.log(2.0) * d * d)
     return bump
 
 
-def _teeth(x: Array) -> Array:
-    part = x % 1.0
-    return np.minimum(part / (1.0 - _FALL), (1.0 - part) / _FALL)
-
-
-def _grains(x: Array) -> Array:
+def _grains(x: FloatArray) -> FloatArray:
     heights = np.random.default_rng(_SEED).random(int(x[-1]) + 3)
     at = np.floor(x).astype(np.int64)
     way = 0.5 - 0.5 * np.cos(np.pi * (x - at))
     return heights[at] * (1.0 - way) + heights[at + 1] * way
 
 
-_PATTERNS: dict[str, Callable[[Array], Array]] = {
-    "waves": _waves,
+_PATTERNS: dict[str, Callable[[FloatArray], FloatArray]] = {
+    "waves": lambda x: 0.5 - 0.5 * np.cos(2.0 * np.pi * x),
     "ridges": _ridges,
-    "teeth": _teeth,
+    "teeth": lambda x: np.minimum(x % 1.0 / (1.0 - _FALL), (1.0 - x % 1.0) / _FALL),
     "grains": _grains,
 }
 
 
-def pattern(name: str, cells: int, period_percent: float) -> Array:
-    """Return the pattern at the cells + 1 points of a table, 0 to 1.
-
-    Parameters
-    ----------
-    name : one of `presets.parameters.PATTERNS`
-    period_percent : of the table, from one ridge to the next
-    """
+def pattern(name: str, cells: int, period_percent: float) -> FloatArray:
+    """Return a pattern (see above) at the points of a table, 0 to 1, with a period in % of it."""
     positions = np.arange(cells + 1, dtype=np.float64)
     if name == "none":
         return np.zeros(cells + 1)

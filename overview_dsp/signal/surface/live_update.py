@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.signal.surface.model import Surface, TextureStrikes
 
 BLEND = 0.01
@@ -14,20 +14,10 @@ BLEND = 0.01
 
 
 def join_surfaces(old: Surface, new: Surface, cursor: float) -> Surface | None:
-    """Return a surface that is the old one up to the cursor and the new one beyond it.
+    """Return a surface that is the old one up to the cursor (0 to 1) and the new one beyond it.
 
-    Parameters
-    ----------
-    old, new : Surface
-        Surfaces of the same preset and of timelines of the same duration.
-    cursor : float
-        Position, 0 to 1, up to which all values are those of the old surface.
-
-    Returns
-    -------
-    Surface or None
-        None if the events up to the cursor differ, or if a surface has bristles or detents, whose
-        state depends on the past.
+    Both are of the same preset and of timelines of the same duration. None if the events up to the
+    cursor differ, or if a surface has bristles or detents, whose state depends on the past.
     """
     layered = (old.bristles, old.detents, new.bristles, new.detents) != (None,) * 4
     if layered or (old.kind_names, old.kind_modes, old.own_modes) != (
@@ -62,7 +52,7 @@ def join_surfaces(old: Surface, new: Surface, cursor: float) -> Surface | None:
 
 def _count_before(surface: Surface, cursor: float) -> int | None:
     """Return the number of events up to the cursor; None unless they are the first in the list."""
-    begins: NDArray[np.float64] = np.minimum(surface.position, surface.edges.min(axis=1, initial=1))
+    begins: FloatArray = np.minimum(surface.position, surface.edges.min(axis=1, initial=1))
     reached = begins <= cursor
     count = int(np.count_nonzero(reached))
     return count if reached[:count].all() else None

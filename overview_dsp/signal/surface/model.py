@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.public import counted
@@ -23,8 +24,8 @@ class TextureStrikes:
     Crests or troughs: `position` (cursor, ascending), `release` (N m s/rad); float64 (n,).
     """
 
-    position: NDArray[np.float64]
-    release: NDArray[np.float64]
+    position: FloatArray
+    release: FloatArray
 
 
 NO_TEXTURE_STRIKES = TextureStrikes(np.zeros(0), np.zeros(0))
@@ -84,13 +85,13 @@ class Surface:
     'period'
     """
 
-    friction: NDArray[np.float64]
-    position: NDArray[np.float64]
-    edges: NDArray[np.float64]
-    release: NDArray[np.float64]
-    kind: NDArray[np.int64]
-    event: NDArray[np.int64]
-    span: NDArray[np.float64]
+    friction: FloatArray
+    position: FloatArray
+    edges: FloatArray
+    release: FloatArray
+    kind: IntArray
+    event: IntArray
+    span: FloatArray
     kind_names: tuple[str, ...]
     kind_modes: tuple[tuple[ClickMode, ...], ...]
     angle_map: AngleMap
@@ -103,7 +104,7 @@ class Surface:
     detents: DetentField | None = None
 
     @property
-    def resistance(self) -> NDArray[np.float64]:
+    def resistance(self) -> FloatArray:
         """Total resistance against a disk at 1 rad/s at the table's points, N m s/rad.
 
         It is the sum of viscous friction, the bristles' sliding torque and the detents' absolute
@@ -116,7 +117,7 @@ class Surface:
             total = total + np.abs(self.detents.pull)
         return total
 
-    def position_of(self, time_s: ArrayLike) -> NDArray[np.float64]:
+    def position_of(self, time_s: ArrayLike) -> FloatArray:
         """Convert times to positions.
 
         Parameters
@@ -142,7 +143,7 @@ class Surface:
         """
         return self.angle_map.position_of(time_s)
 
-    def time_at(self, position: ArrayLike) -> NDArray[np.float64]:
+    def time_at(self, position: ArrayLike) -> FloatArray:
         """Convert positions to times.
 
         Parameters
@@ -168,7 +169,7 @@ class Surface:
         """
         return self.angle_map.time_at(position)
 
-    def friction_at(self, phi: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    def friction_at(self, phi: FloatArray | float) -> FloatArray:
         """Look up B, linear between the table's points.
 
         Parameters
@@ -190,9 +191,7 @@ class Surface:
         x = np.asarray(phi, dtype=np.float64) / math.pi * CELLS
         return np.interp(x, np.arange(CELLS + 1, dtype=np.float64), self.friction)
 
-    def in_span(
-        self, cursor: NDArray[np.float64], events: NDArray[np.bool_] | None = None
-    ) -> NDArray[np.bool_]:
+    def in_span(self, cursor: FloatArray, events: BoolArray | None = None) -> BoolArray:
         """Return whether each position lies in the span of an event.
 
         Parameters

@@ -24,9 +24,8 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from overview_dsp.arrays import FloatArray
 
 AT_A_TIME = 1 << 17
 """Number of profile points computed at once."""
@@ -38,36 +37,20 @@ _RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
 _FALL = 1.0 / 8.0
 
 
-def _gaussian(d: Array) -> Array:
-    return np.exp(-4.0 * math.log(2.0) * d * d)
-
-
-def _raised_cosine(d: Array) -> Array:
-    return np.where(np.abs(d) < 1.0, 0.5 + 0.5 * np.cos(np.pi * d), 0.0)
-
-
-def _ramp_up(d: Array) -> Array:
+def _ramp_up(d: FloatArray) -> FloatArray:
     return np.maximum(np.minimum(1.0 + d / _RISE, 1.0 - d / _FALL), 0.0)
 
 
-def _ramp_down(d: Array) -> Array:
-    return _ramp_up(-d)
-
-
-def _plateau(d: Array) -> Array:
-    return np.exp(-math.log(2.0) * (2.0 * d) ** 10)
-
-
-def _stop(d: Array) -> Array:
+def _stop(d: FloatArray) -> FloatArray:
     return np.where(d < 0.0, np.maximum(1.0 + d, 0.0), np.maximum(1.0 - d / _FALL, 0.0)) ** 2
 
 
-_SHAPES: dict[str, Callable[[Array], Array]] = {
-    "gaussian": _gaussian,
-    "raised_cosine": _raised_cosine,
+_SHAPES: dict[str, Callable[[FloatArray], FloatArray]] = {
+    "gaussian": lambda d: np.exp(-4.0 * math.log(2.0) * d * d),
+    "raised_cosine": lambda d: np.where(np.abs(d) < 1.0, 0.5 + 0.5 * np.cos(np.pi * d), 0.0),
     "ramp_up": _ramp_up,
-    "ramp_down": _ramp_down,
-    "plateau": _plateau,
+    "ramp_down": lambda d: _ramp_up(-d),
+    "plateau": lambda d: np.exp(-math.log(2.0) * (2.0 * d) ** 10),
     "stop": _stop,
 }
 
@@ -100,15 +83,10 @@ def reach(shape: str, points: Points = ()) -> float:
     return 1.0 if points else REACH[shape]
 
 
-def profile(shape: str, distance: Array, width: float, points: Points = ()) -> Array:
-    """Return the profile's value, 0 to 1, at each distance from the event.
+def profile(shape: str, distance: FloatArray, width: float, points: Points = ()) -> FloatArray:
+    """Return the profile's value, 0 to 1, at each distance (in the unit of `width`) from the event.
 
-    Parameters
-    ----------
-    shape : one of `presets.parameters.SHAPES`
-    distance : float64 array, in the same unit as `width`
-    width : full width at half height, > 0
-    points : profile that replaces the shape
+    `width` is the full width at half height, > 0. `points` replace the shape.
     """
     if points:
         places = np.linspace(-1.0, 1.0, len(points))
@@ -140,8 +118,8 @@ def entries(shape: str, width: float, points: Points = ()) -> tuple[float, float
 
 
 def bumps(
-    shape: str, points: Points, width: float, centre: Array, height: Array, cells: int
-) -> Iterator[tuple[int, int, Array]]:
+    shape: str, points: Points, width: float, centre: FloatArray, height: FloatArray, cells: int
+) -> Iterator[tuple[int, int, FloatArray]]:
     """Yield the profiles of events of one shape and width on a table of cells + 1 points.
 
     Each item is the event's index, its first point, and its profile from there.

@@ -62,8 +62,8 @@ def strike_delay() -> float:
 class Tap:
     """Times of one tap.
 
-    `before` and `after`: the engine's clock (samples) just before and just after it was pushed.
-    `applied`: its first changed sample. `wait_s`: time from the push until the kernel applied it.
+    `before`, `after`: the engine's clock (samples) just before and after the push. `applied`: its
+    first changed sample. `wait_s`: time from the push until the kernel applied it.
     """
 
     before: int
@@ -95,12 +95,8 @@ class LatencyResult:
 def tap_while_playing(engine: Engine, delay: float) -> Tap:
     """Tap the resting engine that a stream plays, hold for `HOLD` samples, wait until it is back.
 
-    `delay` is the result of `strike_delay`.
-
-    Raises
-    ------
-    OverviewError
-        The stream stopped, or there was no strike.
+    `delay` is the result of `strike_delay`. OverviewError if the stream stopped or nothing was
+    struck.
     """
     engine.pop_strikes()
     before = engine.sample_time
@@ -128,15 +124,7 @@ def tap_while_playing(engine: Engine, delay: float) -> Tap:
 def measure_latency(
     device: int | str | None, block_size: int, seconds: float, seed: int = 0
 ) -> LatencyResult:
-    """Tap at random moments for about `seconds`, at least three times, with the native callback.
-
-    Raises
-    ------
-    InputError
-        The device does not exist or does not allow these settings.
-    OverviewError
-        The device stopped calling.
-    """
+    """Tap at random moments for about `seconds`, at least three times; errors as `measure_live`."""
     rng = random.Random(seed)
     delay = strike_delay()
     engine = probe_engine()

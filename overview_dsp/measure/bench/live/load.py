@@ -92,15 +92,7 @@ def measure_load(
     seconds: float,
     block_size: int = 256,
 ) -> LoadResult:
-    """Play the bundled match with a sweeping input for `seconds`, with or without the load.
-
-    Raises
-    ------
-    InputError
-        The device does not exist or does not allow these settings.
-    OverviewError
-        The device stopped calling.
-    """
+    """Play the bundled match with a sweeping input, also under load; errors as `measure_live`."""
     engine = Engine(load_preset("football"), bundled_timeline())
     engine.prepare(RATE, MAX_BLOCK)
     stream = TimedStream(engine, device=device, block_size=block_size, callback=callback)
@@ -138,12 +130,8 @@ def counter_edge(stream: OutputStream, block_size: int) -> tuple[float, int]:
     """Return a time (s, monotonic) just after the frame counter changed, and the counter.
 
     A window between two such times contains whole blocks. At any other time the counter may be up
-    to a block behind. The time is exact to 1 ms if this thread runs often enough.
-
-    Raises
-    ------
-    OverviewError
-        The counter does not change.
+    to a block behind. The time is exact to 1 ms if this thread runs often enough. OverviewError if
+    the counter does not change.
     """
     best = (float("inf"), 0.0, 0)
     for _ in range(EDGES_TRIED):

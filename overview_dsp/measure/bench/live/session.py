@@ -55,13 +55,7 @@ def can_measure() -> bool:
 def measure_session(
     device: int | str | None, screen: bool, moving: bool, seconds: float
 ) -> SessionRow:
-    """Play the bundled match in its own process and measure it for `seconds`.
-
-    Raises
-    ------
-    InputError
-        The session can't play: the device does not exist or does not allow these settings.
-    """
+    """Play the bundled match in its own process for `seconds`; errors as `measure_live`."""
     arguments = ["play", "world-cup-final-2018", "--block-size", str(BLOCK)]
     if device is not None:
         arguments += ["--device", str(device)]

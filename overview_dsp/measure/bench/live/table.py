@@ -92,14 +92,8 @@ def measure_live(
     """Run the load test `rounds` times, and the latency test once for each block size.
 
     Each load test takes `seconds`. The latency test takes a fifth of that for each block size, and
-    each session a third (at least 3 s).
-
-    Raises
-    ------
-    InputError
-        There is no output device, or it does not allow these settings.
-    OverviewError
-        A run failed, or the device stopped calling.
+    each session a third (at least 3 s). InputError if there is no output device, or it does not
+    allow these settings; OverviewError if a run failed, or the device stopped calling.
     """
     done = 0.0
     sessions_run = SESSIONS if can_measure() else ()

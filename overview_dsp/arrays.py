@@ -1,0 +1,13 @@
+"""Array types that many signatures use."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+SampleArray = NDArray[np.float32]
+"""Sound: (frames,) or (frames, channels)."""
