@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from overview_dsp import live, measure
     from overview_dsp.data.feeds.live_timeline import LiveTimeline
     from overview_dsp.data.readers.native import save_timeline
-    from overview_dsp.data.readers.registry import load_timeline
+    from overview_dsp.data.readers.registry import load_timeline, load_timelines
     from overview_dsp.data.timeline.curve_builder import CurveBuilder
     from overview_dsp.data.timeline.curve_points import RegularTimes
     from overview_dsp.data.timeline.event import Event
@@ -105,6 +105,7 @@ __all__ = [
     "load_gesture",
     "load_preset",
     "load_timeline",
+    "load_timelines",
     "measure",
     "parse_gesture",
     "pause",
@@ -157,6 +158,7 @@ if not TYPE_CHECKING:  # type checkers know only the names above
             "load_gesture": "design.gestures.take",
             "load_preset": "design.presets.library",
             "load_timeline": "data.readers.registry",
+            "load_timelines": "data.readers.registry",
             "measure": "measure:",
             "parse_gesture": "design.gestures.spec",
             "pause": "design.gestures.scripts",

@@ -33,7 +33,7 @@ SERIES_OPTIONS = series_reader.OPTIONS
 LIMITS = frozenset({"max_mb", "max_depth"})
 """Options of every format."""
 
-_LISTED = frozenset({"duration_s", "time", "kind", "label"})
+_LISTED = frozenset({"duration_s", "time", "kind", "label", "match"})
 
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
@@ -41,7 +41,8 @@ _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 def _series(
     name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
 ) -> Format:
-    return Format(name, sniff, series_reader.reading(open_table), SERIES_OPTIONS)
+    read = series_reader.reading(open_table)
+    return Format(name, sniff, read, SERIES_OPTIONS, open_table=open_table)
 
 
 FORMATS: tuple[Format, ...] = (
@@ -51,6 +52,7 @@ FORMATS: tuple[Format, ...] = (
         event_table.sniff_lines,
         event_table.read_lines,
         _LISTED,
+        open_table=json.JsonLinesTable,
     ),
     _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
@@ -118,6 +120,7 @@ FORMATS: tuple[Format, ...] = (
         event_table.sniff,
         event_table.read,
         _LISTED,
+        open_table=event_table.open_table,
     ),
     Format(
         "WFDB record (.hea, with .dat and .atr beside it)",

@@ -61,7 +61,7 @@ SERIES_TIMES = (
     "opentime", "epoch", "unix", "unixtime", "unixtimestamp", "times", "seconds", "secs", "sec",
     "minutes", "hours", "elapsed", "elapsedtime", "valid", "dateutc", "timeutc", "localtime",
     "createdat", "recordedat", "index", "", "yyyymmdd", "decimaldate", "decimalyear", "jahr",
-    "anno", "ano", "año", "mes", "monat", "tag",
+    "anno", "ano", "año", "mes", "monat", "tag", "tms", "tus", "tsec", "tmin",
 )  # fmt: skip
 """Times of a series."""
 
@@ -77,6 +77,15 @@ SERIES_TIME_PARTS = (
     "elapsed",
 )
 """Names that contain one of these are times of a series."""
+
+GROUPS = (
+    "country", "countryname", "countrycode", "iso3", "nation", "land", "station", "stationid",
+    "stationname", "site", "siteid", "subject", "subjectid", "participant", "participantid",
+    "patient", "patientid", "channel", "sensor", "sensorid", "device", "deviceid", "symbol",
+    "ticker", "entity", "variable", "parameter", "indicator", "metric", "pais", "país",
+    "pays", "paese", "estacion", "estación", "stazione", "proband", "kanal",
+)  # fmt: skip
+"""Columns that distinguish series, whatever their cells are."""
 
 ROW_COUNTERS = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
 """Columns that may number the rows."""

@@ -291,6 +291,7 @@ def choose_value(
         for i in range(len(columns))
         if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
     ]
+    numeric = [i for i in numeric if columns[i].plain not in column_names.GROUPS] or numeric
     if not numeric:
         raise InputError(
             f"no column of numbers besides the times; columns are {listed(columns)}: name the "
