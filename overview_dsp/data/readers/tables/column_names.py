@@ -93,7 +93,10 @@ ROW_COUNTERS = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "rec
 UTC_OFFSETS = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
 """Offsets from UTC."""
 
-CLOCK_PARTS = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
+HOURS = ("hour", "hours", "hr", "hh", "hhmm", "stunde", "hora", "heure", "ora", "uur")
+"""Hours of the day, beside a date."""
+
+CLOCK_PARTS = ("time", "zeit", "clock", "timeofday", "hhmm", *HOURS)
 """Names that contain one of these are clock times."""
 
 CLOSE = (
@@ -138,7 +141,8 @@ EPOCH_PARTS = ("epoch", "unix", "timestamp", "posix")
 """Names that contain one of these count from 1970."""
 
 TIME_UNITS = {
-    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
+    "nanoseconds": "ns", "µs": "us", "μs": "us", "microseconds": "us", "msec": "ms",
+    "milliseconds": "ms",
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
     "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
 }  # fmt: skip

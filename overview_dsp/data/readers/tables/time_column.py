@@ -228,7 +228,8 @@ def as_text(cell: Any) -> str:
     """Return a cell as text; 20120919.0 becomes 20120919."""
     if isinstance(cell, float) and cell.is_integer():
         cell = int(cell)
-    return str(cell).strip()
+    text = str(cell).strip()
+    return text[:-2] if text.endswith(".0") and text[:-2].isdigit() else text
 
 
 def as_number(cell: Any) -> int | float | None:
@@ -254,18 +255,15 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
     dated = any(word in name for word in column_names.CALENDAR_PARTS)
-    if whole and _all_dates(cells, 8):
-        return Format("iso")
-    if dated and whole and _all_dates(cells, 6):
+    if whole and (length := _compact_dates(cells)):
+        written = "YYYYMMDDHHMMSS"[:length]
+        return Format("iso", f"numbers are read as dates {written}" if length > 8 else "")
+    if dated and whole and _compact_dates(cells, (6,)):
         return Format("yyyymm")
     if dated and _YEARS[0] <= low and size <= _YEARS[1]:
         return Format("year")
     if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
         return Format("excel", "numbers under a date are read as a spreadsheet's days")
-    unit = column_names.TIME_UNITS.get(column.unit.lower(), column.unit.lower())
-    tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
-    if unit not in PLAIN and tail:
-        unit = column_names.TIME_UNITS.get(tail[1], tail[1])
     # numbers from 1990 to 2100 in only one of the units
     for epoch, unit_ns in EPOCHS.items():
         per_second = NS // unit_ns
@@ -274,9 +272,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     if any(word in name for word in column_names.EPOCH_PARTS) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
-    if unit not in PLAIN:
-        unit = column_names.TIME_UNITS.get(name, "")
-    if unit in PLAIN:
+    if unit := written_unit(column):
         return Format(unit)
     if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
         note = f"whole numbers from {low:g} to {size:g} are read as years"
@@ -293,16 +289,35 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     return None
 
 
+def written_unit(column: Column) -> str:
+    """Return the unit of plain time that a header names, one of `PLAIN`, else an empty text."""
+    tail = re.search(r"[_ ](ns|us|ms|msec|s|sec|seconds|min|h)$", column.name.lower())
+    for written in (column.unit.lower(), tail[1] if tail else "", column.plain):
+        unit = column_names.TIME_UNITS.get(written, written)
+        if unit in PLAIN and (unit != written or written != column.plain):
+            return unit
+    return ""
+
+
 def _of(epoch: str) -> str:
     return f"in {Format(epoch).description}"
 
 
-def _all_dates(cells: list[Any], length: int) -> bool:
+def _compact_dates(cells: list[Any], lengths: Sequence[int] = (8, 10, 12, 14)) -> int:
+    """Return the number of digits of dates without marks (YYYYMMDDHH), 0 for other numbers.
+
+    Numbers of ten digits and more also count from 1970. They are dates of the years 1900 to 2100 if
+    at least two thirds, two or more, are: one in a hundred others is.
+    """
     texts = [as_text(cell) for cell in itertools.islice(cells, 1000)]
-    if not all(len(text) == length and text.isdigit() for text in texts):
-        return False
-    days = [text if length == 8 else text + "01" for text in texts]
-    return all(1000 <= int(day[:4]) <= 2500 and moment(day, "iso") is not None for day in days)
+    length = len(texts[0])
+    if length not in lengths or not all(len(t) == length and t.isdigit() for t in texts):
+        return 0
+    low, high = (1000, 2500) if length <= 8 else (1900, 2100)
+    days = [text if length > 6 else text + "01" for text in texts]
+    dates = [low <= int(day[:4]) <= high and moment(day, "iso") is not None for day in days]
+    most = all(dates) if length <= 8 else len(dates) > 1 and 3 * sum(dates) >= 2 * len(dates)
+    return length if most else 0
 
 
 @dataclass
