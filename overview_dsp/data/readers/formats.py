@@ -62,6 +62,11 @@ FORMATS: tuple[Format, ...] = (
         statsbomb.read,
     ),
     Format(
+        "StatsBomb events as a table (of statsbombpy or mplsoccer)",
+        statsbomb.sniff_table,
+        statsbomb.read_table,
+    ),
+    Format(
         "Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])",
         metrica.sniff,
         metrica.read,

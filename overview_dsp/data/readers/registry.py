@@ -14,6 +14,7 @@ from typing import Any, cast
 
 from overview_dsp import validation
 from overview_dsp.data.readers import format_hints, native
+from overview_dsp.data.readers.audio import reader as audio_reader
 from overview_dsp.data.readers.data_file import (
     MOST_DEPTH,
     READ_AS_WINDOWS,
@@ -37,6 +38,7 @@ from overview_dsp.data.readers.tables.memory import (
     document_bytes,
     is_document,
     is_table,
+    samples_of,
     table_of,
 )
 from overview_dsp.data.readers.tables.table import ColumnTable, Table
@@ -48,6 +50,9 @@ BUNDLED: dict[str, str] = {
     "made-up-share": "made_up_share.json",
 }
 """Names and files of the bundled timelines."""
+
+MIN_SOUND_RATE = 8000.0
+"""Rate from which samples in memory are a sound, Hz."""
 
 MAX_ROWS = 5_000_000
 """Maximum number of rows of data in memory, except series."""
@@ -236,6 +241,9 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
 
     The format is detected from the first rows, written to a CSV file.
     """
+    if _is_sound(times, options) and (samples := samples_of(data)) is not None:
+        _refuse_options(options, "a sound", frozenset({"rate", "map"}) | LIMITS)
+        return audio_reader.read_samples(samples, options)
     if isinstance(data, ColumnTable):
         table = data
     else:
@@ -265,6 +273,13 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
             return found.read(written(table.rows) if table.rows > most else source, options)
     with validation.located(f"{where}: "):
         return series_reader.series_timeline(table, options)
+
+
+def _is_sound(times: object, options: LoadOptions) -> bool:
+    """Return whether samples of this rate are a sound: by their rate, without a map of series."""
+    if times is not None or options.rate is None or options.rate < MIN_SOUND_RATE:
+        return False
+    return options.value is None and options.map in (None, *audio_reader.MAPS)
 
 
 def _require_table(data: object, what: str) -> None:

@@ -1,9 +1,10 @@
 """ECG and pulse waves as tables of samples (CSV, TSV, columns of numbers).
 
-A table is read as a heart recording if the option `rate` is at least 50 Hz. Without it, a column
-must have the name of an ECG lead or a pulse wave, and the times must show a rate of at least 50 Hz.
-Other tables, also of heart rates, are series. Times are seconds, milliseconds, microseconds, clock
-times or ISO dates. Their mean interval determines the rate, and larger intervals are gaps.
+A table is searched for heartbeats if the option `rate` is at least 50 Hz, and refused without any.
+Without the option, a column must have the name of an ECG lead or a pulse wave, and the times must
+show a rate of at least 50 Hz. Other tables, also of heart rates, are series. Times are seconds,
+milliseconds, microseconds, clock times or ISO dates. Their mean interval determines the rate, and
+larger intervals are gaps.
 
 Supported variants: no header; a second row of units (PhysioNet's `rdsamp -c -v`); names in single
 quotes; a column of sample numbers; decimal commas if semicolons or tabs separate the columns;
@@ -178,12 +179,12 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             table, layout, value, time, lambda part: options.report_progress(part / 2.0)
         )
         notes: tuple[str, ...] = ()
-        told = ""
+        origin = ""
         if times is not None:
             assert time is not None
             form, why = _format_of(layout, time, times, unit)
             rate, values, notes = _resample(times * PLAIN.get(form.name, 1.0), values)
-            told = f"; times from column {shown(layout.names[time])} ({form.description}{why})"
+            origin = f"; times from column {shown(layout.names[time])} ({form.description}{why})"
         elif options.rate is not None:
             rate = options.rate
             if time is None and (unused := layout.time_column()) is not None:
@@ -198,19 +199,27 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
                 "recording"
             )
         signal = Samples(layout.names[value], rate, values)
-        detection = find_beats(signal, None, lambda part: options.report_progress(0.5 + part / 2.0))
-        duration_s = len(values) / rate
-        if detection.lost:
-            notes = (*notes, f"{detection.lost} single samples are missing")
-        description = Description(
-            source.stem,
-            duration_s,
-            f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it{told}",
-            notes,
-            start,
-        )
-        gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
-        return heart_timeline(description, beats_of(detection, rate), gaps, (), options, signal)
+        try:
+            detection = find_beats(
+                signal, None, lambda part: options.report_progress(0.5 + part / 2.0)
+            )
+            duration_s = len(values) / rate
+            if detection.lost:
+                notes = (*notes, f"{detection.lost} single samples are missing")
+            description = Description(
+                source.stem,
+                duration_s,
+                f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it{origin}",
+                notes,
+                start,
+            )
+            gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
+            beats = beats_of(detection, rate)
+            return heart_timeline(description, beats, gaps, (), options, signal)
+        except InputError as error:
+            if layout.heart_columns():
+                raise
+            raise InputError(f"{error}, or read a series with map='level' (--map level)") from error
 
 
 def _layout_of(source: DataFile) -> _Layout | None:

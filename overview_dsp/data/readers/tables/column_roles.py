@@ -38,6 +38,8 @@ from overview_dsp.data.timeline.time_parsing import moment
 from overview_dsp.errors import InputError, shown
 
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
+_PRICE_OF = re.compile(r"Close [A-Z0-9.^=-]{1,12}")
+"""Price of one of several shares."""
 _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 
 
@@ -319,7 +321,10 @@ def choose_value(
     numeric = [
         i
         for i in range(len(columns))
-        if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
+        if i not in times
+        and not columns[i].key
+        and looks_numeric(head[i])
+        and not _is_time_too(columns[i], head[i])
     ]
     numeric = [i for i in numeric if columns[i].plain not in column_names.GROUPS] or numeric
     if not numeric:
@@ -406,6 +411,7 @@ def is_price(column: Column, columns: Columns) -> bool:
         return True
     return (
         is_adjusted(column)
+        or _PRICE_OF.fullmatch(column.name) is not None
         or name in column_names.PRICES_ALONE
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")

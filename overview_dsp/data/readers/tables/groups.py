@@ -223,7 +223,7 @@ def require_single_series(
 
 def is_group(column: Column) -> bool:
     """Return whether a column is called like one that distinguishes series."""
-    return column.plain in column_names.GROUPS
+    return column.key or column.plain in column_names.GROUPS
 
 
 def _is_wordy(column: Column, cells: Sequence[Any]) -> bool:

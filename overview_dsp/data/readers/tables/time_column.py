@@ -279,7 +279,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         return Format(
             "year", f"{note}; time='{column.header}:s' (--time-column) reads them as seconds"
         )
-    bare = re.fullmatch(r"column\d+", name)
+    bare = re.fullmatch(r"(column)?\d+", name)
     if (
         bare
         or name in column_names.SECONDS
