@@ -4,6 +4,7 @@ from overview_dsp import live as live, measure as measure
 from overview_dsp.data.feeds.live_timeline import LiveTimeline as LiveTimeline
 from overview_dsp.data.readers.native import save_timeline as save_timeline
 from overview_dsp.data.readers.registry import load_timeline as load_timeline
+from overview_dsp.data.readers.registry import load_timelines as load_timelines
 from overview_dsp.data.timeline.curve_builder import CurveBuilder as CurveBuilder
 from overview_dsp.data.timeline.curve_points import RegularTimes as RegularTimes
 from overview_dsp.data.timeline.event import Event as Event

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import click
@@ -10,7 +11,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import print_json
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.options.reading import READ_KEYS, Reading, open_timeline
+from overview_dsp.cli.options.reading import READ_KEYS, Reading, open_timeline, open_timelines
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
 
@@ -68,6 +69,10 @@ def convert(
     file: str,
     *,
     output: str = option("Native file (.json), or event list (.csv).", default="timeline.json"),
+    group: str | None = option(
+        "One file for each text of a column (OUT-TEXT.json); several: 'country, sex'.",
+        metavar="COLUMN",
+    ),
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:
@@ -78,24 +83,38 @@ def convert(
     suffix = Path(output).suffix.lower()
     if suffix not in (".json", ".csv"):
         raise InputError(f"{output}: suffix must be .json (native) or .csv (events)")
-    require_writable(output)
-    data = open_timeline(file, reading)
-    (save_events if suffix == ".csv" else ov.save_timeline)(data, output)
-    points = len(data.intensity.value) if data.intensity is not None else 0
-    kept = 0 if suffix == ".csv" else points
-    left = f"; {points} points of the curve are not in it" if points > kept else ""
-    report = {
-        "file": output,
-        "title": data.title,
-        "duration_s": data.duration_s,
-        "events": len(data.events),
-        "points": kept,
-    }
-    line = (
-        f"{output}: {data.title or '(no title)'}, {span_text(data.duration_s)}, "
-        f"{len(data.events)} events, {kept} points{left}"
-    )
-    show_report(as_json, report, line)
+    written = {}
+    if group is None:
+        require_writable(output)
+        written[output] = open_timeline(file, reading)
+    else:
+        for text, one in open_timelines(file, group, reading).items():
+            words = re.sub(r"[^\w.-]+", "-", text).strip("-.") or "group"
+            path = f"{output.removesuffix(Path(output).suffix)}-{words}"
+            names = (f"{path}{number}{suffix}" for number in ("", *range(2, len(written) + 3)))
+            written[next(name for name in names if name not in written)] = one
+        for path in written:
+            require_writable(path)
+    reports, lines = [], []
+    for path, data in written.items():
+        (save_events if suffix == ".csv" else ov.save_timeline)(data, path)
+        points = len(data.intensity.value) if data.intensity is not None else 0
+        kept = 0 if suffix == ".csv" else points
+        left = f"; {points} points of the curve are not in it" if points > kept else ""
+        reports.append(
+            {
+                "file": path,
+                "title": data.title,
+                "duration_s": data.duration_s,
+                "events": len(data.events),
+                "points": kept,
+            }
+        )
+        lines.append(
+            f"{path}: {data.title or '(no title)'}, {span_text(data.duration_s)}, "
+            f"{len(data.events)} events, {kept} points{left}"
+        )
+    show_report(as_json, reports[0] if group is None else {"files": reports}, *lines)
 
 
 @cli_command("timeline formats", group=command)

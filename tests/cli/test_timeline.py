@@ -124,6 +124,24 @@ def test_convert_writes_the_native_format_and_it_reads_back_the_same(folder):
     assert (folder / "timeline.json").read_bytes() == (folder / "n.json").read_bytes()
 
 
+def test_convert_writes_one_file_for_each_series_of_a_table(folder):
+    rows = [
+        f"{year},{name},{year % 7}" for year in (2001, 2002) for name in ("Norway", "A/B", "A B")
+    ]
+    (folder / "c.csv").write_text("\n".join(["year,country,value", *rows]))
+    outcome = overview(
+        "timeline", "convert", "c.csv", "--group", "country", "-o", "e.json", "--json"
+    )
+    assert outcome.code == 0, outcome.err
+    files = [one["file"] for one in json.loads(outcome.out)["files"]]
+    assert files == ["e-Norway.json", "e-A-B.json", "e-A-B2.json"]
+    assert ov.load_timeline("e-A-B.json") == ov.load_timeline("c.csv", match="country=A/B")
+    grouped = ("timeline", "convert", "c.csv", "--group", "country")
+    refused(overview(*grouped, "--select", "Norway"), "--group", "--select")
+    refused(overview("timeline", "convert", "c.csv", "--group", "land"), "land", "country")
+    refused(overview("timeline", "show", "c.csv"), "c.csv", "--group 'country'", "country=Norway")
+
+
 def test_convert_writes_event_lists_that_read_back_the_same_events(folder, match):
     outcome = overview("timeline", "convert", MATCH, "-o", "m.csv")
     assert "1177 points of the curve are not in it" in outcome.out

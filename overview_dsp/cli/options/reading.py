@@ -133,6 +133,14 @@ def open_window(path: str, reading: Reading, window: Window) -> Timeline:
     return whole if limits is None else whole.window(*limits)
 
 
+def open_timelines(path: str, group: str, reading: Reading) -> dict[str, Timeline]:
+    """Load one timeline for each text of a column; errors as `load_timelines`."""
+    protect_inputs(path)
+    if reading.select is not None:
+        raise InputError("--group and --select exclude each other; remove one")
+    return ov.load_timelines(path, group, **reading.load_options())
+
+
 def open_timeline(path: str, reading: Reading) -> Timeline:
     """Load a timeline, with a progress bar; errors as `load_timeline`."""
     protect_inputs(path)

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -465,6 +466,8 @@ class Format:
         Names of the `LoadOptions` that the format takes.
     matches
         Function that returns one line per match, in order, for files of several matches.
+    open_table
+        Function that returns the table of a file, for tables whose columns may distinguish series.
     """
 
     name: str
@@ -472,3 +475,4 @@ class Format:
     read: Callable[[DataFile, LoadOptions], Timeline]
     options: frozenset[str] = frozenset()
     matches: Callable[[DataFile], list[str]] | None = None
+    open_table: Callable[[DataFile], Any] | None = None

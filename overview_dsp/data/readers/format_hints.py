@@ -32,7 +32,7 @@ _PACKED = {
 _AS_EVENTS = "write the events as CSV with the columns time and event"
 _XML = "<?xml"
 
-_PAGE = re.compile(r"<!doctype html|<html\b|<head\b|<body\b", re.I)
+_PAGE = re.compile(r"<!doctype html|<html\b", re.I)
 _LOGIN = re.compile(r"type\s*=\s*[\"']?password", re.I)
 _FEED = re.compile(r"<(?:rss|feed|rdf:rdf)\b", re.I)
 _LYRICS = re.compile(r"\[(?:ti|ar|al|au|by|re|ve|offset|length):|\[\d{1,3}:\d\d\.\d{2,3}\]", re.I)

@@ -33,7 +33,7 @@ SERIES_OPTIONS = series_reader.OPTIONS
 LIMITS = frozenset({"max_mb", "max_depth"})
 """Options of every format."""
 
-_EVENT_TABLE = frozenset({"duration_s", "time", "kind", "label"})
+_EVENT_TABLE = frozenset({"duration_s", "time", "kind", "label", "match"})
 
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
@@ -41,7 +41,8 @@ _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 def _series(
     name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
 ) -> Format:
-    return Format(name, sniff, series_reader.reading(open_table), SERIES_OPTIONS)
+    read = series_reader.reading(open_table)
+    return Format(name, sniff, read, SERIES_OPTIONS, open_table=open_table)
 
 
 FORMATS: tuple[Format, ...] = (
@@ -51,6 +52,7 @@ FORMATS: tuple[Format, ...] = (
         event_table.sniff_lines,
         event_table.read_lines,
         _EVENT_TABLE,
+        open_table=json.JsonLinesTable,
     ),
     _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
     Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
@@ -58,6 +60,11 @@ FORMATS: tuple[Format, ...] = (
         "StatsBomb events (JSON list with period, timestamp and type)",
         statsbomb.sniff,
         statsbomb.read,
+    ),
+    Format(
+        "StatsBomb events as a table (of statsbombpy or mplsoccer)",
+        statsbomb.sniff_table,
+        statsbomb.read_table,
     ),
     Format(
         "Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])",
@@ -118,6 +125,7 @@ FORMATS: tuple[Format, ...] = (
         event_table.sniff,
         event_table.read,
         _EVENT_TABLE,
+        open_table=event_table.open_table,
     ),
     Format(
         "WFDB record (.hea, with .dat and .atr beside it)",

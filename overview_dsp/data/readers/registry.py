@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
@@ -13,6 +14,7 @@ from typing import Any, cast
 
 from overview_dsp import validation
 from overview_dsp.data.readers import format_hints, native
+from overview_dsp.data.readers.audio import reader as audio_reader
 from overview_dsp.data.readers.data_file import (
     DEEPEST,
     READ_AS_WINDOWS,
@@ -27,6 +29,8 @@ from overview_dsp.data.readers.data_file import (
 from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
 from overview_dsp.data.readers.opening import is_content, opened
 from overview_dsp.data.readers.series import series_reader
+from overview_dsp.data.readers.tables import json
+from overview_dsp.data.readers.tables.groups import group_options
 from overview_dsp.data.readers.tables.memory import (
     TableData,
     TimelineData,
@@ -34,16 +38,21 @@ from overview_dsp.data.readers.tables.memory import (
     document_bytes,
     is_document,
     is_table,
+    samples_of,
     table_of,
 )
+from overview_dsp.data.readers.tables.table import ColumnTable, Table
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, OverviewWarning, shown
 
 BUNDLED: dict[str, str] = {
     "world-cup-final-2018": "world_cup_final_2018.json",
     "made-up-share": "made_up_share.json",
 }
 """Names and files of the bundled timelines."""
+
+MIN_SOUND_RATE = 8000.0
+"""Rate from which samples in memory are a sound, Hz."""
 
 MAX_ROWS = 5_000_000
 """Maximum number of rows of data in memory, except series."""
@@ -160,15 +169,88 @@ def load_timeline(
         return timeline
 
 
+def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, Timeline]:
+    """Load a table of several series or event lists, one timeline for each text of a column.
+
+    Parameters
+    ----------
+    data : str, path, bytes, open file, DataFrame or list
+        As for `load_timeline`.
+    group : str
+        Column that distinguishes the rows, such as `"country"`, or several: `"country, sex"`.
+    **options
+        As for `load_timeline`, except `match`.
+
+    Returns
+    -------
+    dict
+        Timelines by their texts. Those that cannot be read are left out, with a warning.
+
+    Raises
+    ------
+    InputError
+        The column is unknown, the format has no columns, or no timeline can be read.
+
+    Examples
+    --------
+    >>> rows = [(0, "north", 1.0), (0, "south", 5.0), (9, "north", 2.0), (9, "south", 4.0)]
+    >>> table = [dict(zip(("time", "station", "level"), row)) for row in rows]
+    >>> {name: one.duration_s for name, one in ov.load_timelines(table, "station").items()}
+    {'north': 9.0, 'south': 9.0}
+    """
+    chosen = _checked(LoadOptions(**options))
+    if is_document(data):
+        data = document_bytes(data)
+    if not (isinstance(data, str | os.PathLike) or is_content(data)):
+        _require_table(data, "not a path or data")
+        table = table_of(data)
+        return _each(table, group, lambda match: _of_memory(table, None, match), chosen)
+    with opened(data, chosen, "") as source:
+        candidate = _format_of(source)
+        if candidate.open_table is None:
+            raise InputError(
+                f"{source.where}: {candidate.name}: has no columns for group (--group)"
+            )
+        with validation.located(f"{source.where}: "):
+            table = candidate.open_table(source)
+        _refuse_options(chosen, f"{source.where}: {candidate.name}", candidate.options | LIMITS)
+        return _each(table, group, lambda match: candidate.read(source, match), chosen)
+
+
+def _each(
+    table: Table, group: str, read: Callable[[LoadOptions], Timeline], options: LoadOptions
+) -> dict[str, Timeline]:
+    found: dict[str, Timeline] = {}
+    failed: list[tuple[str, InputError]] = []
+    for name, match in group_options(table, group).items():
+        try:
+            found[name] = read(replace(options, match=match))
+        except InputError as error:
+            failed.append((name, error))
+    if failed:
+        name, first = failed[0]
+        if not found:
+            raise first
+        words = f"{len(failed)} of {len(found) + len(failed)} series are left out; {name}: {first}"
+        warnings.warn(words, OverviewWarning, stacklevel=3)
+    return found
+
+
 def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
     """Read a table in memory: an event list, a match, a heart recording or a series.
 
     The format is detected from the first rows, written to a CSV file.
     """
-    _require_table(data, f"not a path, data or a bundled name ({_bundled_names()})")
-    if times is not None:
-        _require_table(times, "not a column of times")
-    table = table_of(data, times)
+    if _is_sound(times, options) and (samples := samples_of(data)) is not None:
+        _refuse_options(options, "a sound", frozenset({"rate", "map"}) | LIMITS)
+        return audio_reader.read_samples(samples, options)
+    if isinstance(data, ColumnTable):
+        table = data
+    else:
+        _require_table(data, f"not a path, data or a bundled name ({_bundled_names()})")
+        if times is not None:
+            _require_table(times, "not a column of times")
+        table = table_of(data, times)
     where = f"the {table.kind} data"
     with tempfile.TemporaryDirectory(prefix="overview-") as folder:
 
@@ -193,6 +275,13 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
         return series_reader.series_timeline(table, options)
 
 
+def _is_sound(times: object, options: LoadOptions) -> bool:
+    """Return whether samples of this rate are a sound: by their rate, without a map of series."""
+    if times is not None or options.rate is None or options.rate < MIN_SOUND_RATE:
+        return False
+    return options.value is None and options.map in (None, *audio_reader.MAPS)
+
+
 def _require_table(data: object, what: str) -> None:
     if not is_table(data):
         hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
@@ -207,6 +296,11 @@ def _format_of(source: DataFile) -> Format:
             continue
         if candidate.sniff(source):
             return candidate
+    if source.looks_like_json and (other := json.other_document(source.json)):
+        raise InputError(
+            f"{source.where}: {other} without a series of times; write its values as a table with "
+            "a column of times"
+        )
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
         f"{format_hints.format_hint(source)}; overview timeline formats lists all that can be read",

@@ -5,10 +5,15 @@ Dates have one of `FORMS`. With a time zone, they are converted to UTC:
 | form | written |
 |---|---|
 | `iso` | `2012-09-19`, `2012/9/19 09:30`, `2012-09-19T09:30:00.5+02:00`, `20120919T0930`, `2012` |
+| (`iso` without marks) | `20120919`, `2012091909`, `201209190930`, `20120919093000` |
 | `dmy`, `mdy` | `19.09.2012`, `9/19/2012 4:00 PM` |
 | `month names` | `Sep 19, 2012`, `19-Sep-12`, `Sep 2012`, `Wed, 19 Sep 2012 09:30:00 GMT` |
+| (in other languages) | `19. März 2012`, `1er août 2012`, `19 de enero de 2012`, `3 paź 2012` |
 | `quarters, months or weeks` | `2012Q3`, `Q3 2012`, `2012-M09`, `2012-W38`: its beginning |
 | `yyyymm` | `201209` |
+
+Names of months are English, German, French, Spanish, Portuguese, Italian, Dutch, Polish, Turkish,
+or those of the Nordic languages except Finnish.
 
 `in_line` finds a time in a line of a log (`LINE_FORMS`) and returns it in one of these forms.
 """
@@ -16,6 +21,7 @@ Dates have one of `FORMS`. With a time zone, they are converted to UTC:
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta, timezone
 
@@ -36,6 +42,26 @@ _NAMED_ZONES_MIN = {
 """Offsets of zones with different names in summer and winter."""
 
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+_MONTH_OF = {
+    name: month
+    for month, names in enumerate(
+        (
+            "jan gen ene sty oca", "feb fev lut sub", "mar mrt mrz", "apr abr avr kwi nis",
+            "may mai mei mag maj", "jun juin giu cze haz", "jul juil lug lip tem",
+            "aug ago aou sie agu", "sep set wrz eyl", "oct okt ott out paz eki", "nov lis kas",
+            "dec dez dic des gru ara",
+        ),
+        1,
+    )
+    for name in names.split()
+}  # fmt: skip
+"""Month by the first three letters of its name without accents, four of `juin` and `juil`."""
+
+_WEEKDAYS = (
+    "mo tu we th fr sa su di mi do so lu ma me je ve ju vi gi se te qu wo vr za zo ti on to lo po "
+    "wt sr cz pi ni pa ca sø lø"
+)
+"""First two letters of days of the week in these languages, without accents."""
 
 # --- parts of patterns, by the names of their groups
 
@@ -47,8 +73,11 @@ _CLOCK = (
 _OFFSET = r"[+\-−]\d{2}(?::?\d{2})?"
 _ZONE = rf"(?:\s*(?P<zone>Z|z|UTC|GMT|{'|'.join(_NAMED_ZONES_MIN)}|{_OFFSET}))?"
 _THEN_CLOCK = rf"(?:(?:,?\s+|[Tt]){_CLOCK}{_ZONE})?"
-_WEEKDAY = r"(?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*,?\s+)?"
-_MONTH = r"(?P<name>[A-Za-z]{3,9})\.?"
+_LETTER = r"[A-Za-zÀ-ž\u0300-\u036f]"
+_WEEKDAY = rf"(?:(?P<weekday>{_LETTER}{{2,13}})\.?,?\s+)?"
+_MONTH = rf"(?P<name>{_LETTER}{{3,14}})\.?"
+_DAY = r"(?P<d>\d{1,2})(?:er|st|nd|rd|th|[ºª])?"
+_OF = r"(?:de\s)?"
 _YEAR = r"(?P<y>\d{4})"
 _YEAR_2 = r"(?P<y>\d{4}|\d{2})"
 
@@ -68,7 +97,7 @@ FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
     "iso": _compiled(
         rf"{_YEAR}(?:(?P<sep>[-/.])(?P<m>\d{{1,2}})(?:(?P=sep)(?P<d>\d{{1,2}}){_THEN_CLOCK})?)?",
         rf"{_YEAR}(?P<m>\d{{2}})(?P<d>\d{{2}})"
-        rf"(?:[Tt ]?(?P<h>\d{{2}}):?(?P<min>\d{{2}})(?::?(?P<s>\d{{2}}){_FRACTION})?{_ZONE})?",
+        rf"(?:[Tt ]?(?P<h>\d{{2}})(?::?(?P<min>\d{{2}})(?::?(?P<s>\d{{2}}){_FRACTION})?)?{_ZONE})?",
     ),
     "dmy": _in_parts("d", "m"),
     "mdy": _in_parts("m", "d"),
@@ -76,10 +105,10 @@ FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
         *(
             _WEEKDAY + written + _THEN_CLOCK
             for written in (
-                rf"(?P<d>\d{{1,2}})[-/. ]\s?{_MONTH}[-/., ]\s?{_YEAR_2}",
-                rf"{_MONTH}[-/ ](?P<d>\d{{1,2}})(?:,\s?|\s|-|/){_YEAR}",
+                rf"{_DAY}[-/. ]\s?{_OF}{_MONTH}[-/., ]\s?{_OF}{_YEAR_2}",
+                rf"{_MONTH}[-/ ]{_DAY}(?:,\s?|\s|-|/){_YEAR}",
                 rf"{_YEAR}[-/ ]{_MONTH}[-/ ](?P<d>\d{{1,2}})",
-                rf"{_MONTH}[-/ ,]\s?{_YEAR_2}",
+                rf"{_MONTH}[-/ ,]\s?{_OF}{_YEAR_2}",
                 rf"{_YEAR}[-/ ]?{_MONTH}",
             )
         )
@@ -236,11 +265,13 @@ def _built(found: dict[str, str | None]) -> Moment | None:
     month, day = int(found.get("m") or 1), int(found.get("d") or 1)
     if found.get("q"):
         month = 3 * int(found["q"] or 1) - 2
-    name = (found.get("name") or "")[:3].lower()
+    weekday = found.get("weekday")
+    if weekday and _plain(weekday)[:2] not in _WEEKDAYS.split():
+        return None
+    name = found.get("name")
     if name:
-        if name not in _MONTHS:
-            return None
-        month = _MONTHS.index(name) + 1
+        plain = _plain(name)
+        month = _MONTH_OF.get(plain[:3]) or _MONTH_OF.get(plain[:4]) or 0
     try:
         if found.get("w"):
             days = date.fromisocalendar(year, int(found["w"] or 1), 1).toordinal() - _EPOCH_DAY
@@ -262,6 +293,12 @@ def _built(found: dict[str, str | None]) -> Moment | None:
             return None
         offset = (int(figures[:2]) * 60 + int(figures[2:])) * (1 if zone[0] == "+" else -1)
     return Moment(ns - offset * 60 * NS, offset)
+
+
+def _plain(name: str) -> str:
+    """Return a name in lower case without accents."""
+    letters = unicodedata.normalize("NFKD", name.casefold())
+    return "".join(letter for letter in letters if not unicodedata.combining(letter))
 
 
 def _clock_ns(found: dict[str, str | None]) -> int | None:

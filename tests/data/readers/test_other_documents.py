@@ -46,8 +46,11 @@ def test_a_document_of_another_kind_is_named_in_one_line(tmp_path, name, text, w
     [
         "[12:30:45] started\n[12:31:10] connected\n[12:33:02] stopped\n",
         "time,label\n1,<html>\n2,[ti:x]\n",
+        '<gpx><metadata><head/><body>a</body></metadata><trk><trkseg><trkpt lat="1" lon="2">'
+        '<time>2024-01-01T00:00:00Z</time></trkpt><trkpt lat="1" lon="2.1">'
+        "<time>2024-01-01T00:00:09Z</time></trkpt></trkseg></trk></gpx>",
     ],
-    ids=["log", "labels"],
+    ids=["log", "labels", "track"],
 )
 def test_a_log_and_labels_that_look_like_markup_are_read(tmp_path, text):
     path = tmp_path / "data.csv"

@@ -17,6 +17,7 @@ longer are a gap.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.analysis import cheers
@@ -27,6 +28,7 @@ from overview_dsp.data.analysis.loudness import (
     StepMeter,
     Steps,
 )
+from overview_dsp.data.readers.audio.channels import layout_of, weights_of
 from overview_dsp.data.readers.audio.decoding import Recording, is_recording, open_recording
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.gaps import in_gap
@@ -78,6 +80,24 @@ def _measure(recording: Recording, options: LoadOptions) -> Steps:
         done += len(block)
         options.report_progress(done / recording.frames)
     return meter.finish()
+
+
+def read_samples(samples: NDArray[np.float64], options: LoadOptions) -> Timeline:
+    """Return the timeline of samples in memory, frames x channels (takes `rate`, `map`)."""
+    frames, channels = samples.shape
+    rate = options.rate
+    assert rate is not None
+    if not float(rate).is_integer():
+        raise InputError(f"rate is {rate!r}; must be a whole number of Hz for a sound")
+    layout = layout_of(channels)
+    meter = StepMeter(int(rate), weights_of(layout) if layout else (1.0,) * channels)
+    size = min(meter.block_frames, frames)
+    for begin in range(0, frames, size):
+        meter.feed(samples[begin : begin + size])
+        options.report_progress(min(1.0, (begin + size) / frames))
+    kind = f"a sound in memory, {channels} channel{'s' * (channels > 1)} at {rate:g} Hz"
+    note = "samples of 8 kHz and more are a sound; map='level' (--map level) makes a series of them"
+    return timeline_of(meter.finish(), options.map or MAPS[0], "", kind, (note,))
 
 
 def timeline_of(

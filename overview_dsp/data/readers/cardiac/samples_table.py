@@ -1,9 +1,10 @@
 """ECG and pulse waves as tables of samples (CSV, TSV, columns of numbers).
 
-A table is read as a heart recording if the option `rate` is at least 50 Hz. Without it, a column
-must have the name of an ECG lead or a pulse wave, and the times must show a rate of at least 50 Hz.
-Other tables, also of heart rates, are series. Times are seconds, milliseconds, microseconds, clock
-times or ISO dates. Their mean interval determines the rate, and larger intervals are gaps.
+A table is searched for heartbeats if the option `rate` is at least 50 Hz, and refused without any.
+Without the option, a column must have the name of an ECG lead or a pulse wave, and the times must
+show a rate of at least 50 Hz. Other tables, also of heart rates, are series. Times are seconds,
+milliseconds, microseconds, clock times or ISO dates. Their mean interval determines the rate, and
+larger intervals are gaps.
 
 Supported variants: no header; a second row of units (PhysioNet's `rdsamp -c -v`); names in single
 quotes; a column of sample numbers; decimal commas if semicolons or tabs separate the columns;
@@ -12,6 +13,7 @@ comment lines (`#`, `%`, `//`); columns separated by spaces.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -38,7 +40,19 @@ from overview_dsp.data.readers.tables.cells import TOKENS, parse
 from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import Dialect, detect, head_lines
-from overview_dsp.data.readers.tables.table import CellLocation, Cells, cell_locator, first_rows
+from overview_dsp.data.readers.tables.table import (
+    CellLocation,
+    Cells,
+    Column,
+    cell_locator,
+    first_rows,
+)
+from overview_dsp.data.readers.tables.time_column import (
+    PLAIN,
+    Format,
+    requested_format,
+    written_unit,
+)
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import NS, Moment, clock_s, moment
 from overview_dsp.errors import InputError, shown
@@ -69,12 +83,6 @@ _TIME = re.compile(
 )
 _INDEX = re.compile(r"^(|index|sample|samples|sample ?#|#|n|no\.?|unnamed: ?0)$", re.I)
 _GAP_STEPS = 1.5
-_UNITS = (
-    (re.compile(r"\bus\b|µs|μs|micro", re.I), 1e-6),
-    (re.compile(r"\bms\b|msec|milli|_ms$", re.I), 1e-3),
-    (re.compile(r"\bmin(ute)?s?\b", re.I), 60.0),
-    (re.compile(r"\bs\b|\bsec|_s$", re.I), 1.0),
-)
 
 
 @dataclass(frozen=True)
@@ -135,12 +143,15 @@ def sniff(source: DataFile) -> bool:
         return options.rate >= MIN_RATE
     if not layout.heart_columns():
         return False
-    time = layout.time_column()
+    time, unit = layout.time_column(), ""
+    if options.time is not None:
+        with contextlib.suppress(InputError):  # raised again by the reader
+            time, unit = _time_column(layout, options)
     if time is None:
         # the reader reports the missing rate
         others = {layout.index_column(), *layout.heart_columns()}
         return all(i in others for i, numeric in enumerate(layout.numeric) if numeric)
-    rate = _rate_of(source, layout, time)
+    rate = _rate_of(source, layout, time, unit)
     return rate is not None and rate >= MIN_RATE
 
 
@@ -163,16 +174,19 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             )
         layout = _layout_of(source)
         assert layout is not None  # checked by `sniff`
-        time = _time_column(layout, options)
+        time, unit = _time_column(layout, options)
         value = _value_column(layout, options, time)
         table = DelimitedTable(source, layout.dialect)
         values, times, start = _columns(
             table, layout, value, time, lambda part: options.report_progress(part / 2.0)
         )
         notes: tuple[str, ...] = ()
+        origin = ""
         if times is not None:
-            unit = _unit_of(layout, time, times)
-            rate, values, notes = _resample(times * unit[0], values, unit[1])
+            assert time is not None
+            form, why = _format_of(layout, time, times, unit)
+            rate, values, notes = _resample(times * PLAIN.get(form.name, 1.0), values)
+            origin = f"; times from column {shown(layout.names[time])} ({form.description}{why})"
         elif options.rate is not None:
             rate = options.rate
             if time is None and (unused := layout.time_column()) is not None:
@@ -187,19 +201,27 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
                 "recording"
             )
         signal = Samples(layout.names[value], rate, values)
-        detection = find_beats(signal, None, lambda part: options.report_progress(0.5 + part / 2.0))
-        duration_s = len(values) / rate
-        if detection.lost:
-            notes = (*notes, f"{detection.lost} single samples are missing")
-        description = Description(
-            source.stem,
-            duration_s,
-            f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it",
-            notes,
-            start,
-        )
-        gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
-        return heart_timeline(description, beats_of(detection, rate), gaps, (), options, signal)
+        try:
+            detection = find_beats(
+                signal, None, lambda part: options.report_progress(0.5 + part / 2.0)
+            )
+            duration_s = len(values) / rate
+            if detection.lost:
+                notes = (*notes, f"{detection.lost} single samples are missing")
+            description = Description(
+                source.stem,
+                duration_s,
+                f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it{origin}",
+                notes,
+                start,
+            )
+            gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
+            beats = beats_of(detection, rate)
+            return heart_timeline(description, beats, gaps, (), options, signal)
+        except InputError as error:
+            if layout.heart_columns():
+                raise
+            raise InputError(f"{error}, or read a series with map='level' (--map level)") from error
 
 
 def _layout_of(source: DataFile) -> _Layout | None:
@@ -248,12 +270,16 @@ def _number(text: str, decimal_mark: str) -> float | None:
     return None if found is None or found[1] else found[0]
 
 
-def _time_column(layout: _Layout, options: LoadOptions) -> int | None:
+def _time_column(layout: _Layout, options: LoadOptions) -> tuple[int | None, str]:
+    """Return the column of times, and its requested unit or format, or an empty text."""
     if options.time is None:
-        return None if options.rate is not None else layout.time_column()
+        return None if options.rate is not None else layout.time_column(), ""
+    name, unit = requested_format(options.time, [Column.of(name) for name in layout.names])
+    if name is None:
+        return layout.time_column(), unit
     columns = range(len(layout.names))
     timed = [i for i in columns if layout.numeric[i] or layout.holds_times(i)]
-    return _named_column(layout, options.time, "times", timed, columns)
+    return _named_column(layout, name, "times", timed, columns), unit
 
 
 def _value_column(layout: _Layout, options: LoadOptions, time: int | None) -> int:
@@ -411,7 +437,7 @@ def _seconds_of(moment: float | Moment | None, start: Moment | None) -> float | 
     return (moment.ns - start.ns) / NS
 
 
-def _rate_of(source: DataFile, layout: _Layout, time: int) -> float | None:
+def _rate_of(source: DataFile, layout: _Layout, time: int, unit: str) -> float | None:
     """Return the sample rate, Hz, of the first rows; None if it is unknown."""
     cells = first_rows(_head_table(source, layout.dialect), _RATE_ROWS)[time]
     try:
@@ -420,35 +446,45 @@ def _rate_of(source: DataFile, layout: _Layout, time: int) -> float | None:
         return None
     if len(times) < 3:
         return None
-    mean = float(np.mean(np.diff(times * _unit_of(layout, time, times)[0])))
+    try:
+        form, _ = _format_of(layout, time, times, unit)
+    except InputError:
+        return MIN_RATE  # the reader reports the format
+    mean = float(np.mean(np.diff(times * PLAIN.get(form.name, 1.0))))
     return 1.0 / mean if mean > 0.0 else None
 
 
-def _unit_of(
-    layout: _Layout, time: int | None, times: NDArray[np.float64]
-) -> tuple[float, str | None]:
-    """Return the unit of the times in s, and its name if it was derived from the intervals."""
-    assert time is not None
+def _format_of(
+    layout: _Layout, time: int, times: NDArray[np.float64], unit: str
+) -> tuple[Format, str]:
+    """Return the format of the times, and how it was found if neither header nor option name it."""
     if not layout.numeric[time]:
-        return 1.0, None
-    header = layout.names[time] if layout.has_header else ""
-    header += " " + layout.dialect.units[time]
-    for pattern, seconds in _UNITS:
-        if pattern.search(header):
-            return seconds, None
+        return Format("clock" if _is_clock(layout.head[time]) else "iso"), ""
+    column = Column.of(layout.names[time], layout.dialect.units[time])
+    unit = unit or (written_unit(column) if layout.has_header else "")
+    if unit and unit not in PLAIN:
+        raise InputError(
+            f"time {shown(unit)}: numbers of a heart recording are in one of {', '.join(PLAIN)}"
+        )
+    if unit:
+        return Format(unit), ""
     steps = np.diff(times[:10_000])
     step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else math.nan
-    for seconds, name in ((1.0, None), (1e-3, "milliseconds"), (1e-6, "microseconds")):
-        if MIN_RATE * 0.99 <= 1.0 / (step * seconds) <= 5000.0:
-            return seconds, name
-    return 1.0, None
+    for name in ("s", "ms", "us"):
+        if MIN_RATE * 0.99 <= 1.0 / (step * PLAIN[name]) <= 5000.0:
+            return Format(name), "" if name == "s" else ", detected from the intervals"
+    return Format("s"), ""
+
+
+def _is_clock(cells: Sequence[str | None]) -> bool:
+    return any(isinstance(_moment_of(cell), float) for cell in _known(cells)[:1])
 
 
 def _resample(
-    times: NDArray[np.float64], values: NDArray[np.float32], unit: str | None
+    times: NDArray[np.float64], values: NDArray[np.float32]
 ) -> tuple[float, NDArray[np.float32], tuple[str, ...]]:
     """Return the rate, the values at regular intervals (NaN in gaps), and notes."""
-    notes = [f"the times were read as {unit}"] if unit else []
+    notes: list[str] = []
     steps = np.diff(times)
     if len(steps) == 0:
         raise InputError("the file has one row of data; must be several seconds of samples")

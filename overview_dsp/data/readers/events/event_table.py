@@ -59,6 +59,7 @@ from overview_dsp.data.readers.tables.column_roles import (
 )
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, header_dialect
+from overview_dsp.data.readers.tables.groups import require_single_series, select_group
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
@@ -126,18 +127,21 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     Takes the options `duration_s`, and the columns `time`, `kind` and `label`.
     """
     with validation.located(f"{source.where}: "):
-        table = _table(source)
+        table = open_table(source)
         if table is not None:
             return _read(table, source.stem, options)
     return _read_chapters(source, options)
 
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
+    if options.match is not None:
+        table = select_group(table, options.match)
     head = first_rows(table, _HEAD)
     roles = roles_of(table.columns, head, options)
     _reject_beats(table, head[roles.time])
     columns = (roles.time,) if roles.clock is None else (roles.time, roles.clock)
     choice = with_settled_order(table, TimeChoice(columns, roles.format, " "))
+    require_single_series(table, choice, [] if roles.kind is None else [roles.kind], events=True)
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
 
@@ -179,7 +183,7 @@ def _json_table(source: DataFile) -> ColumnTable | None:
     return found
 
 
-def _table(source: DataFile) -> Table | None:
+def open_table(source: DataFile) -> Table | None:
     """Return the file's table of events; None without one."""
     if source.looks_like_json:
         found = _json_table(source)

@@ -170,8 +170,8 @@ class _Row:
 
 def sniff(source: DataFile) -> bool:
     """Return whether the file is a table with minutes, and with football events or scorers."""
-    if source.head_text is None or source.looks_like_json:
-        return False
+    if source.head_text is None or source.looks_like_json or source.options.time is not None:
+        return False  # a requested format of times is that of other tables
     found = header_dialect(source.head_text)
     if found is None or "time_s" in found.header or len(found.header) > MAX_COLUMNS:
         return False
@@ -266,6 +266,12 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
         clock = Clock.from_minutes(minutes, ends=ends)
         exact = any(minute.seconds is not None for minute in minutes)
         provenance = PROVENANCE_SECONDS if exact else PROVENANCE_MINUTES
+    headers = rows[0].headers
+    timed = headers.get("minute") or headers["clock"]
+    provenance += (
+        f"; column {shown(timed)} (minutes of the match; time='{timed}:s' (--time-column) reads "
+        "seconds)"
+    )
     teams = _teams(rows)
     match_events = [_match_event(*entry, clock, teams, goals_only) for entry in entries]
     notes = []

@@ -45,6 +45,9 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
     team_index,
 )
+from overview_dsp.data.readers.tables.delimited import records
+from overview_dsp.data.readers.tables.table import Column
+from overview_dsp.data.readers.tables.time_column import as_number
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, shown
 
@@ -92,6 +95,68 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     document = source.json  # its errors contain the path
     with validation.located(f"{source.where}: "):
         return decode(document, source.stem)
+
+
+_SIGNS = ("index", "possession", "play_pattern", "related_events", "shot_outcome", "outcome_name")
+
+
+def sniff_table(source: DataFile) -> bool:
+    """Return whether the file is a table with the columns of statsbombpy or mplsoccer."""
+    if source.head_text is None or source.looks_like_json:
+        return False
+    found = header_dialect(source.head_text)
+    names = {Column.of(name).name for name in found.header} if found is not None else set()
+    kinds = {"type", "type_name"} & names and {"team", "team_name"} & names
+    return bool({"period", "timestamp"} <= names and kinds and names & set(_SIGNS))
+
+
+def read_table(source: DataFile, options: LoadOptions) -> Timeline:
+    """Read a table of events (takes no options); the InputError contains file and event."""
+    text = source.text
+    with validation.located(f"{source.where}: "):
+        rows = [{Column.of(k).name: v for k, v in row.items()} for _, row in records(text)]
+        if all(row.get("index", "").replace(".", "").isdigit() for row in rows):
+            rows.sort(key=lambda row: float(row["index"]))
+        return decode([_nested(row) for row in rows], source.stem)
+
+
+def _nested(row: dict[str, str]) -> dict[str, object]:
+    """Return the record of an event file from a row with flat columns, those that are read."""
+
+    def cell(*names: str) -> str:
+        return next((row[n] for n in names if row.get(n, "").lower() not in _EMPTY), "")
+
+    clock, period = cell("timestamp").removeprefix("0 days "), cell("period")
+    if clock.replace(".", "", 1).isdigit():  # seconds
+        minutes, seconds = divmod(float(clock), 60.0)
+        clock = f"{int(minutes) // 60:02}:{int(minutes) % 60:02}:{seconds:09.6f}"
+    kind = cell("type_name", "type")
+    shot: dict[str, object] = {}
+    if kind == "Shot":
+        shot = {
+            "outcome": {"name": cell("shot_outcome", "outcome_name")},
+            "type": {"name": cell("shot_type", "sub_type_name")},
+        }
+        if chance := cell("shot_statsbomb_xg"):
+            shot["statsbomb_xg"] = as_number(chance)
+    record: dict[str, object] = {
+        "id": cell("id"),
+        "period": int(float(period)) if as_number(period) is not None else period,
+        "timestamp": clock,
+        "type": {"name": kind},
+        "team": {"name": cell("team_name", "team")},
+        "player": {"name": cell("player_name", "player")},
+        "related_events": re.findall(r"['\"]([^'\"]+)['\"]", cell("related_events")),
+        "shot": shot,
+        "block": {"save_block": cell("block_save_block").lower() in ("true", "1", "1.0")},
+    }
+    for section in _CARD_SECTIONS.values():
+        if card := cell(f"{section}_card", f"{section}_card_name"):
+            record[section] = {"card": {"name": card}}
+    return {key: value for key, value in record.items() if value not in ("", {}, {"name": ""})}
+
+
+_EMPTY = ("", "nan", "none", "null", "<na>", "nat")
 
 
 def decode(document: object, default_title: str = "") -> Timeline:

@@ -11,7 +11,11 @@ from overview_dsp.data.readers.series import counting
 from overview_dsp.data.readers.series.read_plan import make_read_plan
 from overview_dsp.data.readers.series.rows import RowReader
 from overview_dsp.data.readers.series.sample_scan import scan_samples
-from overview_dsp.data.readers.tables.groups import require_single_series, select_group
+from overview_dsp.data.readers.tables.groups import (
+    MANY_REPEATS,
+    require_single_series,
+    select_group,
+)
 from overview_dsp.data.readers.tables.table import Table
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
@@ -23,9 +27,6 @@ MAX_MB = 8192.0
 """Maximum size of a table, MB (2**20 bytes), unless `max_mb` is set."""
 
 _TRACKS = ("GPX", "TCX")
-
-MANY_REPEATS = 0.02
-"""Minimum share of repeated times at which a table may contain several series."""
 
 
 def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
@@ -64,16 +65,17 @@ def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Time
     """
     if options.match is not None:
         table = select_group(table, options.match)
+        title = ", ".join((title, *table.texts.values())) if title else title
     if counting.counts_rows(table, options):
         return counting.count_rows(table, options, title)
     if options.value is None and table.kind in _TRACKS:
         options = replace(options, value=table.columns[1].header)  # speed, if known
     plan = make_read_plan(table, options, title)
+    require_single_series(table, plan.time, plan.columns)
     reader = RowReader(
         table, plan.time, plan.columns, plan.decimal_mark, options.rate, options.report_progress
     )
     scan = scan_samples(plan, reader)
-    repeats = reader.rows - scan.count
-    if options.match is None and repeats > MANY_REPEATS * reader.rows:
-        require_single_series(table, plan.time.columns, plan.value)
+    if reader.rows - scan.count > MANY_REPEATS * reader.rows:
+        require_single_series(table, plan.time, plan.columns, numbers=True)
     return scan.timeline(title)

@@ -108,12 +108,14 @@ class NumberColumn:
         return values
 
     def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
-        """Return the numbers if all cells are plain numbers with a decimal point, else None."""
-        if self.decimal_mark != "." or self.unit:
+        """Return the numbers if all cells are plain numbers with the decimal mark, else None."""
+        if self.unit:
             return None
         try:
-            if not are_written_in(cells, "0123456789+-.eE"):
+            if not are_written_in(cells, f"0123456789+-eE{self.decimal_mark}"):
                 return None
+            if self.decimal_mark != ".":  # a second mark is an error of `float`
+                cells = "\n".join(cells).replace(self.decimal_mark, ".").split("\n")
             values = np.fromiter(map(float, cells), np.float64, len(cells))
         except (TypeError, ValueError):  # a cell that is not text, an empty one, a lone sign
             return None

@@ -61,7 +61,7 @@ SERIES_TIMES = (
     "opentime", "epoch", "unix", "unixtime", "unixtimestamp", "times", "seconds", "secs", "sec",
     "minutes", "hours", "elapsed", "elapsedtime", "valid", "dateutc", "timeutc", "localtime",
     "createdat", "recordedat", "index", "", "yyyymmdd", "decimaldate", "decimalyear", "jahr",
-    "anno", "ano", "año", "mes", "monat", "tag",
+    "anno", "ano", "año", "mes", "monat", "tag", "tms", "tus", "tsec", "tmin",
 )  # fmt: skip
 """Times of a series."""
 
@@ -70,13 +70,25 @@ SERIES_TIME_PARTS = (
 )  # fmt: skip
 """Names that contain one of these are times of a series."""
 
+GROUPS = (
+    "country", "countryname", "countrycode", "iso3", "nation", "land", "station", "stationid",
+    "stationname", "site", "siteid", "subject", "subjectid", "participant", "participantid",
+    "patient", "patientid", "channel", "sensor", "sensorid", "device", "deviceid", "symbol",
+    "ticker", "entity", "variable", "parameter", "indicator", "metric", "pais", "país",
+    "pays", "paese", "estacion", "estación", "stazione", "proband", "kanal",
+)  # fmt: skip
+"""Columns that distinguish series, whatever their cells are."""
+
 ROW_COUNTERS = ("", "index", "id", "no", "nr", "row", "unnamed0", "rownum", "record", "obs")
 """Columns that may number the rows."""
 
 UTC_OFFSETS = ("utcoffset", "offset", "gmtoffset", "tz", "timezone", "zone", "tzoffset")
 """Offsets from UTC."""
 
-CLOCK_PARTS = ("time", "zeit", "hora", "heure", "uhrzeit", "clock", "timeofday")
+HOURS = ("hour", "hours", "hr", "hh", "hhmm", "stunde", "hora", "heure", "ora", "uur")
+"""Hours of the day, beside a date."""
+
+CLOCK_PARTS = ("time", "zeit", "clock", "timeofday", "hhmm", *HOURS)
 """Names that contain one of these are clock times."""
 
 CLOSE = (
@@ -121,7 +133,8 @@ EPOCH_PARTS = ("epoch", "unix", "timestamp", "posix")
 """Names that contain one of these count from 1970."""
 
 TIME_UNITS = {
-    "nanoseconds": "ns", "µs": "us", "microseconds": "us", "msec": "ms", "milliseconds": "ms",
+    "nanoseconds": "ns", "µs": "us", "μs": "us", "microseconds": "us", "msec": "ms",
+    "milliseconds": "ms",
     "sec": "s", "secs": "s", "second": "s", "seconds": "s", "mins": "min", "minute": "min",
     "minutes": "min", "hr": "h", "hrs": "h", "hour": "h", "hours": "h", "day": "d", "days": "d",
 }  # fmt: skip

@@ -38,6 +38,8 @@ from overview_dsp.data.timeline.time_parsing import moment
 from overview_dsp.errors import InputError, shown
 
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
+_PRICE_OF = re.compile(r"Close [A-Z0-9.^=-]{1,12}")
+"""Price of one of several shares."""
 _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 
 
@@ -49,7 +51,7 @@ class TimeChoice:
     """Columns whose joined cells are the times, and the format of the times.
 
     Several columns are joined by `joint`: a date and a clock by a blank, year, month and day by
-    hyphens. Without columns, rows are
+    hyphens. `unmarked` clocks are numbers: HHMM (100), or hours (1). Without columns, rows are
     evenly spaced (`rate`).
     """
 
@@ -57,13 +59,17 @@ class TimeChoice:
     format: Format
     joint: str = ""
     notes: tuple[str, ...] = ()
+    unmarked: int = 0
 
     def cells(self, chunk: Chunk) -> Cells:
         """Return the times in the first columns of a chunk; None if a part is missing."""
         if len(self.columns) == 1:
             return chunk.cells[0]
-        lists = map(as_list, chunk.cells[: len(self.columns)])
+        lists = list(map(as_list, chunk.cells[: len(self.columns)]))
         text = _whole if self.joint == "-" else _stripped
+        if self.unmarked:
+            dates, clocks, *others = lists
+            lists = [list(map(_whole, dates)), [_marked(c, self.unmarked) for c in clocks], *others]
         return [
             None if any(map(is_missing, row)) else self.joint.join(map(text, row))
             for row in zip(*lists, strict=True)
@@ -114,7 +120,8 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
     offset = _offset_column(columns, head, index, form)
     beside = tuple(i for i in (clock, offset) if i is not None)
     if beside:
-        return TimeChoice((index, *beside), form, " ", _form_notes(form))
+        unmarked = 0 if clock is None else _unmarked_clock(columns[clock], head[clock])
+        return TimeChoice((index, *beside), form, " ", _form_notes(form), unmarked)
     if form.name == "year":
         parts = _year_month_day(columns, head)
         if parts is not None:
@@ -207,15 +214,40 @@ def _float(cell: Any) -> float | None:
 
 def _clock_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """Return the column of clock times that belongs to a column of days."""
-    dates = _texts(head[date]) if form.name in _DAYS else []
-    if not dates or any(":" in text for text in dates):
+    dates = [_whole(cell) for cell in head[date] if not is_missing(cell)]
+    if form.name not in _DAYS or not dates or any(":" in text for text in dates):
         return None
     named = [
         i
         for i, c in enumerate(columns)
         if any(word in c.plain for word in column_names.CLOCK_PARTS)
     ]
-    return next((i for i in named if i != date and _all(head[i], _is_day_clock)), None)
+    return next(
+        (
+            i
+            for i in named
+            if i != date and (_all(head[i], _is_day_clock) or _unmarked_clock(columns[i], head[i]))
+        ),
+        None,
+    )
+
+
+def _unmarked_clock(column: Column, cells: Sequence[Any]) -> int:
+    """Return 100 for a column of clocks HHMM without marks, 1 for one of hours, 0 for others."""
+    texts = [_whole(cell) for cell in cells if not is_missing(cell)]
+    hour = column.plain in column_names.HOURS
+    factor = 1 if hour and all(len(text) < 3 for text in texts) else 100
+    fits = all(t.isdigit() and len(t) <= 4 and _is_day_clock(_marked(t, factor)) for t in texts)
+    return factor if texts and fits and (hour or len(set(texts)) > 1) else 0
+
+
+def _marked(cell: Any, factor: int) -> str:
+    """Return a clock such as 1230 (factor 100) or 12 (factor 1) as `12:30` or `12:00`."""
+    text = _whole(cell)
+    if is_missing(cell) or not text.isdigit():
+        return text
+    hours, minutes = divmod(int(text) * 100 // factor, 100)
+    return f"{hours:02}:{minutes:02}"
 
 
 def _offset_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
@@ -289,8 +321,12 @@ def choose_value(
     numeric = [
         i
         for i in range(len(columns))
-        if i not in times and looks_numeric(head[i]) and not _is_time_too(columns[i], head[i])
+        if i not in times
+        and not columns[i].key
+        and looks_numeric(head[i])
+        and not _is_time_too(columns[i], head[i])
     ]
+    numeric = [i for i in numeric if columns[i].plain not in column_names.GROUPS] or numeric
     if not numeric:
         raise InputError(
             f"no column of numbers besides the times; columns are {listed(columns)}: name the "
@@ -375,6 +411,7 @@ def is_price(column: Column, columns: Columns) -> bool:
         return True
     return (
         is_adjusted(column)
+        or _PRICE_OF.fullmatch(column.name) is not None
         or name in column_names.PRICES_ALONE
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")

@@ -1,21 +1,35 @@
-"""Tables with several series, distinguished by a column such as `symbol` or `station`."""
+"""Tables with several series, distinguished by columns such as `country`, `station` or `subject`.
+
+A column distinguishes series if the times repeat and its texts tell their rows apart, if the times
+start again where its text changes, or if it is called so (`column_names.GROUPS`). Such a table is
+read after `select_group`: `country=Norway`, `country=Norway, sex=f`, a text that is in one column
+only, or `country=*` for all rows as one series, if their times differ.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables.cells import is_missing
+from overview_dsp.data.readers.tables import column_names
+from overview_dsp.data.readers.tables.cells import looks_numeric
+from overview_dsp.data.readers.tables.column_roles import TimeChoice
 from overview_dsp.data.readers.tables.table import (
     Cells,
     Chunk,
     Column,
     Table,
     as_list,
+    cell_locator,
     column_named,
+    first_rows,
+    listed,
 )
+from overview_dsp.data.readers.tables.time_column import TimeColumn, detected_format
 from overview_dsp.errors import InputError, shown
 
 MAX_GROUPS = 5_000
@@ -24,27 +38,45 @@ MAX_GROUPS = 5_000
 MAX_ROWS = 2_000_000
 """Number of rows examined to find the column."""
 
+MANY_REPEATS = 0.02
+"""Minimum share of repeated times at which any column may distinguish series."""
+
+ALL = "*"
+"""Text that selects all rows as one series."""
+
+_HEAD_ROWS = 200
+_SHOWN = 6
+_MOST_KEYS = 3
+_PART = re.compile(r"(?:^|,)\s*([^=,]+?)\s*=")
+
+Codes = NDArray[np.int64]
+
 
 class OneGroup(Table):
-    """Rows of a table in which a column has a given text."""
+    """Rows of a table in which columns have given texts, by index."""
 
-    def __init__(self, table: Table, column: int, text: str) -> None:
-        self._table, self._column, self._text_of_group = table, column, text
+    def __init__(self, table: Table, texts: dict[int, str]) -> None:
+        self._table, self.texts = table, texts
         self.kind, self.row_word = table.kind, table.row_word
         self.columns: tuple[Column, ...] = table.columns
-        header = shown(table.columns[column].header)
-        self.notes = (*table.notes, f"the rows whose column {header} is {shown(text)}")
+        self._only = {i: text for i, text in texts.items() if text != ALL}
+        named = [f"{shown(self.columns[i].header)} is {shown(t)}" for i, t in self._only.items()]
+        note = f"the rows whose column {' and '.join(named)}" if named else "all rows as one series"
+        self.notes = (*table.notes, note)
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns of the group's rows."""
-        for chunk in self._table.chunks((*columns, self._column)):
-            names = as_list(chunk.cells[-1])
-            kept = [i for i, name in enumerate(names) if _text(name) == self._text_of_group]
-            if not kept:
-                continue
-            numbers = [chunk.number(i) for i in kept]
-            cells = tuple(_select(cells, kept) for cells in chunk.cells[:-1])
-            yield Chunk(cells, numbers[0], numbers, chunk.part)
+        for chunk in self._table.chunks((*columns, *self._only)):
+            kept = np.ones(len(chunk), np.bool_)
+            keys = chunk.cells[len(columns) :]
+            for text, cells in zip(self._only.values(), map(as_list, keys), strict=True):
+                same = {cell for cell in dict.fromkeys(cells) if _text(cell) == text}
+                kept &= np.fromiter((cell in same for cell in cells), np.bool_, len(cells))
+            indices = np.flatnonzero(kept).tolist()
+            if indices:
+                numbers = [chunk.number(i) for i in indices]
+                some = tuple(_select(cells, indices) for cells in chunk.cells[: len(columns)])
+                yield Chunk(some, numbers[0], numbers, chunk.part)
 
 
 def _select(cells: Cells, indices: list[int]) -> Cells:
@@ -58,83 +90,226 @@ def _text(cell: Any) -> str:
 
 
 def select_group(table: Table, option: str) -> OneGroup:
-    """Return the rows selected by `COLUMN=TEXT`, or by a text in only one column.
+    """Return the rows selected by `COLUMN=TEXT`, several of them, or a text in only one column.
 
     Raises
     ------
     InputError
         No row matches, or several columns contain the text.
     """
-    name, equals, text = option.partition("=")
-    index = column_named(table.columns, name) if equals else None
-    if index is not None:
-        wanted, candidates = text.strip(), [index]
-    else:
-        wanted, candidates = option.strip(), list(range(len(table.columns)))
+    texts: dict[int, str] = {}
+    parts = [
+        (found, index)
+        for found in _PART.finditer(option)
+        if (index := column_named(table.columns, found[1])) is not None
+    ]
+    ends = (*(found.start() for found, _ in parts[1:]), len(option))
+    for (found, index), end in zip(parts, ends, strict=False):
+        texts |= _found(table, option, [index], option[found.end() : end].strip())
+    return OneGroup(
+        table, texts or _found(table, option, range(len(table.columns)), option.strip())
+    )
+
+
+def _found(table: Table, option: str, columns: Sequence[int], text: str) -> dict[int, str]:
+    """Return the column that contains a text, and the text as it is written there."""
+    if text == ALL:
+        return dict.fromkeys(columns, ALL)
     found: dict[int, str] = {}
     examples: dict[str, None] = {}
-    for chunk in table.chunks(candidates):
-        for i, cells in zip(candidates, chunk.cells, strict=True):
-            if isinstance(cells, np.ndarray) and cells.dtype.kind == "f":
+    for chunk in table.chunks(columns):
+        for i, cells in zip(columns, chunk.cells, strict=True):
+            if isinstance(cells, np.ndarray) and cells.dtype.kind == "f" and len(columns) > 1:
                 continue
-            for text in dict.fromkeys(map(_text, as_list(cells))):
-                if len(candidates) == 1 and len(examples) < 8 and not is_missing(text):
-                    examples[text] = None
-                if text.lower() == wanted.lower():
-                    found.setdefault(i, text)
-    if len(found) == 1:
-        column, exact = next(iter(found.items()))
-        return OneGroup(table, column, exact)
-    if found:
-        names = ", ".join(shown(table.columns[i].header) for i in found)
+            for one in dict.fromkeys(map(_text, dict.fromkeys(as_list(cells)))):
+                if len(columns) == 1 and len(examples) < 8 and one:
+                    examples[one] = None
+                if one.lower() == text.lower():
+                    found.setdefault(i, one)
+    if len(found) > 1:
         raise InputError(
-            f"match {shown(option)}: columns {names} contain this text; give match (--select) as "
-            f"'COLUMN={wanted}'"
+            f"match {shown(option)}: columns {listed([table.columns[i] for i in found])} contain "
+            f"this text; give match (--select) as 'COLUMN={text}'"
         )
-    there = f"; texts are {', '.join(examples)}" if examples else ""
-    raise InputError(f"match {shown(option)}: no row contains this text{there}")
+    if not found:
+        there = f"; texts are {', '.join(examples)}" if examples else ""
+        raise InputError(f"match {shown(option)}: no row contains this text{there}")
+    return found
 
 
-def require_single_series(table: Table, times: Sequence[int], value: int) -> None:
-    """Raise InputError if a column distinguishes several series with the same times.
-
-    This is called for a table with repeated times.
+def group_options(table: Table, group: str) -> dict[str, str]:
+    """Return the texts of a column (or of several: `country, sex`) and the `match` of each.
 
     Raises
     ------
     InputError
-        There is such a column; the message names it and its first texts.
+        There is no such column, or it has too many texts.
     """
-    others = [i for i in range(len(table.columns)) if i not in times and i != value]
+    columns = [column_named(table.columns, name) for name in group.split(",")]
+    if None in columns:
+        raise InputError(f"group {shown(group)}: no such column; columns are "
+                         f"{listed(table.columns)}")  # fmt: skip
+    found = [i for i in columns if i is not None]
+    rows: dict[tuple[str, ...], None] = {}
+    for chunk in table.chunks(found):
+        rows |= dict.fromkeys(zip(*map(as_list, chunk.cells), strict=True))
+        if len(rows) > MAX_GROUPS:
+            raise InputError(f"group {shown(group)}: more than {MAX_GROUPS} series")
+    known = dict.fromkeys(tuple(map(_text, row)) for row in rows if None not in row)
+    # "m", which stands for a missing number, is a text here
+    return {", ".join(texts): _option(table, found, texts) for texts in known if all(texts)}
+
+
+def _option(table: Table, columns: Sequence[int], texts: Sequence[str]) -> str:
+    pairs = zip(columns, texts, strict=True)
+    return ", ".join(f"{table.columns[i].header}={text}" for i, text in pairs)
+
+
+def require_single_series(
+    table: Table, time: TimeChoice, used: Sequence[int], numbers: bool = False, events: bool = False
+) -> None:
+    """Raise InputError if columns distinguish several series; the message lists them.
+
+    Parameters
+    ----------
+    table, time
+        The table, and its times.
+    used
+        Columns of values, which distinguish no series.
+    numbers
+        Whether columns of numbers may distinguish series, too.
+    events
+        Whether rows are events, which may have one time: only times that start again count, in a
+        column that is called so.
+    """
+    texts_of = table.texts if isinstance(table, OneGroup) else {}
+    selected = {i: text for i, text in texts_of.items() if text != ALL}
+    head = first_rows(table, _HEAD_ROWS)
+    others = [
+        i
+        for i, column in enumerate(table.columns)
+        if i not in (*time.columns, *used, *selected)
+        and column.plain not in column_names.UTC_OFFSETS
+        and (is_group(column) or (not events and (numbers or _is_wordy(column, head[i]))))
+    ]
     if not others:
         return
-    pairs: dict[int, set[tuple[str, ...]]] = {i: set() for i in others}
-    names: dict[int, dict[str, None]] = {i: {} for i in others}
-    left = dict.fromkeys(others)
-    rows = 0
-    for chunk in table.chunks((*times, *others)):
-        lists = [list(map(_text, as_list(cells))) for cells in chunk.cells]
-        rows += len(chunk)
-        moments = list(zip(*lists[: len(times)], strict=True))
-        for i, texts in zip(others, lists[len(times) :], strict=True):
-            if i not in left:
-                continue
-            names[i].update(dict.fromkeys(texts))
-            before = len(pairs[i])
-            pairs[i].update((*moment, text) for moment, text in zip(moments, texts, strict=True))
-            if len(pairs[i]) - before < len(chunk) or len(names[i]) > MAX_GROUPS:
-                del left[i]  # times repeat within a group, or each row is a group
-        if rows > MAX_ROWS or not left:
-            break
-    several = [i for i in left if 1 < len(names[i]) <= max(2, rows // 2)]
-    if not several:
+    seconds, codes, names = _coded(table, time, others)
+    rows = len(seconds)
+    several = [i for i in codes if 1 < len(names[i]) <= max(2, rows // 2)]
+    told = {i: codes[i] for i in several}
+    keys = [] if events else _keys(seconds, told, table, numbers)
+    distinct = bool(keys)  # rows of one time can't be one series
+    if not keys and ALL not in texts_of.values():
+        keys = _restarts(seconds, told)
+        if not keys and not events:
+            keys = [i for i in several if is_group(table.columns[i])][:1]
+    if not keys:
         return
-    column = min(several, key=lambda i: len(names[i]))
-    texts = list(names[column])
-    names_shown = ", ".join(shown(text) for text in texts[:6])
-    more = f" and {len(texts) - 6} more" if len(texts) > 6 else ""
-    header = table.columns[column].header
+    combined = list(dict.fromkeys(zip(*(codes[i].tolist() for i in keys), strict=True)))
+    texts = [[names[i][code] for i, code in zip(keys, row, strict=True)] for row in combined]
+    examples = ", ".join(shown(", ".join(text)) for text in texts[:_SHOWN])
+    more = f" and {len(texts) - _SHOWN} more" if len(texts) > _SHOWN else ""
+    headers = [table.columns[i].header for i in keys]
+    column = f"column{'s' * (len(keys) > 1)} {' and '.join(map(shown, headers))}"
+    chosen = _option(table, (*selected, *keys), (*selected.values(), *texts[0]))
+    joined = "" if distinct else f", or {shown(headers[0] + '=*')} for all rows as one series"
     raise InputError(
-        f"column {shown(header)} distinguishes {len(texts)} series ({names_shown}{more}); choose "
-        f"one with match (--select), such as {shown(texts[0])}"
+        f"{column} distinguish{'es' * (len(keys) == 1)} {len(texts)} series ({examples}{more}); "
+        f"choose one with match (--select {shown(chosen)}{joined}), or convert each with --group "
+        f"{shown(', '.join(headers))} (ov.load_timelines)"
     )
+
+
+def is_group(column: Column) -> bool:
+    """Return whether a column is called like one that distinguishes series."""
+    return column.key or column.plain in column_names.GROUPS
+
+
+def _is_wordy(column: Column, cells: Sequence[Any]) -> bool:
+    return not looks_numeric(cells) and detected_format(column, cells) is None
+
+
+def _coded(
+    table: Table, time: TimeChoice, columns: Sequence[int]
+) -> tuple[NDArray[np.float64], dict[int, Codes], dict[int, list[str]]]:
+    """Return the times of the first rows, and the columns as numbers of their texts."""
+    times = TimeColumn(time.format)
+    parts: dict[int, list[Codes]] = {i: [] for i in columns}
+    names: dict[int, dict[str, int]] = {i: {} for i in columns}
+    seconds: list[NDArray[np.float64]] = []
+    rows = 0
+    for chunk in table.chunks((*time.columns, *columns)):
+        at = np.arange(rows, rows + len(chunk), dtype=np.float64)
+        if time.columns:
+            at = times.seconds(time.cells(chunk), cell_locator(table, chunk, time.columns[0]))
+        known = ~np.isnan(at)
+        seconds.append(at[known])
+        for i, cells in zip(columns, chunk.cells[len(time.columns) :], strict=True):
+            if i not in parts:
+                continue
+            found = as_list(cells)
+            code = {c: names[i].setdefault(_text(c), len(names[i])) for c in dict.fromkeys(found)}
+            parts[i].append(np.fromiter(map(code.__getitem__, found), np.int64, len(found))[known])
+            if len(names[i]) > MAX_GROUPS:
+                del parts[i]
+        rows += len(chunk)
+        if rows > MAX_ROWS or not parts:
+            break
+    codes = {i: np.concatenate(part) for i, part in parts.items()}
+    return np.concatenate(seconds or [np.empty(0)]), codes, {i: list(names[i]) for i in codes}
+
+
+def _keys(
+    seconds: NDArray[np.float64], codes: dict[int, Codes], table: Table, exact: bool
+) -> list[int]:
+    """Return the columns that tell rows of equal times apart; with `exact`, all such rows."""
+    rows, moments = len(seconds), _numbered(seconds)
+    repeats = rows - int(moments.max(initial=-1)) - 1
+    keys: list[int] = []
+    best = 0
+    while best < repeats and len(keys) < _MOST_KEYS:
+        told = {
+            i: _count(moments, *(codes[k] for k in (*keys, i))) - (rows - repeats)
+            for i in codes
+            if i not in keys
+        }
+        if not told:
+            break
+        # of columns that tell as much, one that is called so, then the first
+        i = max(told, key=lambda i: (told[i], is_group(table.columns[i]), -i))
+        if told[i] <= best:
+            break
+        keys, best = [*keys, i], told[i]
+    named = any(is_group(table.columns[i]) for i in keys)
+    enough = best == repeats if exact else 2 * best >= repeats
+    if enough and (named or repeats > MANY_REPEATS * rows):
+        return sorted(keys)
+    return []
+
+
+def _restarts(seconds: NDArray[np.float64], codes: dict[int, Codes]) -> list[int]:
+    """Return the column at whose changes, and nowhere else, the times start again."""
+    step = np.sign(np.diff(seconds))
+    wrong = step != (1.0 if np.count_nonzero(step > 0.0) * 2 >= len(step) else -1.0)
+    for i, code in codes.items():
+        change = np.diff(code) != 0
+        runs = np.count_nonzero(change) + 1
+        if runs == len(np.unique(code)) and wrong.any() and not wrong[~change].any():
+            return [i]
+    return []
+
+
+def _numbered(*arrays: NDArray[Any]) -> Codes:
+    """Return a number for each distinct row of arrays, from 0."""
+    found = np.zeros(len(arrays[0]), np.int64)
+    for array in arrays:
+        _, inverse = np.unique(array, return_inverse=True)
+        _, found = np.unique(
+            found * (int(inverse.max(initial=0)) + 1) + inverse, return_inverse=True
+        )
+    return found
+
+
+def _count(*arrays: NDArray[Any]) -> int:
+    return int(_numbered(*arrays).max(initial=-1)) + 1

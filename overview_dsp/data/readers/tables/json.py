@@ -34,11 +34,12 @@ from overview_dsp.data.readers.tables.table import (
     Column,
     ColumnTable,
     Table,
+    as_list,
     require_few_columns,
     single_cells,
 )
 from overview_dsp.data.timeline.time_parsing import FORMS, moment
-from overview_dsp.errors import shown
+from overview_dsp.errors import InputError, shown
 
 
 def sniff(source: DataFile) -> bool:
@@ -50,10 +51,23 @@ def open_table(source: DataFile) -> Table:
     """Return the largest series of the document."""
     series = series_in(source.json)
     largest = max(series, key=lambda table: table.rows)
+    if [column.header for column in largest.columns] == ["time", "column 2"]:
+        _require_order(as_list(largest.cut(0, 0, largest.rows)))
     if others := sum(table.rows > 1 for table in series if table is not largest):
         note = f"{others} other tables in the file were left out"
         largest = replace(largest, notes=(*largest.notes, note))
     return largest.checked()
+
+
+def _require_order(cells: Sequence[Any]) -> None:
+    """Raise InputError if the first numbers of pairs can't be times: they are in no order."""
+    numbers = [cell for cell in cells if isinstance(cell, int | float)]
+    steps = [b - a for a, b in itertools.pairwise(numbers)]
+    if steps and min(steps) < 0 < max(steps):
+        raise InputError(
+            "pairs whose first numbers are in no order, so not times (places?); sort them by time, "
+            'or write records such as {"time": 0, "value": 1}'
+        )
 
 
 MAX_DEPTH = 8
@@ -64,6 +78,11 @@ MAX_WIDTH = 64
 
 _MAX_KEYS, _MAX_ENTRIES = 1000, 10
 _SAMPLE = 50
+_SHAPES = (
+    "Topology", "Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon",
+    "GeometryCollection",
+)  # fmt: skip
+"""Types of the objects of maps that hold positions."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +110,24 @@ def is_single(value: Any) -> bool:
     return value is None or isinstance(value, str | int | float)
 
 
+def other_document(document: Any) -> str:
+    """Return the name of JSON that is a map, a graph or a tree, "" for other documents."""
+    if not isinstance(document, dict):
+        return ""
+    kind = document.get("type")
+    if kind == "Topology":
+        return "a map (TopoJSON)"
+    if kind in (*_SHAPES, "Feature", "FeatureCollection"):
+        return "a map (GeoJSON)"
+    if any(isinstance(document.get(key), list) for key in ("links", "edges")):
+        return "a graph (nodes and links)" if "nodes" in document else ""
+    return "a tree (name and children)" if isinstance(document.get("children"), list) else ""
+
+
 def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
     found = None
+    if isinstance(value, dict) and value.get("type") in _SHAPES:
+        return  # positions are pairs of numbers, too
     features = value.get("features") if isinstance(value, dict) else None
     if isinstance(features, list) and value.get("type") == "FeatureCollection":
         value = [_properties(feature) for feature in features]  # GeoJSON

@@ -12,13 +12,14 @@ import itertools
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import IO, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.readers.tables.column_roles import is_price
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
     Cells,
@@ -61,6 +62,7 @@ EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
 """Names of the values of an event tuple."""
 
 _SAMPLE = 50
+_MAX_CHANNELS = 8
 _OF_DAY = "hh:mm"
 """Unit of times of day."""
 
@@ -100,6 +102,34 @@ def table_of(data: Any, times: Any = None) -> ColumnTable:
         max(lengths.values(), default=0),
         lambda i, begin, end: columns[i][1].cells[begin:end],
     ).checked()
+
+
+def samples_of(data: Any) -> NDArray[np.float64] | None:
+    """Return an array or a list of numbers as frames x channels from -1 to 1; None for other data.
+
+    Whole numbers of 64 bits, as in a list, are those of 16 or 32 bits.
+    """
+    if is_frame(data) or isinstance(data, Mapping | str | bytes):
+        return None
+    if isinstance(data, Sequence) and not all(isinstance(x, int | float) for x in data):
+        return None
+    array = np.asarray(data)
+    if array.dtype.kind not in "iuf" or array.ndim not in (1, 2) or not array.size:
+        return None
+    if array.ndim == 1:
+        array = array[:, None]
+    elif array.shape[0] < array.shape[1] and array.shape[0] <= _MAX_CHANNELS:
+        array = array.T
+    if array.shape[1] > _MAX_CHANNELS:
+        return None
+    samples = array.astype(np.float64)
+    if array.dtype.kind == "f":
+        return samples
+    bits = 8 * array.dtype.itemsize
+    if bits == 64:
+        bits = 16 if np.abs(samples).max() <= 2.0**15 else 32
+    full = 2.0 ** (bits - 1)
+    return samples / full - (array.dtype.kind == "u")
 
 
 def csv_text(table: ColumnTable, rows: int) -> str:
@@ -306,20 +336,23 @@ class InputColumn:
         Offset from UTC of the first datetime, min, for datetimes with a zone; `cells` are in UTC.
     unit
         Unit of the type: `s` for time spans, `hh:mm` for times of day.
+    key
+        As in `Column`.
     """
 
     cells: Cells
     offset_min: int | None = None
     unit: str = ""
+    key: bool = False
 
     def column(self, header: object) -> Column:
         """Return the description of the column with this header."""
         if self.unit == _OF_DAY:  # the header contains the unit, as in a file
             return Column.of(f"{header} ({_OF_DAY})")
-        found = Column.of(str(header), self.unit)
+        found = replace(Column.of(str(header), self.unit), key=self.key)
         if self.offset_min is None:
             return found
-        return Column(found.header, found.name, found.unit, True, self.offset_min)
+        return replace(found, zoned=True, offset_min=self.offset_min)
 
 
 def of_array(values: NDArray[Any]) -> InputColumn:
@@ -419,6 +452,7 @@ def is_frame(data: object) -> bool:
         "__dataframe__",
         "__narwhals_dataframe__",
         "collect",
+        "to_dataframe",
     )
     return any(hasattr(data, name) for name in interfaces)
 
@@ -446,15 +480,23 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself
         return library, _index(frame) or [("value", _of_index(frame))]
-    frame = _with_joined_headers(frame)
     try:
+        frame = _with_text_headers(_as_frame(library, frame))
+        units = _units_of(frame)
         known: Any = nw.from_native(frame, eager_only=True, allow_series=True)
         if isinstance(known, nw.Series):
-            header = known.name if known.name not in (None, "") else "value"
-            series = [(str(header), known)]
+            name: object = known.name if known.name not in (None, "") else "value"
+            header = " ".join(map(str, name)) if isinstance(name, tuple) else str(name)
+            series = [(header, known)]
+            units = units if isinstance(units, Mapping) else {header: units}
         else:
             series = [(str(header), known[header]) for header in known.columns]
         columns = [(header, _input_column(nw, column)) for header, column in series]
+        if isinstance(units, Mapping):
+            columns = [
+                (h, replace(column, unit=str(units[h])) if units.get(h) else column)
+                for h, column in columns
+            ]
     except (TypeError, ValueError, AttributeError) as error:
         reason = " ".join(str(error).split())[:160]
         raise InputError(f"{what} can't be read as a table ({reason})") from error
@@ -462,13 +504,57 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
     return library, [*_index(index), *columns]
 
 
-def _with_joined_headers(frame: Any) -> Any:
-    """Join headers of several levels (`Close`, `AAPL`), except levels that are equal in all."""
-    headers: Any = getattr(frame, "columns", None)
+def _as_frame(library: str, data: Any) -> Any:
+    """Return data of xarray as a pandas data frame, those of Arrow as a table or a column."""
+    if library == "pyarrow" and not hasattr(data, "to_pandas_dtype"):
+        import pyarrow
+
+        if isinstance(data, pyarrow.Array):
+            return pyarrow.chunked_array([data])
+        return data if isinstance(data, pyarrow.ChunkedArray) else pyarrow.table(data)
+    if library != "xarray":
+        return data
+    named = data.to_dataset(name=data.name or "value") if hasattr(data, "to_dataset") else data
+    named = named.reset_coords(drop=True)
+    bare = [dimension for dimension in named.dims if dimension not in named.indexes]
+    frame = named.to_dataframe().reset_index(level=bare, drop=True)
+    frame.attrs = {"units": {name: _unit_in(one.attrs) for name, one in named.items()}}
+    return frame
+
+
+def _unit_in(attributes: Mapping[Any, Any]) -> Any:
+    return attributes.get("units") or attributes.get("unit") or ""
+
+
+def _units_of(frame: Any) -> Any:
+    """Return the units of a frame by header, or the one of a series, from its attributes."""
+    attributes, schema = getattr(frame, "attrs", None), getattr(frame, "schema", ())
+    if isinstance(attributes, Mapping):
+        return _unit_in(attributes)
+    if not hasattr(schema, "field"):
+        return {}
+    fields = [(field.name, field.metadata or {}) for field in schema]
+    return {n: (m.get(b"units") or m.get(b"unit") or b"").decode() for n, m in fields}
+
+
+def _with_text_headers(frame: Any) -> Any:
+    """Return a frame whose headers are texts.
+
+    Headers of several levels (`Close`, `AAPL`) are joined, except levels that are equal in all and
+    no price.
+    """
+    headers: Any = getattr(frame, "columns", ())
     if getattr(headers, "nlevels", 1) == 1:
-        return frame
+        if not hasattr(frame, "set_axis") or not len(headers):
+            return frame
+        return frame.set_axis(list(map(str, headers)), axis="columns")
     rows = [tuple(map(str, header)) for header in headers]
-    distinct = [level for level in range(headers.nlevels) if len({row[level] for row in rows}) > 1]
+    distinct = [
+        level
+        for level in range(headers.nlevels)
+        if len({row[level] for row in rows}) > 1
+        or (len(rows) > 1 and is_price(Column.of(rows[0][level]), ()))
+    ]
     joined = [" ".join(filter(None, (row[level] for level in distinct or [0]))) for row in rows]
     return frame.set_axis(joined, axis="columns")
 
@@ -483,8 +569,9 @@ def _index(index: Any) -> list[tuple[str, InputColumn]]:
     if hasattr(index, "to_timestamp"):
         index = index.to_timestamp()  # the beginnings of periods
     levels = [index] if len(names) == 1 else [index.get_level_values(i) for i in range(len(names))]
+    several = len(levels) > 1
     return [
-        (str(name) if name is not None else "index", _of_index(level))
+        (str(name) if name is not None else "index", replace(_of_index(level), key=several))
         for name, level in zip(names, levels, strict=True)
     ]
 
@@ -492,7 +579,9 @@ def _index(index: Any) -> list[tuple[str, InputColumn]]:
 def _of_index(level: Any) -> InputColumn:
     values = level.to_numpy()
     # an index with a zone contains Timestamps
-    return of_list(list(values)) if values.dtype.kind == "O" else of_array(values)
+    found = of_list(list(values)) if values.dtype.kind == "O" else of_array(values)
+    # the decimals of an index without a name are seconds
+    return replace(found, unit="s") if level.name is None and values.dtype.kind == "f" else found
 
 
 def _input_column(nw: Any, column: Any) -> InputColumn:

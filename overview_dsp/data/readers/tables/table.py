@@ -59,6 +59,8 @@ class Column:
         True if the datetimes are UTC. Columns of text contain their time zone instead.
     offset_min
         Offset of the original time zone from UTC, min.
+    key
+        True for one of several levels of an index: times, or names of series, but no values.
     """
 
     header: str
@@ -66,6 +68,7 @@ class Column:
     unit: str = ""
     zoned: bool = False
     offset_min: int = 0
+    key: bool = False
 
     @classmethod
     def of(cls, header: str, unit: str = "") -> Column:

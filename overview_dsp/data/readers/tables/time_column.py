@@ -67,11 +67,6 @@ _UNIT_NS = {
 _FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
 """First and last moment of the calendar, in s from 1970."""
 
-_ISO_SHAPE = re.compile(r"dddd-dd-dd([T ]dd:dd(:dd(\.d{1,9})?)?)?Z?")
-_ISO_MARKS = "-:.TZ "
-_ISO_LETTERS = b"0123456789" + _ISO_MARKS.encode()
-_AS_SHAPE = str.maketrans("0123456789", "dddddddddd")
-
 
 @dataclass(frozen=True)
 class Format:
@@ -228,7 +223,8 @@ def as_text(cell: Any) -> str:
     """Return a cell as text; 20120919.0 becomes 20120919."""
     if isinstance(cell, float) and cell.is_integer():
         cell = int(cell)
-    return str(cell).strip()
+    text = str(cell).strip()
+    return text[:-2] if text.endswith(".0") and text[:-2].isdigit() else text
 
 
 def as_number(cell: Any) -> int | float | None:
@@ -254,18 +250,15 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
     dated = any(word in name for word in column_names.CALENDAR_PARTS)
-    if whole and _all_dates(cells, 8):
-        return Format("iso")
-    if dated and whole and _all_dates(cells, 6):
+    if whole and (length := _compact_dates(cells)):
+        written = "YYYYMMDDHHMMSS"[:length]
+        return Format("iso", f"numbers are read as dates {written}" if length > 8 else "")
+    if dated and whole and _compact_dates(cells, (6,)):
         return Format("yyyymm")
     if dated and _YEARS[0] <= low and size <= _YEARS[1]:
         return Format("year")
     if ("date" in name or "datum" in name) and _EXCEL_DAYS[0] <= low and size <= _EXCEL_DAYS[1]:
         return Format("excel", "numbers under a date are read as a spreadsheet's days")
-    unit = column_names.TIME_UNITS.get(column.unit.lower(), column.unit.lower())
-    tail = re.search(r"_(ns|us|ms|s|sec|seconds|min|h)$", column.name.lower())
-    if unit not in PLAIN and tail:
-        unit = column_names.TIME_UNITS.get(tail[1], tail[1])
     # numbers from 1990 to 2100 in only one of the units
     for epoch, unit_ns in EPOCHS.items():
         per_second = NS // unit_ns
@@ -274,16 +267,14 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     if any(word in name for word in column_names.EPOCH_PARTS) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
-    if unit not in PLAIN:
-        unit = column_names.TIME_UNITS.get(name, "")
-    if unit in PLAIN:
+    if unit := written_unit(column):
         return Format(unit)
     if whole and _YEARS[0] <= low and size <= _YEARS[1] and len(set(numbers)) == len(numbers):
         note = f"whole numbers from {low:g} to {size:g} are read as years"
         return Format(
             "year", f"{note}; time='{column.header}:s' (--time-column) reads them as seconds"
         )
-    bare = re.fullmatch(r"column\d+", name)
+    bare = re.fullmatch(r"(column)?\d+", name)
     if (
         bare
         or name in column_names.SECONDS
@@ -293,16 +284,35 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     return None
 
 
+def written_unit(column: Column) -> str:
+    """Return the unit of plain time that a header names, one of `PLAIN`, else an empty text."""
+    tail = re.search(r"[_ ](ns|us|ms|msec|s|sec|seconds|min|h)$", column.name.lower())
+    for written in (column.unit.lower(), tail[1] if tail else "", column.plain):
+        unit = column_names.TIME_UNITS.get(written, written)
+        if unit in PLAIN and (unit != written or written != column.plain):
+            return unit
+    return ""
+
+
 def _of(epoch: str) -> str:
     return f"in {Format(epoch).description}"
 
 
-def _all_dates(cells: list[Any], length: int) -> bool:
+def _compact_dates(cells: list[Any], lengths: Sequence[int] = (8, 10, 12, 14)) -> int:
+    """Return the number of digits of dates without marks (YYYYMMDDHH), 0 for other numbers.
+
+    Numbers of ten digits and more also count from 1970. They are dates of the years 1900 to 2100 if
+    at least two thirds, two or more, are: one in a hundred others is.
+    """
     texts = [as_text(cell) for cell in itertools.islice(cells, 1000)]
-    if not all(len(text) == length and text.isdigit() for text in texts):
-        return False
-    days = [text if length == 8 else text + "01" for text in texts]
-    return all(1000 <= int(day[:4]) <= 2500 and moment(day, "iso") is not None for day in days)
+    length = len(texts[0])
+    if length not in lengths or not all(len(t) == length and t.isdigit() for t in texts):
+        return 0
+    low, high = (1000, 2500) if length <= 8 else (1900, 2100)
+    days = [text if length > 6 else text + "01" for text in texts]
+    dates = [low <= int(day[:4]) <= high and moment(day, "iso") is not None for day in days]
+    most = all(dates) if length <= 8 else len(dates) > 1 and 3 * sum(dates) >= 2 * len(dates)
+    return length if most else 0
 
 
 @dataclass
@@ -352,8 +362,8 @@ class TimeColumn:
             return self._of_datetimes(cells, locate)
         listed = as_list(cells)
         name, fast = self.format.name, None
-        if name == "iso":
-            datetimes = self._fast_iso(listed)
+        if name in FORMS:
+            datetimes = self._fast_dates(listed)
             fast = None if datetimes is None else self._of_datetimes(datetimes, locate)
         elif name in EPOCHS:
             fast = self._fast_whole(listed, EPOCHS[name])
@@ -471,38 +481,70 @@ class TimeColumn:
         seconds[~missing] = since - rest / NS
         return seconds
 
-    def _fast_iso(self, cells: list[Any]) -> NDArray[Any] | None:
-        """Return cells as datetime64 if all are ISO texts of one shape, without zone or with Z."""
-        shape = cells[0].translate(_AS_SHAPE) if cells and isinstance(cells[0], str) else ""
-        if not _ISO_SHAPE.fullmatch(shape):
+    def _fast_dates(self, cells: list[Any]) -> NDArray[Any] | None:
+        """Return cells as datetime64 if all have one shape and one zone, or none; else None.
+
+        The first cell gives the positions of year, month and so on. Those of all cells are moved
+        into ISO texts, which NumPy parses. It raises an error for the 30th of February.
+        """
+        if not cells or not isinstance(cells[0], str | int) or isinstance(cells[0], bool):
             return None
+        if isinstance(cells[0], int):
+            if not all(type(cell) is int for cell in cells):
+                return None
+            cells = list(map(str, cells))
+        first = cells[0]
+        patterns = FORMS[self.format.name]
+        found = next((match for one in patterns if (match := one.fullmatch(first))), None)
         try:
             text = "".join(cells).encode("ascii")
         except (TypeError, ValueError):  # a cell that's no text, a letter of another script
             return None
-        if text.translate(None, _ISO_LETTERS) or set(map(len, cells)) != {len(shape)}:
+        if found is None or set(map(len, cells)) != {len(first)}:
             return None
-        if any(text.count(ord(mark)) != shape.count(mark) * len(cells) for mark in _ISO_MARKS):
+        spans = {name: found.span(name) for name, part in found.groupdict().items() if part}
+        year, month, day = (spans.get(name) for name in ("y", "m", "d"))
+        rest = spans.keys() - {"y", "m", "d", "h", "min", "s", "f", "sep", "zone"}
+        known = moment(first, self.format.name)
+        if rest or year is None or month is None or day is None or known is None:
             return None
-        zoned = shape.endswith("Z")
-        width = len(shape) - zoned
-        fine = "ns" if width > 26 else "us"
-        letters = np.frombuffer(text, np.uint8).reshape(len(cells), len(shape))[:, :width]
-        fields = np.ascontiguousarray(letters).view(f"S{width}").ravel()
+        letters = np.frombuffer(text, np.uint8).reshape(len(cells), len(first))
+        digits = np.array([letter.isdigit() for letter in first])
+        digits[slice(*spans.get("zone", (0, 0)))] = False  # one zone
+        low, high = letters.min(axis=0), letters.max(axis=0)
+        if (low[digits] < ord("0")).any() or (high[digits] > ord("9")).any():
+            return None
+        if year[1] - year[0] != 4 or (low != high)[~digits].any():
+            return None
+        marks = {"y": "", "m": "-", "d": "-", "h": "T", "min": ":", "s": ":", "f": "."}
+        parts = []
+        for name, mark in marks.items():
+            if name in spans:
+                begin, end = spans[name]
+                parts.append(np.full((len(cells), len(mark)), ord(mark or "0"), np.uint8))
+                if end - begin == 1:  # 9 is 09
+                    parts.append(np.full((len(cells), 1), ord("0"), np.uint8))
+                parts.append(letters[:, begin:end])
+            elif name == "min" and "h" in spans:
+                parts.append(np.tile(np.frombuffer(b":00", np.uint8), (len(cells), 1)))
+        joined = np.ascontiguousarray(np.concatenate(parts, axis=1))
+        fields = joined.view(f"S{joined.shape[1]}").ravel()
+        fine = "ns" if joined.shape[1] > 26 else "us"
         try:
             moments: NDArray[Any] = fields.astype(f"datetime64[{fine}]")
             days = fields.astype("S10").astype("datetime64[D]") if fine == "ns" else None
-        except ValueError:  # the 30th of February
+        except ValueError:
             return None
         if days is not None:  # numpy wraps around, and differences have to fit too
             furthest = int(np.abs(days.astype(np.int64)).max()) * DAY_NS
             if max(furthest, abs(self.anchor_ns or 0)) >= 2**61 - DAY_NS:
                 return None
+        zoned = known.offset_min is not None
         if self._zoned is None:
-            self._zoned, self.offset_min = zoned, 0 if zoned else None
+            self._zoned, self.offset_min = zoned, known.offset_min
         elif self._zoned != zoned:
             return None  # `_one` raises the error
-        return moments
+        return moments - np.timedelta64(known.offset_min, "m") if known.offset_min else moments
 
     def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
         """Return the seconds of cells that are all whole numbers, else None."""
