@@ -45,7 +45,7 @@ def xrun(delay):
 
 with client:
     for channel, port in enumerate(ports):
-        client.connect(f"PortAudio:out_{channel}", port)
+        client.connect(f"overview:out_{channel}", port)
     time.sleep(0.3)
     taps = []
     for _ in range(count):

@@ -118,10 +118,10 @@ def end_one(server, folder, name, seconds):
     if not end_of_group(terminal.process.pid, 1.0):
         wrong.append("a process is left")
     ports = subprocess.run(["jack_lsp"], capture_output=True, text=True, env=server.environment)
-    if "PortAudio" in ports.stdout:
+    if "overview:" in ports.stdout:
         time.sleep(1.0)  # the server looks for clients that have died
         ports = subprocess.run(["jack_lsp"], capture_output=True, text=True, env=server.environment)
-    if "PortAudio" in ports.stdout:
+    if "overview:" in ports.stdout:
         wrong.append("a port is held")
     gesture = ov.load_gesture(take)
     if not stopped and gesture.duration_s < ended - began - 0.5:

@@ -240,6 +240,11 @@ class Stream(ABC):
         self._close()
 
     @property
+    def waits_for_server(self) -> bool:
+        """Kind of output: True if its server may stop for a while and continue."""
+        return False
+
+    @property
     @abstractmethod
     def active(self) -> bool:
         """State of the stream: True while it runs the engine."""
