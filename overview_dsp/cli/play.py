@@ -40,7 +40,7 @@ def command(
     output: Output,
     session: Session,
     seconds: float | None = SECONDS,
-    screen: str = option(
+    screen: str | None = option(
         "full, lines (for screen readers) or json.  [default: full in a terminal, else json]",
         heading=Session.heading,
         type=click.Choice(["full", "lines", "json"]),
@@ -83,7 +83,7 @@ def command(
         terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
         if screen == "json" or not terminal:
             play_headless(player, source, received, seconds, controls.osc_out is not None)
-        elif screen == "lines":
+        elif screen == "lines" or (screen is None and os.environ.get("TERM") == "dumb"):
             from overview_dsp.live.screen.plain_mode import run as run_lines
 
             run_lines(player, source, lambda: bool(received), say)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -85,7 +86,22 @@ def _raw_keys() -> Iterator[Callable[[], str]]:
         yield sys.stdin.readline
         return
     before = termios.tcgetattr(file)
-    tty.setcbreak(file)
+
+    def give_back(*signal_and_frame: object) -> None:
+        termios.tcsetattr(file, termios.TCSANOW, before)
+
+    def suspend(*signal_and_frame: object) -> None:
+        give_back()
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+    def resume(*signal_and_frame: object) -> None:
+        tty.setcbreak(file, termios.TCSANOW)  # keeps what was typed
+
+    handlers = {
+        number: signal.signal(number, handler)
+        for number, handler in ((signal.SIGTSTP, suspend), (signal.SIGCONT, resume))
+    }
+    resume()
 
     def read() -> str:
         if not select.select([file], [], [], POLL_EVERY_S)[0]:
@@ -98,5 +114,7 @@ def _raw_keys() -> Iterator[Callable[[], str]]:
     try:
         yield read
     finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         with contextlib.suppress(termios.error):
-            termios.tcsetattr(file, termios.TCSANOW, before)
+            give_back()

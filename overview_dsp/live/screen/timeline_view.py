@@ -135,7 +135,7 @@ class TimelineView(Widget):
         """Return a line: events, friction columns, input and disk, or axis."""
         width, height = self.size.width, self.size.height
         if self._drawn is None or len(self._heights) != width:
-            return Strip.blank(width)
+            return Strip.blank(width, Style.null())
         rows = height - AXIS - INPUT - EVENTS
         if y == 0:
             return Strip(self._event_line(width)).simplify()
@@ -149,7 +149,7 @@ class TimelineView(Widget):
         return [
             Segment(self._marks[x][0], Style(color=self._marks[x][1], bold=True))
             if x in self._marks
-            else Segment(" ")
+            else Segment(" ", Style.null())
             for x in range(width)
         ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import re
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -478,3 +479,30 @@ def test_a_terminal_that_has_gone_is_noticed():
     assert writer.closed
     writer.stop()
     os.close(file.writer)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (40, 12)])
+def test_help_quit_and_the_way_to_move_are_on_screens_of_any_size(player, size, monkeypatch):
+    monkeypatch.setenv("NO_COLOR", "1")
+    moment = re.compile(r"\b(0:[3-5]\d|1:[0-3]\d)\.\d")
+
+    async def script(app, pilot):
+        def rows():
+            return [strip.text for strip in app.screen._compositor.render_strips()]
+
+        assert await until(pilot, lambda: any("hold →" in row for row in rows()))
+        assert "? help  q quit" in rows()[-1]
+        assert all(len(row) == size[0] for row in rows())
+        await pilot.press("right")
+        # the way to move is known, and the moment is shown
+        assert await until(pilot, lambda: not any("hold →" in row for row in rows()))
+        assert await until(pilot, lambda: any(moment.search(row) for row in rows()))
+        await pilot.press("question_mark")
+        assert await until(pilot, lambda: any("drag" in row for row in rows()))
+        await pilot.press(*["pagedown"] * 5)
+        assert await until(pilot, lambda: any("Any key closes" in row for row in rows()))
+        # a second key comes before the help is gone
+        await pilot.press("x", "x")
+        assert await until(pilot, lambda: not any("Any key closes" in row for row in rows()))
+
+    drive(player, script, size=size)
