@@ -21,6 +21,7 @@ def make_stream(callbacks):
         name="counting",
         block_size=64,
         active=True,
+        connections=None,
         meters=meters,
         start=lambda: None,
         close=lambda: None,

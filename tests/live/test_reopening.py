@@ -36,9 +36,9 @@ def play(seconds, until=lambda: False):
         time.sleep(0.02)
     return round(time.monotonic() - began, 2)
 
-def begin(**keywords):
+def begin(preset="football", **keywords):
     return Player(
-        ov.load_timeline("world-cup-final-2018"), PresetWatch("football"),
+        ov.load_timeline("world-cup-final-2018"), PresetWatch(preset),
         StreamOpener("system", 256, "native"), OutputSettings(), **keywords,
     )
 """
@@ -170,3 +170,91 @@ def test_a_frozen_server_is_reported_and_used_again_with_its_connections(ending)
     assert ["respond" in line or "reconnected" in line for line in report["said"]] == [True, True]
     assert report["callbacks"] > 100
     assert report["connected"] == [["overview:out_0"], ["overview:out_1"]]
+
+
+CONNECTED = (
+    BEGIN
+    + """
+import tempfile
+
+folder = tempfile.mkdtemp()
+os.chdir(folder)
+football = ov.load_preset("football")
+# at rest within a second
+quick = football.with_changes(
+    {"disk.k1": 5.0 * football.number("disk.k1"), "clutch.max_speed_ratio": 0.0}
+)
+ov.presets.save(quick, "quick.toml")
+player = begin("quick.toml", other=PresetWatch("quick.toml"))
+heard = jack.Client("hand")
+inputs = [heard.inports.register(one) for one in ("left", "right")]
+report, lost, longest = {}, [], 0.0
+
+def check(what):
+    names = [[one.name for one in heard.get_all_connections(port)] for port in inputs]
+    default = heard.get_all_connections("system:playback_1")
+    report[what] = report.get(what, 0) + 1
+    if names != [["overview:out_0"], ["overview:out_1"]] or default:
+        lost.append((what, report[what], names, [one.name for one in default]))
+
+with heard:
+    for number, port in enumerate(inputs):
+        heard.connect(f"overview:out_{number}", port)
+        heard.disconnect(f"overview:out_{number}", f"system:playback_{number + 1}")
+    check("start")
+    passes, others = int(sys.argv[1]), int(sys.argv[2])
+    for _ in range(others):
+        play(30.0, lambda: player.at_rest)
+        began = time.monotonic()
+        player.toggle_take()
+        longest = max(longest, time.monotonic() - began)
+        assert player.takes.recording_path is not None
+        check("restart")
+        player.tap(0.2)
+        play(0.2)
+        player.toggle_take()
+    for _ in range(others):
+        player.toggle_replay()
+        assert player.loop.playing
+        check("replay")
+        play(0.1)
+        player.toggle_replay()
+        check("replay")
+    player.loop.begin(ov.tap(0.2, 0.05), "tap")
+    for number in range(others):
+        for _ in range(2):  # the second time at once
+            player.choose_preset(number % 2)
+        before = player.loop.passes
+        player.choose_preset(1 - number % 2)
+        play(30.0, lambda: player.loop.passes > before)
+        check("comparison")
+    while player.loop.passes < passes:
+        before = player.loop.passes
+        play(30.0, lambda: player.loop.passes > before)
+        check("pass")
+    player.loop.stop()
+    for size in ("64", "256"):
+        execute(player, "block-size", size)
+        check("block size")
+print(json.dumps({"checked": report, "lost": lost, "longest_s": round(longest, 3)}))
+player.close()
+"""
+)
+
+
+def check_connections(passes, others):
+    with jack_server.Server(period=256) as server:
+        seconds = 120.0 + 5.0 * passes + 10.0 * others
+        report = json.loads(server.run(CONNECTED, passes, others, timeout=seconds))
+    print(report)
+    assert report["lost"] == []
+    assert report["checked"]["pass"] >= passes - 2 * others - 2
+
+
+def test_a_connection_made_by_hand_survives_passes_restarts_replays_and_comparisons():
+    check_connections(6, 2)
+
+
+@pytest.mark.soak
+def test_a_connection_made_by_hand_survives_twenty_of_each_and_fifty_passes():
+    check_connections(95, 20)

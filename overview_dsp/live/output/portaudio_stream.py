@@ -17,8 +17,14 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
+from overview_dsp.live.output import jack
 from overview_dsp.live.output.devices import find_device, first_line, open_error
-from overview_dsp.live.output.portaudio_library import PAD, RUNNING, import_sounddevice
+from overview_dsp.live.output.portaudio_library import (
+    PAD,
+    RUNNING,
+    client_name,
+    import_sounddevice,
+)
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import (
     Stream,
@@ -159,11 +165,14 @@ class OutputStream(Stream):
         with self._named_errors():
             self._stream.start()
         self._started = True
+        if self.connections is not None and (client := client_name()) is not None:
+            jack.connect(client, self.connections)
 
     def _stop(self) -> None:
         if not self._fade_out():
             undo_fade(self._memory)
             raise OverviewError(f"output {self.name} doesn't respond")
+        self._keep_connections()
         with self._named_errors():
             self._stream.stop()
         self._started = False
@@ -192,7 +201,13 @@ class OutputStream(Stream):
             # closing would wait for the server for ten minutes
             _ABANDONED.append(self)
         else:
+            self._keep_connections()
             self._stream.close()
+
+    def _keep_connections(self) -> None:
+        """Read the connections, before PortAudio stops and undoes them."""
+        if self._started and self.waits_for_server and (client := client_name()) is not None:
+            self.connections = jack.connections(client) or None
 
     @property
     def waits_for_server(self) -> bool:

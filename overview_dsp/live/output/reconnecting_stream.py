@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from overview_dsp.errors import OverviewError
+from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import Stream, StreamMeters
 from overview_dsp.live.output.stream_opener import StreamOpener
@@ -82,6 +83,7 @@ class ReconnectingStream:
         self._session, self._engine = session, session.engine
         self._stream: Stream | None = None
         self._frozen = False
+        self._connections: Connections | None = None
         self._last = self._earlier = StreamMeters(0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._frames_lost = FramesLost()
         self._polled_at = time.monotonic()
@@ -116,6 +118,8 @@ class ReconnectingStream:
             The output can't be opened, or `before` failed.
         """
         stream = self.opener(self._engine, self.settings)
+        if stream.name == self.name:
+            stream.connections = self._connections
         try:
             before()
             stream.start()
@@ -205,6 +209,7 @@ class ReconnectingStream:
             self._stream.close()
         except Exception as error:  # from PortAudio, if the device is disconnected
             self._session.say(f"error while closing output {self.name}: {error}")
+        self._connections = self._stream.connections
         self._stream = None
         self._retry_at = time.monotonic()
 
