@@ -57,7 +57,7 @@ def command(
     replay = controls.replay or ""
     path = replay.removesuffix(LOOP)
     movement = read_gesture(path) if path else None
-    sources = parse_sources(controls.input)
+    sources = parse_sources(controls.input, controls.smooth)
     with ExitStack() as stack:
         data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         block = {"default_block": FORCE_BLOCK} if sources.force else {}

@@ -102,7 +102,7 @@ def end_while_starting(surroundings, name, seconds):
         wrong.append(f"exit code {code} after {took:.1f} s")
     if not terminal.echoed:
         wrong.append("no echo")
-    if b"Traceback" in terminal.shown and b'overview_dsp/cli/__init__.py", line' in terminal.shown:
+    if b"in main\r\n" in terminal.shown:  # a traceback of the program; Python has its own before
         wrong.append(terminal.shown.decode(errors="replace")[-1500:])
     if not end_of_group(terminal.process.pid, 3.0):
         wrong.append("a process is left")

@@ -56,11 +56,13 @@ class ControllerInput(ThreadedInput):
         make_reader: Callable[[Counters], Reader],
         silent_s: float | None = None,
         queue_command: Callable[..., None] = lambda *arguments: None,
+        smooth_s: float = 0.0,
     ) -> None:
         """Open the port and start; `open_port` is called again when the port is lost.
 
         `source` is one of `gestures.SOURCES`. A touch ends after `silent_s` without messages (None:
-        never). `queue_command` receives the words of each command, from this thread.
+        never). `queue_command` receives the words of each command, from this thread. Messages apply
+        at the next block, or with a `smooth_s` (s) more evenly and that much later.
 
         Raises
         ------
@@ -73,7 +75,7 @@ class ControllerInput(ThreadedInput):
         self._queue_command = queue_command
         self.counters = Counters()
         port = open_port()
-        super().__init__(engine, source, port, port.name)
+        super().__init__(engine, source, port, port.name, smooth_s)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
         self._changes: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
