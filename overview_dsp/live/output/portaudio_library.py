@@ -117,7 +117,9 @@ def client_name() -> bytes | None:
 
 
 def rescan() -> None:
-    """Let PortAudio look for devices again. No stream may be open."""
+    """Let PortAudio look for devices again, unless a stream plays or records."""
+    if any(stream.active for stream in RUNNING):
+        return
     sounddevice = import_sounddevice()
     # sounddevice has no public names for these
     client = client_name()

@@ -23,8 +23,13 @@ from textual.widgets import Footer, Static
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
+from overview_dsp.live.screen.position_report import (
+    PositionReport,
+    event_text,
+    finger_position,
+)
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
-from overview_dsp.live.screen.timeline_view import TimelineView, marks, position_text
+from overview_dsp.live.screen.timeline_view import TimelineView, marks
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
@@ -203,6 +208,7 @@ class PlayApp(App[None]):
         self._meters = MetersView()
         self._trace = TraceView()
         self._message_text = ""
+        self._report = PositionReport(player)
         self._key_actions = KeyActions(player)
         self._legend_surface: Surface | None = None
         self._legend = Static("", id="legend")
@@ -252,10 +258,12 @@ class PlayApp(App[None]):
         peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
         if self._polls % METERS_EVERY == 0:
             texts = ("" if source is None else source.status_text, status.following or "")
+            finger = finger_position(self._player)
+            place, _, event = self._report.here(status.cursor if finger is None else finger)
             with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(
                 with_peaks,
-                position_text(self._player, status.cursor),
+                f"{place}  {'' if event is None else event_text(event)}".rstrip(),
                 "; ".join(filter(None, texts)),
             )
             peaks[:] = 0.0, 0.0

@@ -17,11 +17,10 @@ from collections.abc import Callable, Iterator
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions
-from overview_dsp.live.screen.position_report import PositionReport
+from overview_dsp.live.screen.position_report import PositionReport, finger_position
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
-from overview_dsp.units import HALF_TURN
 
 POLL_EVERY_S = 0.03
 LINE_EVERY_S = 0.25
@@ -142,11 +141,7 @@ class LineSession:
                 if new != old:
                     self.say(new)
             self._state = state
-        player = self._player
-        held = player.engine.active_input
-        finger = player.pointer.position if player.pointer.touching else None
-        if finger is None and held is not None and held[0] != "touch":
-            finger = held[1] / HALF_TURN
+        finger = finger_position(self._player)
         if finger is not None:
             self._moved |= finger != self._finger
             self._place = finger

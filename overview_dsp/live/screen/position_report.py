@@ -12,7 +12,7 @@ from overview_dsp.data.analysis.series_events import value_text
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.live.session.player import Player
-from overview_dsp.units import clock_text
+from overview_dsp.units import HALF_TURN, clock_text
 
 NAMED, COUNTED = 2, 3
 """Maximum number of passed events that are named, and of their kinds that are counted."""
@@ -38,6 +38,15 @@ def event_text(event: Event) -> str:
     if not label or label.casefold().startswith(kind):
         return label or kind
     return f"{kind}, {label}"
+
+
+def finger_position(player: Player) -> float | None:
+    """Return the position (0 to 1) of the input that touches the disk; None without a touch."""
+    if player.pointer.touching:
+        return player.pointer.position
+    held = player.engine.active_input
+    # a release by the pointer may not be applied yet
+    return None if held is None or held[0] == "touch" else held[1] / HALF_TURN
 
 
 class PositionReport:
@@ -66,16 +75,21 @@ class PositionReport:
         date = f"{day.day} {day:%B %Y}"
         return date if width_s > _DAYS_FROM_S else f"{date}, {day:%H:%M}"
 
-    def text(self, position: float) -> str:
-        """Return the report on a position (0 to 1) of the window."""
+    def here(self, position: float) -> tuple[str, float, Event | None]:
+        """Return moment and value of a position (0 to 1) of the window, its time and its event."""
         self._prepare()
         time_s = self._player.time_at(position)
         event = self._event_at(position)
-        last, self._last = self._last, (time_s, event)
         end = "start" if position <= 0.0 else "end" if position >= 1.0 else ""
         known_s = time_s if event is None else max(time_s, event.time_s)  # of the score
-        value = self._value(time_s, known_s)
-        parts = [", ".join(filter(None, (self.moment(time_s), end, value)))]
+        parts = self.moment(time_s), end, self._value(time_s, known_s)
+        return ", ".join(filter(None, parts)), time_s, event
+
+    def text(self, position: float) -> str:
+        """Return the report on a position: moment and value, event entered, events passed."""
+        place, time_s, event = self.here(position)
+        last, self._last = self._last, (time_s, event)
+        parts = [place]
         if event is not None and (last is None or last[1] != event):
             parts.append(event_text(event))
         if last is not None and (passed := self._passed(last, time_s, event)):

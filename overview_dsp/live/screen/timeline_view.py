@@ -218,17 +218,6 @@ def time_text(player: Player, time_s: float) -> str:
     return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
 
 
-def position_text(player: Player, cursor: float) -> str:
-    """Return the time at the cursor (0 to 1), and the event whose surface it is on."""
-    text = time_text(player, player.time_at(cursor))
-    surface = player.engine.surface
-    for span, index in zip(surface.span, surface.event, strict=True):
-        if span[0] <= cursor <= span[1]:
-            event = player.window_timeline.events[index]
-            return f"{text}  {event.kind} {event.display_label}".rstrip()
-    return text
-
-
 def marks(player: Player) -> list[tuple[str, str, str]]:
     """Return mark, colour and kind of the visible events, in the order of the marks."""
     surface = player.engine.surface
