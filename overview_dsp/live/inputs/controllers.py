@@ -64,10 +64,7 @@ class ControllerInput(ThreadedInput):
         never). `queue_command` receives the words of each command, from this thread. Messages apply
         at the next block, or with a `smooth_s` (s) more evenly and that much later.
 
-        Raises
-        ------
-        InputError
-            The port can't be opened.
+        InputError: the port can't be opened.
         """
         self._open_port = open_port
         self._make_reader = make_reader
@@ -89,10 +86,7 @@ class ControllerInput(ThreadedInput):
     def poll(self, engine: Engine) -> None:
         """Use the rules of a changed preset, and set the parameters that were changed.
 
-        Raises
-        ------
-        Exception
-            The thread has failed with it.
+        Exception: the thread has failed with it.
         """
         super().poll(engine)
         with self._changes_lock:

@@ -227,10 +227,7 @@ class ThreadedInput(Input, ABC):
     def poll(self, engine: Engine) -> None:
         """Use the rules of a changed preset; the thread does the rest.
 
-        Raises
-        ------
-        Exception
-            The thread has failed with it.
+        Exception: the thread has failed with it.
         """
         if self._failure is not None:
             raise self._failure

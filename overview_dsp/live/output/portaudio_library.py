@@ -65,10 +65,8 @@ def device_named(device: str | None) -> int | str | None:
 def import_sounddevice() -> Any:
     """Import and return the sounddevice module.
 
-    Raises
-    ------
-    OverviewError
-        PortAudio is missing, or this version of sounddevice lacks a name that is used here.
+    OverviewError: PortAudio is missing, or this version of sounddevice lacks a name that is used
+        here.
     """
     try:
         _prepare()

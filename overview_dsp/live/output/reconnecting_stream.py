@@ -112,10 +112,7 @@ class ReconnectingStream:
     def open(self, before: Callable[[], None] = lambda: None) -> None:
         """Open the output and start to play; call `before` before the first sample.
 
-        Raises
-        ------
-        OverviewError
-            The output can't be opened, or `before` failed.
+        OverviewError: the output can't be opened, or `before` failed.
         """
         stream = self.opener(self._engine, self.settings)
         if stream.name == self.name:
@@ -193,10 +190,8 @@ class ReconnectingStream:
     def disconnect(self) -> None:
         """Close the stream so that `open` or `poll` can open another; show an error.
 
-        Raises
-        ------
-        OverviewError
-            The output's server doesn't respond; opening another stream would wait for it.
+        OverviewError: the output's server doesn't respond; opening another stream would wait for
+            it.
         """
         if self._stream is None:
             return

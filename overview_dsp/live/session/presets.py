@@ -67,10 +67,8 @@ class PresetWatch:
     def pop_changed(self) -> Preset | None:
         """Return the preset if its file has changed since the last call; otherwise None.
 
-        Raises
-        ------
-        InputError
-            The changed file isn't valid, or was deleted. `preset` stays the last valid version.
+        InputError: the changed file isn't valid, or was deleted. `preset` stays the last valid
+            version.
         """
         now = time.monotonic()
         if self.fixed or now < self._next:
