@@ -90,7 +90,7 @@ class LineSession:
 
     def press(self, key: str) -> None:
         """Run the action of a key, or add it to the command that is being typed."""
-        before, player = self._place, self._player
+        before, player = finger_position(self._player), self._player
         if self._command is not None:
             self._type(key)
         elif key == "?":
@@ -107,13 +107,11 @@ class LineSession:
         elif not self._actions.press(key):
             self.say(f"No key {key}. Press question mark.")
         elif key in MOVES:
-            self._place = player.pointer.position
-            self._asked = True
-            if not player.pointer.touching and key not in ("escape", "space"):
-                self._moved = True  # a tap is over at once
-            elif key in EVENTS and self._place == before:
+            place = player.pointer.position
+            if key in EVENTS and (place == before or not player.pointer.touching):
                 self.say("No event further on." if key == "]" else "No event before.")
-                self._asked = False
+            else:
+                self._place, self._asked = place, True
 
     @property
     def typing(self) -> bool:
@@ -165,6 +163,8 @@ class LineSession:
         """Return the window and the replay as sentences."""
         start_s, end_s = self._player.window
         window = f"{self._report.moment(start_s)} to {self._report.moment(end_s)}"
+        if self._player.live_updates is not None:  # it may grow all the time
+            window = ""
         replay = "Replay." if self._player.loop.playing else "No replay."
         return f"Window {window}.", replay
 
@@ -225,7 +225,7 @@ def _raw_keys() -> Iterator[Callable[[], str]]:
             return ""
         data = os.read(file, 1024)
         if not data:  # closed
-            return "q"
+            return "\x1bq"
         return data.decode("utf-8", "replace")
 
     try:

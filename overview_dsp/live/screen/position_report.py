@@ -10,7 +10,6 @@ import numpy as np
 
 from overview_dsp.data.analysis.series_events import value_text
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.live.session.player import Player
 from overview_dsp.units import HALF_TURN, clock_text
 
@@ -101,7 +100,7 @@ class PositionReport:
         timeline = self._player.timeline
         if timeline is self._timeline:
             return
-        self._timeline, self._last = timeline, None
+        self._timeline = timeline
         found = ((one, _SCORE.match(one.display_label)) for one in timeline.events)
         self._scores = [
             (one.time_s, f"{score[1]} to {score[2]}")
@@ -121,19 +120,20 @@ class PositionReport:
 
     def _value(self, time_s: float, known_s: float) -> str:
         """Return the score up to `known_s`, the value with its unit, or the gap at a time."""
-        timeline = self._player.timeline
-        until = timeline.known_until_s
+        timeline, curve = self._player.timeline, self._player.timeline.intensity
         for start_s, end_s in timeline.gaps:
-            if in_gap(((start_s, end_s),), np.array([time_s]))[0]:
+            if start_s < time_s < end_s:
                 return f"no data from {self.moment(start_s)} to {self.moment(end_s)}"
-        if until is not None and time_s > until:
+        if timeline.known_until_s is not None and time_s > timeline.known_until_s:
             return "no data yet"
         if self._scores:
             return next((one for at, one in reversed(self._scores) if at <= known_s), "0 to 0")
-        if timeline.intensity is None or not self._has_values:
+        if curve is None or not self._has_values:
             return ""
-        value = float(timeline.intensity.at(np.array([time_s]))[0])
-        return value_text(float(f"{value:.4g}"), timeline.intensity.unit)
+        at = np.array([time_s])
+        if not timeline.has_data(at)[0]:
+            return "no data"
+        return value_text(float(f"{float(curve.at(at)[0]):.4g}"), curve.unit)
 
     def _event_at(self, position: float) -> Event | None:
         """Return the event whose surface a position is on, in the timeline's own time."""

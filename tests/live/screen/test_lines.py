@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import random
 import re
@@ -79,6 +80,18 @@ def test_a_position_in_a_match_has_the_score_and_names_or_counts_what_was_passed
     assert at(60.0) == "1:00, 0 to 0."
 
 
+def test_events_without_a_curve_and_times_without_data_are_told_apart(opened):
+    events = (ov.Event(10.0, "strong", "first"), ov.Event(60.0, "firm"))
+    report = PositionReport(opened(ov.Timeline("events", 100.0, events)))
+    assert report.text(0.3) == "0:30.0."
+    assert report.text(0.6) == "1:00.0. Firm."
+    assert report.text(0.05) == "0:05.0. Passed strong, first."
+    curve = ov.Intensity(np.array([10.0, 40.0]), np.array([1.0, 2.0]), "m")
+    report = PositionReport(opened(ov.Timeline("part", 100.0, (), curve)))
+    assert report.text(0.5) == "0:50.0, no data."
+    assert report.text(0.25).startswith("0:25.0, 1.5 m.")
+
+
 class Typing:
     """A session of lines whose keys and time a test gives."""
 
@@ -127,6 +140,10 @@ def test_each_key_of_the_help_is_answered_and_others_are_named(
     assert line.startswith("Released at 1:34:30")
     (line,) = typing.press("enter")
     assert line.startswith("Released at 1:34:30")
+    # the disk is back: events lie after it
+    (line,) = typing.press("]", seconds=1.0)
+    assert "No event" not in line
+    typing.press("escape")
     assert typing.press("z") == ["No key z. Press question mark."]
     assert typing.press("r") == ["https://phone"]
     assert typing.press("m") == ["clicks muted"]
@@ -148,6 +165,18 @@ def test_each_key_of_the_help_is_answered_and_others_are_named(
     assert "Replay." in typing.press("P")
     assert "No replay." in typing.press("P")
     assert any(line.startswith("now B") for line in typing.press("2"))
+
+
+def test_a_terminal_that_closes_while_a_command_is_typed_ends_the_session(
+    opened, match, monkeypatch
+):
+    keys = ["c", "x", "\x1bq"]
+    monkeypatch.setattr(
+        plain_mode, "_raw_keys", lambda: contextlib.nullcontext(lambda: keys.pop(0))
+    )
+    said = []
+    plain_mode.run(opened(match), None, lambda: False, said.append)
+    assert said[-1] == "No command."
 
 
 def follow(terminal, wanted, seconds=20.0):
