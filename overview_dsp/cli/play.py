@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
+import time
 from contextlib import ExitStack
 
 import click
@@ -40,7 +42,7 @@ def command(
     output: Output,
     session: Session,
     seconds: float | None = SECONDS,
-    screen: str = option(
+    screen: str | None = option(
         "full, lines (for screen readers) or json.  [default: full in a terminal, else json]",
         heading=Session.heading,
         type=click.Choice(["full", "lines", "json"]),
@@ -57,7 +59,7 @@ def command(
     replay = controls.replay or ""
     path = replay.removesuffix(LOOP)
     movement = read_gesture(path) if path else None
-    sources = parse_sources(controls.input)
+    sources = parse_sources(controls.input, controls.smooth)
     with ExitStack() as stack:
         data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         block = {"default_block": FORCE_BLOCK} if sources.force else {}
@@ -81,16 +83,21 @@ def command(
             is_live = data.follow is not None
             address = stack.enter_context(open_server(server, host, routes, is_live)).text
         terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
+        until = math.inf if seconds is None else time.monotonic() + seconds
+
+        def stopped() -> bool:
+            return bool(received) or time.monotonic() >= until
+
         if screen == "json" or not terminal:
             play_headless(player, source, received, seconds, controls.osc_out is not None)
-        elif screen == "lines":
+        elif screen == "lines" or (screen is None and os.environ.get("TERM") == "dumb"):
             from overview_dsp.live.screen.plain_mode import run as run_lines
 
-            run_lines(player, source, lambda: bool(received), say)
+            run_lines(player, source, stopped, say, address)
         else:
             from overview_dsp.live.screen import run
 
-            run(player, source, lambda: bool(received), address)
+            run(player, source, stopped, address)
         if (lines := sources.lines) is not None and lines.rejected:
             note(
                 f"{lines.rejected} lines were not `theta2 touching`; first: {lines.first_rejected}"

@@ -57,13 +57,13 @@ class Server:
     def _start(self, priority: list[str]) -> bool:
         driver = ["-d", "dummy", "-r", str(self.rate), "-p", str(self.period), "-C", "2",
                   "-P", str(self.outputs)]  # fmt: skip
-        self._process = subprocess.Popen(
+        self.process = subprocess.Popen(
             ["jackd", "-n", self.name, *priority, *driver],
             stdout=self._printed,
             stderr=subprocess.STDOUT,
         )
         until = time.monotonic() + START_WITHIN_S
-        while time.monotonic() < until and self._process.poll() is None:
+        while time.monotonic() < until and self.process.poll() is None:
             time.sleep(0.1)
             asked = subprocess.run(["jack_wait", "-c"], capture_output=True, env=self.environment)
             if asked.stdout.startswith(b"run"):
@@ -71,12 +71,12 @@ class Server:
         return False
 
     def _end(self) -> None:
-        self._process.terminate()
+        self.process.terminate()
         try:
-            self._process.wait(20)
+            self.process.wait(20)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self.process.kill()
+            self.process.wait()
         self._printed.seek(0)
         self.log = self._printed.read().decode(errors="replace")
 

@@ -19,7 +19,7 @@ CLOSE_TIMEOUT_S = 3.0
 class Terminal:
     """A command as the foreground process of a terminal; `read` by a thread unless it is frozen."""
 
-    def __init__(self, arguments, environment, size=(100, 30)):
+    def __init__(self, arguments, environment, size=(100, 30), kind="xterm-256color"):
         self.ours, theirs = os.openpty()
         self.resize(*size)
 
@@ -34,7 +34,7 @@ class Terminal:
             stdin=theirs,
             stdout=theirs,
             stderr=theirs,
-            env={**environment, "TERM": "xterm-256color"},
+            env={**environment, "TERM": kind},
             start_new_session=True,
             preexec_fn=take_terminal,
         )
@@ -54,6 +54,19 @@ class Terminal:
                 self.shown += os.read(self.ours, 65_536)
             except OSError:  # nobody writes any more
                 return
+
+    @property
+    def echoes(self):
+        """Whether what is typed is shown, as before the command."""
+        return bool(termios.tcgetattr(self.ours)[3] & termios.ECHO)
+
+    @property
+    def threads(self):
+        names = []
+        for thread in os.listdir(f"/proc/{self.process.pid}/task"):
+            with open(f"/proc/{self.process.pid}/task/{thread}/comm") as file:
+                names.append(file.read().strip())
+        return sorted(names)
 
     def press(self, keys):
         os.write(self.ours, keys.encode())
@@ -77,13 +90,17 @@ class Terminal:
         return time.monotonic()
 
     def end(self):
-        """How long it takes to end by itself from now, s, and its exit code; None if it doesn't."""
+        """How long it takes to end by itself from now, s, and its exit code; None if it doesn't.
+
+        Whether it echoes then is in `echoed`.
+        """
         began = time.monotonic()
         try:
             code = self.process.wait(2 * CLOSE_TIMEOUT_S)
         except subprocess.TimeoutExpired:
             code = None
         took = time.monotonic() - began
+        self.echoed = not self._closed and self.echoes
         self.process.kill()
         self.process.wait()
         self.close()

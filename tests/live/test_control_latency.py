@@ -45,7 +45,7 @@ def xrun(delay):
 
 with client:
     for channel, port in enumerate(ports):
-        client.connect(f"PortAudio:out_{channel}", port)
+        client.connect(f"overview:out_{channel}", port)
     time.sleep(0.3)
     taps = []
     for _ in range(count):
@@ -92,6 +92,58 @@ def test_a_tap_changes_a_sample_of_the_next_block_at_the_latest(tmp_path, block)
             break
     assert same
     assert len(heard) >= taps[-1]["applied"] + HOLD
+
+
+MESSAGES = """
+import json, random, socket, sys, time
+import numpy as np
+import overview_dsp as ov
+from overview_dsp.devices.controllers.osc_messages import OscReader
+from overview_dsp.live.inputs.controllers import ControllerInput
+from overview_dsp.live.output.portaudio_stream import OutputStream
+from overview_dsp.live.ports.osc import OscPort
+from tests.devices.controllers.osc_bytes import message
+
+block, count = int(sys.argv[1]), int(sys.argv[2])
+chance = random.Random(block)
+engine = ov.Engine(ov.load_preset("football"), ov.load_timeline("world-cup-final-2018"))
+engine.prepare(48_000, 8192)
+out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+with OutputStream(engine, device="system", block_size=block) as stream:
+    hand = ControllerInput(engine, "osc", lambda: OscPort("9127"), OscReader)
+    time.sleep(0.5)
+    sent, applied, seen = [], [], 0
+    for number in range(count):
+        time.sleep(chance.uniform(0.002, 0.012))
+        sent.append(engine.sample_time)
+        out.sendto(message("/overview/theta2", 1.0 + 1e-3 * number, 1), ("127.0.0.1", 9127))
+    time.sleep(0.5)
+    events, _ = engine.pop_applied(0)
+    report, underflows = hand.report(), stream.meters.underflows
+    hand.close()
+# beyond the block after the one that may have begun
+extra = np.maximum(events["sample"][:count] - np.array(sent[: len(events)]) - block, 0) / 48.0
+print(json.dumps({
+    "applied": len(events), "p50": float(np.median(extra)), "underflows": underflows,
+    "p99": float(np.percentile(extra, 99)), "worst": float(extra.max()), **report,
+}))
+"""
+
+
+@pytest.mark.realtime
+@pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
+@pytest.mark.parametrize("block", [64, 256, 1024])
+def test_osc_messages_are_not_held_back(block):
+    count = 400
+    with jack_server.Server(period=block) as server:
+        report = json.loads(server.run(MESSAGES, block, count))
+    print(
+        f"{block} frames: {report['applied']} of {count} applied, beyond the next block when sent "
+        f"p50 {report['p50']:.2f}, p99 {report['p99']:.2f}, worst {report['worst']:.2f} ms; own "
+        f"p99 {report['wait_p99_ms']} ms; {report['underflows']} underflows"
+    )
+    assert report["applied"] == count
+    assert report["wait_p99_ms"] == 0.0
 
 
 def test_the_probes_first_changed_sample_is_the_taps_own():

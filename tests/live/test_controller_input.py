@@ -15,9 +15,12 @@ from overview_dsp.design.gestures import SOURCES
 from overview_dsp.devices.controllers.control_map import Control
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
+from overview_dsp.devices.sensors.touch_detection import Event
+from overview_dsp.kernels import layout
 from overview_dsp.live.inputs.controllers import ControllerInput
 from overview_dsp.live.inputs.input import CombinedInput
 from overview_dsp.live.inputs.takes_and_lines import TextLineInput
+from overview_dsp.live.inputs.threaded import SourceWriter
 from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.ports import osc as osc_out
@@ -80,14 +83,15 @@ class Opened:
         self.inputs = []
         self.there = True
 
-    def open(self, source, reader, silent_s=None):
+    def open(self, source, reader, silent_s=None, **options):
         def open_port():
             if not self.there:
                 raise ov.InputError("made: no such port")
             self.ports.append(MadePort())
             return self.ports[-1]
 
-        self.inputs.append(ControllerInput(self.engine, source, open_port, reader, silent_s))
+        hand = ControllerInput(self.engine, source, open_port, reader, silent_s, **options)
+        self.inputs.append(hand)
         return self.inputs[-1], self.ports[-1]
 
 
@@ -131,6 +135,66 @@ def test_an_osc_touch_holds_moves_and_lets_go(opened, running):
     until(lambda: running.active_input[1] == pytest.approx(2.0))
     port.put(message("/overview/touch", 0))
     until(lambda: running.active_input is None)
+
+
+def applied_after(engine, make_input, send, count, block=1024):
+    """Samples from the first block after each message to its event, in an engine run by hand."""
+    made = make_input(engine)
+    out = np.zeros((block, 2), np.float32)
+    seen, waits = 0, []
+    rings = engine.memory.view(np.int64)[layout.RING_WRITTEN : layout.RING_WRITTEN + layout.SOURCES]
+    for number in range(count):
+        # at changing times within a block
+        time.sleep((number % 5) * 0.2 * block / engine.sample_rate)
+        written = int(rings.sum())
+        send(made, number)
+        until(lambda written=written: rings.sum() > written)
+        begins = engine.sample_time
+        events, seen = [], seen
+        while not len(events):
+            engine.process(out)
+            events, seen = engine.pop_applied(seen)
+        waits += [int(one) - begins for one in events["sample"]]
+    return waits
+
+
+@pytest.mark.parametrize("source", ["osc", "midi"])
+def test_messages_apply_in_the_first_block_that_begins_after_them(engine, source):
+    opened = Opened(engine)
+
+    def send(port, number):
+        if source == "osc":
+            port.put(message("/overview/theta2", 1.0 + 0.001 * number, 1))
+        else:
+            port.put(bytes((0x90, 36 + number, 100)))
+
+    reader = OscReader if source == "osc" else lambda counters: MidiReader(counters=counters)
+    waits = applied_after(engine, lambda _: opened.open(source, reader)[1], send, 30)
+    opened.inputs[0].close()
+    assert set(waits) == {0}
+
+
+@pytest.mark.parametrize("smooth_ms", [0, 6])
+def test_smoothing_keeps_the_spacing_of_movements(engine, smooth_ms):
+    now, block, spacing = [100.0], 1024, 336
+    writer = SourceWriter(engine, "osc", now=lambda: now[0], smooth_s=1e-3 * smooth_ms)
+    out = np.zeros((block, 2), np.float32)
+    for number in range(200):
+        now[0] = 100.0 + number * spacing / engine.sample_rate
+        while engine.sample_time + block <= number * spacing:
+            engine.process(out)
+        writer.observe(now[0])
+        writer.write([Event(now[0], 0.001 * number, True)])
+    for _ in range(3):
+        engine.process(out)
+    applied = engine.pop_applied(0)[0]["sample"][100:]
+    late = applied - spacing * np.arange(100, 200)
+    if smooth_ms == 0:
+        # at the start of a block
+        assert set(applied % block) == {0}
+        assert late.max() - late.min() > block / 2
+    else:
+        assert set(late) <= {48 * smooth_ms, 48 * smooth_ms + 1}
 
 
 def test_a_silent_controller_releases_the_disk(opened, running):

@@ -67,6 +67,19 @@ def suspend_and_interrupt(terminal):
     return kill("SIGINT")(terminal)
 
 
+def stop_and_interrupt(terminal):
+    for name in ("SIGSTOP", "SIGCONT", "SIGCONT"):
+        os.kill(terminal.process.pid, getattr(signal, name))
+        time.sleep(0.5)
+    return kill("SIGINT")(terminal)
+
+
+def freeze_server_and_quit(terminal):
+    terminal.server.send_signal(signal.SIGSTOP)
+    terminal.wait_for(lambda: b"respond" in terminal.shown)
+    return quit_by_key(terminal)
+
+
 def resize_and_hang_up(terminal):
     for size in ((20, 8), (200, 60), (80, 24)):
         terminal.resize(*size)
@@ -84,6 +97,8 @@ ENDINGS = {
     "frozen": freeze_and_terminate,
     "frozen, closed": freeze_and_close,
     "suspended": suspend_and_interrupt,
+    "stopped": stop_and_interrupt,
+    "frozen server": freeze_server_and_quit,
     "resized": resize_and_hang_up,
     "KILL": kill("SIGKILL"),
 }
@@ -98,17 +113,21 @@ def end_one(server, folder, name, seconds):
         "XDG_CONFIG_HOME": str(folder / "config"),
     }
     terminal = Terminal(["play", MATCH, "--device", "system", "--record", take], environment)
+    terminal.server = server.process
     began = terminal.wait_for(lambda: take.exists() and take.stat().st_size > 0)
     shown = terminal.wait_for(lambda: b"DSP load" in terminal.shown)
     until = shown + seconds
     while time.monotonic() < until:
         terminal.press(RIGHT)
         time.sleep(0.05)
-    stopped = name == "suspended"
+    stopped = name in ("suspended", "stopped")
     ended = time.monotonic()
     wanted = ENDINGS[name](terminal)
     took, code = terminal.end()
+    server.process.send_signal(signal.SIGCONT)
     wrong = []
+    if "closed" not in name and name != "KILL" and not terminal.echoed:
+        wrong.append("no echo")
     if name == "KILL":
         wanted = -signal.SIGKILL
     if took > CLOSE_TIMEOUT_S:
@@ -118,10 +137,10 @@ def end_one(server, folder, name, seconds):
     if not end_of_group(terminal.process.pid, 1.0):
         wrong.append("a process is left")
     ports = subprocess.run(["jack_lsp"], capture_output=True, text=True, env=server.environment)
-    if "PortAudio" in ports.stdout:
+    if "overview:" in ports.stdout:
         time.sleep(1.0)  # the server looks for clients that have died
         ports = subprocess.run(["jack_lsp"], capture_output=True, text=True, env=server.environment)
-    if "PortAudio" in ports.stdout:
+    if "overview:" in ports.stdout:
         wrong.append("a port is held")
     gesture = ov.load_gesture(take)
     if not stopped and gesture.duration_s < ended - began - 0.5:

@@ -111,7 +111,7 @@ def test_a_keyboard_taps_bends_is_unplugged_and_comes_back():
     assert seen["again"] == ["midi", pytest.approx(3.14159 * 4 / 60, abs=1e-3)]
     changes = [line.split(": ")[1].split(";")[0] for line in seen["messages"]]
     assert changes == ["disconnected", "reconnected"]
-    assert seen["report"]["refused"] == 0
+    assert seen["report"]["rejected"] == 0
     print(seen["report"])
 
 

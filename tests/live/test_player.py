@@ -111,6 +111,23 @@ def test_a_saved_preset_is_felt_and_a_broken_one_reported_while_the_last_good_pl
     said = wait(player, lambda status: player.engine.preset.kinds["goal"].height == height)
 
 
+def test_a_preset_file_that_is_deleted_is_reported_once_and_read_again_later(make, tmp_path):
+    path = tmp_path / "mine.toml"
+    good = preset_path("football").read_text()
+    path.write_text(good)
+    player = make(str(path))
+    path.unlink()
+    said = wait(player, lambda status: any("deleted" in line for line in status.messages))
+    assert "mine.toml" in said[-1]
+    assert "the previous version stays active" in said[-1]
+    for _ in range(70):
+        assert player.poll().messages == ()
+        time.sleep(0.02)
+    height = ov.load_preset("football").kinds["goal"].height
+    path.write_text(good.replace(f"height = {height:g}", f"height = {2.0 * height:g}"))
+    wait(player, lambda status: any("read again" in line for line in status.messages))
+
+
 def test_zooming_stays_within_the_timeline_and_keeps_the_moment(make):
     player = make("plain")
     whole = player.timeline.duration_s

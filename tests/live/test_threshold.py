@@ -198,7 +198,7 @@ def record(frames):
 with client:
     output.start()
     for channel, port in enumerate(ports):
-        client.connect(f"PortAudio:out_{channel}", port)
+        client.connect(f"overview:out_{channel}", port)
     until = time.monotonic() + seconds
     while time.monotonic() < until and not output.over:
         time.sleep(0.01)

@@ -56,7 +56,7 @@ def count(delay):
 
 with client:
     for channel, port in enumerate(ports):
-        client.connect(f"PortAudio:out_{channel}", port)
+        client.connect(f"overview:out_{channel}", port)
     print("records", flush=True)
     while at < len(heard):
         time.sleep(0.02)

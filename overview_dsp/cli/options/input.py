@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
@@ -31,6 +32,8 @@ PARTS: dict[str, tuple[str, ...]] = {
 }
 """Allowed settings after the port, for each kind of device."""
 
+MAX_SMOOTH_MS = 100.0
+
 MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
 SILENT_BATCHES_S = 2.0
@@ -55,6 +58,12 @@ class Controls:
         "osc:[HOST:]PORT[,map=NAME]; midi:NAME[,map=FILE]; - (lines of theta2, touching); a "
         "gesture or take. May be repeated.",
         metavar="SOURCE",
+    )
+    smooth: float = option(
+        "Delay that makes OSC and MIDI movements more even, ms.  [default: 0, the next block]",
+        default=0.0,
+        metavar="MS",
+        show_default=False,
     )
     osc_out: str | None = option("Send cursor, torque and events as OSC.", metavar="[HOST:]PORT")
     replay: str | None = option(
@@ -113,8 +122,21 @@ class Sources:
         return next(iter(inputs.values()), None)
 
 
-def parse_sources(sources: tuple[str, ...]) -> Sources:
-    """Parse the sources of --input, each of another kind, without opening any; InputError."""
+def parse_sources(sources: tuple[str, ...], smooth_ms: float = 0.0) -> Sources:
+    """Parse the sources of --input; nothing is opened. `smooth_ms` is that of --smooth.
+
+    Raises
+    ------
+    InputError
+        An unknown source or setting, or two sources of one kind.
+    """
+    if not 0.0 <= smooth_ms <= MAX_SMOOTH_MS:
+        raise InputError(f"--smooth is {smooth_ms:g}; must be 0 to {MAX_SMOOTH_MS:g} (ms)")
+    openers: dict[str, Callable[[str, str, dict[str, str]], Callable[[Player], Input]]] = {
+        "serial": _serial,
+        "osc": partial(_osc, smooth_s=1e-3 * smooth_ms),
+        "midi": partial(_midi, smooth_s=1e-3 * smooth_ms),
+    }
     found = Sources({})
     for source in sources:
         kind, colon, rest = source.partition(":")
@@ -127,9 +149,7 @@ def parse_sources(sources: tuple[str, ...]) -> Sources:
                 raise InputError(f"--input {source} names no port; overview devices lists them")
             # all sensors share one input of the engine
             name = "serial" if "sensor" in PARTS[kind] else kind
-            opener = {"serial": _serial, "osc": _osc, "midi": _midi}.get(kind, _named)(
-                kind, where, parts
-            )
+            opener = openers.get(kind, _named)(kind, where, parts)
             found.force = found.force or "force" in parts
         else:
             name, opener = "take", _take(source)
@@ -219,7 +239,9 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
 
 
-def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
+def _osc(
+    kind: str, where: str, parts: dict[str, str], smooth_s: float
+) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import load_osc_map
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.osc_messages import OscReader
@@ -233,11 +255,19 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
         return OscReader(counters, controls)
 
     return lambda player: ControllerInput(
-        player.engine, kind, lambda: OscPort(where), reader, SILENT_OSC_S, player.queue_command
+        player.engine,
+        kind,
+        lambda: OscPort(where),
+        reader,
+        SILENT_OSC_S,
+        player.queue_command,
+        smooth_s,
     )
 
 
-def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
+def _midi(
+    kind: str, where: str, parts: dict[str, str], smooth_s: float
+) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import DEFAULT, load_map
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.midi_messages import MidiReader
@@ -252,6 +282,8 @@ def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], In
 
     def opened(player: Player) -> Input:
         require_parameters(controls, player.engine.preset)
-        return ControllerInput(player.engine, kind, lambda: MidiPort(where), reader)
+        return ControllerInput(
+            player.engine, kind, lambda: MidiPort(where), reader, smooth_s=smooth_s
+        )
 
     return opened

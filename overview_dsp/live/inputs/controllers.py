@@ -56,16 +56,15 @@ class ControllerInput(ThreadedInput):
         make_reader: Callable[[Counters], Reader],
         silent_s: float | None = None,
         queue_command: Callable[..., None] = lambda *arguments: None,
+        smooth_s: float = 0.0,
     ) -> None:
         """Open the port and start; `open_port` is called again when the port is lost.
 
         `source` is one of `gestures.SOURCES`. A touch ends after `silent_s` without messages (None:
-        never). `queue_command` receives the words of each command, from this thread.
+        never). `queue_command` receives the words of each command, from this thread. Messages apply
+        at the next block, or with a `smooth_s` (s) more evenly and that much later.
 
-        Raises
-        ------
-        InputError
-            The port can't be opened.
+        InputError: the port can't be opened.
         """
         self._open_port = open_port
         self._make_reader = make_reader
@@ -73,7 +72,7 @@ class ControllerInput(ThreadedInput):
         self._queue_command = queue_command
         self.counters = Counters()
         port = open_port()
-        super().__init__(engine, source, port, port.name)
+        super().__init__(engine, source, port, port.name, smooth_s)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
         self._changes: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
@@ -87,10 +86,7 @@ class ControllerInput(ThreadedInput):
     def poll(self, engine: Engine) -> None:
         """Use the rules of a changed preset, and set the parameters that were changed.
 
-        Raises
-        ------
-        Exception
-            Error that stopped the port's thread.
+        Exception: the thread has failed with it.
         """
         super().poll(engine)
         with self._changes_lock:

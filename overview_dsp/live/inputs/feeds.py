@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import re
 from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import BinaryIO
 
 import numpy as np
@@ -21,6 +22,7 @@ from overview_dsp.data.feeds.sources import (
 )
 from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.output.portaudio_library import RUNNING
 
 FORMS = (
     "a file, - (a feed on standard input), http(s)://..., ws(s)://..., audio:DEVICE, "
@@ -86,7 +88,9 @@ def _record_device(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
             )
         except sounddevice.PortAudioError as error:
             raise OverviewError(f"audio:{device}: {error}") from None
-        with stream:
+        with stream, ExitStack() as stack:
+            RUNNING.add(stream)  # a search for devices would end it
+            stack.callback(RUNNING.discard, stream)
             while stream.active:
                 try:
                     yield recorded.get(timeout=0.2)

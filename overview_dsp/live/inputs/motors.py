@@ -46,10 +46,7 @@ class MotorInput(SensorInput):
     ) -> None:
         """Open the port and start, as `SensorInput`.
 
-        Raises
-        ------
-        InputError
-            The port can't be opened, or the profile has no motor.
+        InputError: the port can't be opened, or the profile has no motor.
         """
         self._loop: MotorLoop | BoardLoop = MotorLoop(sensor)
         self._torque = MeanTorque()

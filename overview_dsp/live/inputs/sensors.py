@@ -52,10 +52,7 @@ class SensorInput(ThreadedInput):
 
         The disk is released after `silent_s` without a decoded reading.
 
-        Raises
-        ------
-        InputError
-            The port can't be opened.
+        InputError: the port can't be opened.
         """
         self._sensor = sensor
         self._baud = baud if baud is not None else round(sensor.number("stream.baud"))

@@ -42,9 +42,9 @@ class EventClock:
     at once, and the engine counts it as late.
     """
 
-    def __init__(self, sample_rate: float) -> None:
+    def __init__(self, sample_rate: float, on_time_share: float = ON_TIME_SHARE) -> None:
         """Convert to samples of an engine at `sample_rate`."""
-        self._rate = sample_rate
+        self._rate, self._on_time_share = sample_rate, on_time_share
         self._delays: deque[float] = deque(maxlen=ARRIVALS_KEPT)
         self._offset = 0.0
         self._last = 0
@@ -56,7 +56,7 @@ class EventClock:
         order = sorted(self._delays)
         longest = LONGEST_WAIT_S * self._rate
         highest = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
-        self._offset = min(_quantile(order, ON_TIME_SHARE), highest)
+        self._offset = min(_quantile(order, self._on_time_share), highest)
 
     def stamp(self, time_s: float, now: int) -> int:
         """Return the sample at which an event of the sensor's `time_s` applies; never decreases."""
@@ -103,9 +103,19 @@ class SourceWriter:
     """
 
     def __init__(
-        self, engine: Engine, source: str, now: Callable[[], float] = time.monotonic
+        self,
+        engine: Engine,
+        source: str,
+        now: Callable[[], float] = time.monotonic,
+        smooth_s: float | None = None,
     ) -> None:
-        """Write `source`, one of `gestures.SOURCES`; `now` is a clock in s."""
+        """Write `source`, one of `gestures.SOURCES`; `now` is a clock in s.
+
+        With a `smooth_s` of 0, events apply at the next block. Other events apply at their own
+        time plus a delay, to which `smooth_s` is added.
+        """
+        self._stamps = smooth_s != 0.0
+        self._smooth_s = smooth_s or 0.0
         self._engine = engine
         self._source = source
         self._now = now
@@ -133,12 +143,15 @@ class SourceWriter:
 
     def restart(self) -> None:
         """Discard the observed arrivals, which don't predict later ones."""
-        self._clock = EventClock(self._engine.sample_rate)
+        on_time_share = (
+            1.0 if self._smooth_s else ON_TIME_SHARE
+        )  # the highest of the delays is steadier
+        self._clock = EventClock(self._engine.sample_rate, on_time_share)
         self._observed = False
 
     def observe(self, time_s: float) -> None:
         """Use the arrival of data that the source's own clock stamped with `time_s`."""
-        if self._runs():
+        if self._runs() and self._stamps:
             self._observed = True
             self._clock.observe(time_s, self._engine.sample_time)
 
@@ -149,7 +162,8 @@ class SourceWriter:
             if not runs:
                 self.release(None if event.touching else event)
                 continue
-            stamp = self._clock.stamp(event.time_s, sample) if self._observed else None
+            due_s = event.time_s + self._smooth_s
+            stamp = self._clock.stamp(due_s, sample) if self._observed else None
             if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)
@@ -183,13 +197,18 @@ class ThreadedInput(Input, ABC):
 
     _source: Any  # converts what is read to events, by its `rules`
 
-    def __init__(self, engine: Engine, source: str, port: Port, address: str) -> None:
-        """Prepare `_start`; `address` is the port's name, `source` one of `gestures.SOURCES`."""
+    def __init__(
+        self, engine: Engine, source: str, port: Port, address: str, smooth_s: float | None = None
+    ) -> None:
+        """Prepare for `_start`; `source` is one of `gestures.SOURCES`, `address` the port's.
+
+        `smooth_s` as in `SourceWriter`.
+        """
         self._engine = engine
         self._preset = engine.preset
         self._address = address
         self._port: Port | None = port  # None while it is lost
-        self._writer = SourceWriter(engine, source)
+        self._writer = SourceWriter(engine, source, smooth_s=smooth_s)
         self._messages: deque[str] = deque()
         self._reported: set[str] = set()
         self._received_at = time.monotonic()
@@ -210,10 +229,7 @@ class ThreadedInput(Input, ABC):
     def poll(self, engine: Engine) -> None:
         """Use the rules of a changed preset; the thread does the rest.
 
-        Raises
-        ------
-        Exception
-            Error that stopped the port's thread.
+        Exception: the thread has failed with it.
         """
         if self._failure is not None:
             raise self._failure

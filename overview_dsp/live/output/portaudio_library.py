@@ -1,18 +1,24 @@
 """PortAudio and its Python binding sounddevice, which only this module imports, when needed.
 
 PortAudio lists only the devices that were connected when it was initialized. It can't be terminated
-after its JACK server has died.
+after its JACK server has died. Its library is never unloaded, because JACK's threads may call it.
 """
 
 from __future__ import annotations
 
+import atexit
+import contextlib
+import ctypes
 import os
 import shutil
 import sys
 import tempfile
+from ctypes.util import find_library
+from functools import cache
 from typing import Any
 
 from overview_dsp.errors import OverviewError, require_internals
+from overview_dsp.live.output import jack
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
 """Version range, as in pyproject.toml. sounddevice offers `_StreamBase` to library authors; its
@@ -34,7 +40,14 @@ SILENT = "none"
 PAD = "pad"
 """Device name for any output that is a game pad with voice coils."""
 
-_ABANDONED: list[Any] = []
+JACK_CLIENT = b"overview"
+"""Name of the JACK client. PortAudio keeps its address."""
+
+_with_jack: list[ctypes.CDLL] = []
+"""PortAudio libraries that have JACK, in the order of their use."""
+
+RUNNING: set[Any] = set()
+"""Open streams. They must outlive every other reference, because PortAudio calls them."""
 
 _LIBRARY_HINTS = {
     "linux": "install it (Debian, Ubuntu: apt install libportaudio2; Fedora: dnf install "
@@ -52,12 +65,11 @@ def device_named(device: str | None) -> int | str | None:
 def import_sounddevice() -> Any:
     """Import and return the sounddevice module.
 
-    Raises
-    ------
-    OverviewError
-        PortAudio is missing, or this version of sounddevice lacks a name that is used here.
+    OverviewError: PortAudio is missing, or this version of sounddevice lacks a name that is used
+        here.
     """
     try:
+        _prepare()
         import sounddevice
     except OSError as error:
         hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
@@ -66,29 +78,68 @@ def import_sounddevice() -> Any:
     return sounddevice
 
 
+@cache
+def _prepare() -> None:
+    """Keep PortAudio loaded, and end it before sounddevice does."""
+    if sys.platform == "linux":
+        _keep_loaded(find_library("portaudio"))
+    import sounddevice  # noqa: F401 - registers its own end first
+
+    atexit.register(_end)
+
+
+def _keep_loaded(path: str | None) -> None:
+    """Load a PortAudio library for good, and name the JACK client that it will open."""
+    with contextlib.suppress(OSError, AttributeError):  # without it, or without JACK
+        library = ctypes.CDLL(path, os.RTLD_NOW | os.RTLD_NODELETE)
+        library.PaJack_SetClientName(JACK_CLIENT)
+        _with_jack.append(library)
+
+
+def _end() -> None:
+    """Close all streams at exit. A JACK client ends with the process, as its server may be dead."""
+    for stream in tuple(RUNNING):
+        stream.close()
+    if client_name() is not None:
+        import_sounddevice()._initialized = 0
+
+
+def client_name() -> bytes | None:
+    """Return the name of PortAudio's JACK client; None without one."""
+    hosts = import_sounddevice().query_hostapis()
+    if not _with_jack or not any("JACK" in host["name"] for host in hosts):
+        return None
+    found = ctypes.c_char_p()
+    _with_jack[-1].PaJack_GetClientName(ctypes.byref(found))
+    return found.value
+
+
 def rescan() -> None:
-    """Let PortAudio look for devices again. No stream may be open."""
+    """Let PortAudio look for devices again, unless a stream plays or records."""
+    if any(stream.active for stream in RUNNING):
+        return
     sounddevice = import_sounddevice()
     # sounddevice has no public names for these
-    if any("JACK" in host["name"] for host in sounddevice.query_hostapis()):
-        abandon_library(sounddevice)
+    client = client_name()
+    if client is not None and not jack.has_client(client):
+        _abandon_library(sounddevice)
     else:
         sounddevice._terminate()
         sounddevice._initialize()
 
 
-def abandon_library(sounddevice: Any) -> None:
+def _abandon_library(sounddevice: Any) -> None:
     """Initialize a copy of the PortAudio library, and leave the present one loaded.
 
     After its JACK server has died, PortAudio can't be terminated (an assertion would end the
     process), and so it can't be initialized again. A copy of the library file has its own state.
     """
-    sounddevice._initialized = 0  # so that sounddevice doesn't terminate the old one at exit
+    sounddevice._initialized = 0
     handle, path = tempfile.mkstemp(suffix=".so")
     os.close(handle)
     try:
         shutil.copyfile(_loaded_file("libportaudio"), path)
-        _ABANDONED.append(sounddevice._lib)  # its threads still run, so it must stay loaded
+        _keep_loaded(path)
         sounddevice._lib = sounddevice._ffi.dlopen(path)
     finally:
         os.unlink(path)

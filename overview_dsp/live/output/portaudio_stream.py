@@ -17,10 +17,22 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
+from overview_dsp.live.output import jack
 from overview_dsp.live.output.devices import find_device, first_line, open_error
-from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
+from overview_dsp.live.output.portaudio_library import (
+    PAD,
+    RUNNING,
+    client_name,
+    import_sounddevice,
+)
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import Stream, compile_python_path, connect, run_block
+from overview_dsp.live.output.stream import (
+    Stream,
+    compile_python_path,
+    connect,
+    run_block,
+    undo_fade,
+)
 from overview_dsp.public import short
 from overview_dsp.signal.engine.engine import Engine
 
@@ -28,8 +40,8 @@ CallbackKind = Literal["native", "python"]
 FADE_WITHIN_S = 0.5
 """Time that closing waits for the fade, which never ends on a device that has stopped calling."""
 
-# A running stream must outlive every other reference to it, because PortAudio calls it.
-_RUNNING: set[OutputStream] = set()
+_ABANDONED: list[OutputStream] = []
+"""Streams of JACK servers that don't respond; a frozen server may call them later."""
 
 
 class OutputStream(Stream):
@@ -120,7 +132,7 @@ class OutputStream(Stream):
             )
         except (sounddevice.PortAudioError, ValueError) as error:
             raise open_error(sounddevice, device, channels, engine.sample_rate, error) from None
-        _RUNNING.add(self)
+        RUNNING.add(self)
 
     def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
         from overview_dsp.kernels.device.callback import native_callback
@@ -153,13 +165,17 @@ class OutputStream(Stream):
         with self._named_errors():
             self._stream.start()
         self._started = True
+        if self.connections is not None and (client := client_name()) is not None:
+            jack.connect(client, self.connections)
 
     def _stop(self) -> None:
-        self._fade_out()
-        if self._stream.active:
+        if not self._fade_out():
+            undo_fade(self._memory)
             raise OverviewError(f"output {self.name} doesn't respond")
+        self._keep_connections()
         with self._named_errors():
             self._stream.stop()
+        self._started = False
 
     @contextlib.contextmanager
     def _named_errors(self) -> Iterator[None]:
@@ -169,24 +185,34 @@ class OutputStream(Stream):
         except self._sounddevice.PortAudioError as error:
             raise OverviewError(f"output {self.name}: {first_line(error)}") from None
 
-    def _fade_out(self) -> None:
+    def _fade_out(self) -> bool:
+        """Fade out; return whether the stream has ended by itself, as of a device that responds."""
         self._w[layout.L_STOP] = 1
         until = time.monotonic() + FADE_WITHIN_S
         while self._stream.active and time.monotonic() < until:
             time.sleep(0.002)
+        return bool(self._w[layout.L_FADED] >= self._w[layout.S_GLIDE])
 
     def _close(self) -> None:
-        if self not in _RUNNING:
+        if self not in RUNNING:
             return
-        self._fade_out()
-        faded = self._w[layout.L_FADED] >= self._w[layout.S_GLIDE]
-        if "JACK" in self._host and self._started and not faded:
-            # The JACK server has died. Closing would wait for it for ten minutes, and terminating
-            # PortAudio at exit would abort. So the stream stays open, and in _RUNNING.
-            self._sounddevice._initialized = 0
-            return
-        self._stream.close()
-        _RUNNING.discard(self)
+        RUNNING.discard(self)
+        if not self._fade_out() and self._started and self.waits_for_server:
+            # closing would wait for the server for ten minutes
+            _ABANDONED.append(self)
+        else:
+            self._keep_connections()
+            self._stream.close()
+
+    def _keep_connections(self) -> None:
+        """Read the connections, before PortAudio stops and undoes them."""
+        if self._started and self.waits_for_server and (client := client_name()) is not None:
+            self.connections = jack.connections(client) or None
+
+    @property
+    def waits_for_server(self) -> bool:
+        """Kind of output: True on JACK, whose server may stop for a while and continue."""
+        return "JACK" in self._host
 
     @property
     def active(self) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from overview_dsp.errors import OverviewError
+from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import Stream, StreamMeters
 from overview_dsp.live.output.stream_opener import StreamOpener
@@ -81,6 +82,8 @@ class ReconnectingStream:
         self.name, self.block_size = "", 0
         self._session, self._engine = session, session.engine
         self._stream: Stream | None = None
+        self._frozen = False
+        self._connections: Connections | None = None
         self._last = self._earlier = StreamMeters(0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._frames_lost = FramesLost()
         self._polled_at = time.monotonic()
@@ -89,8 +92,8 @@ class ReconnectingStream:
 
     @property
     def playing(self) -> bool:
-        """State of the output: True while a stream is open."""
-        return self._stream is not None
+        """State of the output: True while a stream is open and its server responds."""
+        return self._stream is not None and not self._frozen
 
     @property
     def meters(self) -> StreamMeters:
@@ -109,12 +112,11 @@ class ReconnectingStream:
     def open(self, before: Callable[[], None] = lambda: None) -> None:
         """Open the output and start to play; call `before` before the first sample.
 
-        Raises
-        ------
-        OverviewError
-            The output can't be opened, or `before` failed.
+        OverviewError: the output can't be opened, or `before` failed.
         """
         stream = self.opener(self._engine, self.settings)
+        if stream.name == self.name:
+            stream.connections = self._connections
         try:
             before()
             stream.start()
@@ -137,10 +139,21 @@ class ReconnectingStream:
         asleep, self._polled_at = now - self._polled_at > LOST_AFTER_S / 2.0, now
         if meters.callbacks != self._called[1] or asleep:
             self._called = (now, meters.callbacks)
+            if self._frozen and not asleep:
+                self._frozen = False
+                self._frames_lost.restart()
+                self._session.say(f"output {self.name} reconnected")
         self._last = meters
         if meters.frames:
             self._frames_lost.update(now, meters.frames, self._engine.sample_rate, self.block_size)
-        if not self._stream.active or now - self._called[0] > LOST_AFTER_S:
+        late = now - self._called[0] > LOST_AFTER_S
+        if self._stream.active and late and self._stream.waits_for_server:
+            if not self._frozen:
+                self._frozen = True
+                self._session.say(
+                    f"output {self.name} doesn't respond; disk released, waiting for its server"
+                )
+        elif late or not self._stream.active:
             self._session.say(
                 f"output {self.name} disconnected; disk released, waiting for the output"
             )
@@ -175,15 +188,23 @@ class ReconnectingStream:
         self._begin_watch()
 
     def disconnect(self) -> None:
-        """Close the stream so that `open` or `poll` can open another; show an error."""
+        """Close the stream so that `open` or `poll` can open another; show an error.
+
+        OverviewError: the output's server doesn't respond; opening another stream would wait for
+            it.
+        """
         if self._stream is None:
             return
+        if self._frozen and self._stream.active:
+            raise OverviewError(f"output {self.name} doesn't respond; start its server again")
+        self._frozen = False
         self._earlier = self.meters
         self._last = replace(self._last, callbacks=0, late=0, underflows=0, frames=0)
         try:
             self._stream.close()
         except Exception as error:  # from PortAudio, if the device is disconnected
             self._session.say(f"error while closing output {self.name}: {error}")
+        self._connections = self._stream.connections
         self._stream = None
         self._retry_at = time.monotonic()
 

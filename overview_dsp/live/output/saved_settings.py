@@ -33,10 +33,7 @@ def load_settings(device: str, channels: int = 2) -> OutputSettings:
 
     `channels` is the number of its channels. A pad with voice coils has other defaults.
 
-    Raises
-    ------
-    InputError
-        The settings file is damaged.
+    InputError: the settings file is damaged.
     """
     saved = _read().get(device)
     if saved is None:
@@ -110,10 +107,7 @@ def resolve_output(
     `click` and `tactor` are changed fields of `SignalSettings`. `actuator` is a name or file,
     "none", or None for the saved one. `channels` is the number of channels of the device.
 
-    Raises
-    ------
-    InputError
-        A setting is out of range, or the actuator can't be loaded.
+    InputError: a setting is out of range, or the actuator can't be loaded.
     """
     remembered, saved = OutputSettings(), None
     if device is not None:

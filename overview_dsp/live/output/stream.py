@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
+from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.public import counted
 from overview_dsp.signal.engine.engine import Engine
@@ -144,10 +145,21 @@ class Stream(ABC):
     """Stream that runs an engine in real time: an `OutputStream`, or a `NullStream` without device.
 
     Thread: main; while it plays, only its audio thread calls the engine's `process`.
+
+    Attributes
+    ----------
+    name : str
+        Name of the output.
+    block_size : int
+        Block size in frames.
+    connections : list or None
+        Ports on JACK that each channel was connected to when it last stopped; `start` connects
+        them again. None: the default ports.
     """
 
     name: str
     block_size: int
+    connections: Connections | None = None
     _engine: Engine
 
     @abstractmethod
@@ -238,6 +250,11 @@ class Stream(ABC):
         False
         """
         self._close()
+
+    @property
+    def waits_for_server(self) -> bool:
+        """Kind of output: True if its server may stop for a while and continue."""
+        return False
 
     @property
     @abstractmethod

@@ -58,10 +58,7 @@ class RisingTone:
 
         It is on the output's channels and below its ceiling.
 
-        Raises
-        ------
-        InputError
-            The sample rate (Hz) is too low for the frequency or the actuator's resonance.
+        InputError: the sample rate (Hz) is too low for the frequency or the actuator's resonance.
         """
         if not 1.0 <= self.frequency_hz <= 0.45 * sample_rate:
             raise InputError(

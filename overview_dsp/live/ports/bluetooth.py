@@ -37,12 +37,8 @@ class BlePort(QueuedPort):
     def __init__(self, selected: str, bleak: Any = None) -> None:
         """Open the sensor with an address, or with a part of a name.
 
-        Raises
-        ------
-        InputError
-            No such sensor is in range, or it has no supported service.
-        OverviewError
-            bleak isn't installed.
+        InputError: no such sensor is in range, or it has no supported service.
+        OverviewError: bleak isn't installed.
         """
         super().__init__(f"ble:{selected}", MAX_QUEUED)
         self._selected = selected.casefold()

@@ -137,12 +137,8 @@ class MidiPort(QueuedPort):
     def __init__(self, selected: str) -> None:
         """Open the port with a name, or with a part of a name.
 
-        Raises
-        ------
-        InputError
-            No port or several ports match.
-        OverviewError
-            Neither python-rtmidi nor rtmidi2 is installed.
+        InputError: no port or several ports match.
+        OverviewError: neither python-rtmidi nor rtmidi2 is installed.
         """
         super().__init__(f"midi:{selected}", MAX_QUEUED)
         self._input, self._port = self._open(selected)
@@ -176,10 +172,7 @@ class MidiPort(QueuedPort):
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new messages, as `Port.receive`.
 
-        Raises
-        ------
-        PortLostError
-            The port is disconnected, or has stopped sending active sensing.
+        PortLostError: the port is disconnected, or has stopped to send active sensing.
         """
         found = super().receive(wait_s)
         now = time.monotonic()

@@ -40,12 +40,8 @@ class OscPort(Port):
     def __init__(self, text: str) -> None:
         """Listen at `PORT` of this machine, or `HOST:PORT`.
 
-        Raises
-        ------
-        InputError
-            The address isn't valid, or another program uses it.
-        OverviewError
-            python-osc isn't installed.
+        InputError: the address isn't valid, or another program uses it.
+        OverviewError: python-osc isn't installed.
         """
         require_osc()
         self.name = f"osc:{text}"
@@ -108,12 +104,8 @@ class OscOut:
 
         `say` receives messages for the user, from this thread.
 
-        Raises
-        ------
-        InputError
-            The address isn't valid.
-        OverviewError
-            python-osc isn't installed.
+        InputError: the address isn't valid.
+        OverviewError: python-osc isn't installed.
         """
         require_osc()
         host, port = parse_address(address)

@@ -63,12 +63,8 @@ def pads(hid: Any = None) -> list[Pad]:
 def find_pad(selected: str, hid: Any = None) -> Pad:
     """Return the only pad whose kind or name contains `selected`, which may be empty.
 
-    Raises
-    ------
-    InputError
-        No pad or several pads match.
-    OverviewError
-        hidapi isn't installed.
+    InputError: no pad or several pads match.
+    OverviewError: hidapi isn't installed.
     """
     connected = pads(hid)
     text = selected.casefold()
@@ -86,12 +82,8 @@ class PadPort(Port):
     def __init__(self, selected: str, hid: Any = None) -> None:
         """Open the pad that `find_pad` finds, and enable its motion reports.
 
-        Raises
-        ------
-        InputError
-            No pad or several pads match, or the pad can't be opened.
-        OverviewError
-            hidapi isn't installed.
+        InputError: no pad or several pads match, or the pad can't be opened.
+        OverviewError: hidapi isn't installed.
         """
         hid = _import_hid() if hid is None else hid
         pad = find_pad(selected, hid)

@@ -32,10 +32,7 @@ class PhyphoxPort(Port):
     def __init__(self, address: str) -> None:
         """Connect to `http://HOST:PORT`.
 
-        Raises
-        ------
-        InputError
-            No answer, or the experiment has no accelerometer.
+        InputError: no answer, or the experiment has no accelerometer.
         """
         self.name = address
         parts = urllib.parse.urlsplit(address)

@@ -38,10 +38,7 @@ class Port(Protocol):
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new messages, waiting up to `wait_s` (s) for the first.
 
-        Raises
-        ------
-        PortLostError
-            The device is disconnected.
+        PortLostError: the device is disconnected.
         """
 
     def write(self, data: bytes) -> bool:

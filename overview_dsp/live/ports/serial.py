@@ -34,10 +34,8 @@ class SerialPort(Port):
     def __init__(self, device: str, baud: int = BAUD) -> None:
         """Open a port exclusively.
 
-        Raises
-        ------
-        InputError
-            The port doesn't exist, isn't permitted, is in use, or doesn't support the speed.
+        InputError: the port doesn't exist, isn't permitted, is in use, or doesn't support the
+            speed.
         """
         import serial
 
@@ -127,10 +125,7 @@ def _identity(one: Any) -> str:
 def find_device_again(device: str, identity: str) -> str:
     """Return the present port of a device by its USB identity; `device` if that is empty.
 
-    Raises
-    ------
-    InputError
-        No port has that identity. Another device may have the old port name now.
+    InputError: no port has that identity. Another device may have the old port name now.
     """
     if not identity:
         return device

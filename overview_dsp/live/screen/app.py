@@ -5,6 +5,7 @@ Its command palette has all commands of a session.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -15,13 +16,20 @@ from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.command import DiscoveryHit, Hit, Hits, Provider
+from textual.containers import ScrollableContainer
+from textual.events import Key
 from textual.screen import ModalScreen
 from textual.widgets import Footer, Static
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
+from overview_dsp.live.screen.position_report import (
+    PositionReport,
+    event_text,
+    finger_position,
+)
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
-from overview_dsp.live.screen.timeline_view import TimelineView, marks, position_text
+from overview_dsp.live.screen.timeline_view import TimelineView, marks
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
@@ -102,26 +110,31 @@ class TextScreen(ModalScreen[None]):
 
     CSS = """
     TextScreen { align: center middle; }
-    TextScreen Static { width: auto; height: auto; border: round $accent; padding: 0 1;
-        background: black; color: white; }
+    TextScreen ScrollableContainer { width: auto; height: auto; max-width: 100%; max-height: 100%; }
+    TextScreen Static { width: auto; height: auto; max-width: 100%; border: round $accent;
+        padding: 0 1; background: black; color: white; }
     """
     BINDINGS: ClassVar[list[BindingType]] = []
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self._text = text
+        self._text, self._closed = text, False
 
     def compose(self) -> ComposeResult:
         """Show the text."""
-        yield Static(self._text, markup=False)
+        with ScrollableContainer():
+            yield Static(self._text, markup=False)
 
-    def on_key(self) -> None:
-        """Close."""
-        self.dismiss()
+    def on_key(self, event: Key) -> None:
+        """Scroll, or close."""
+        if event.key not in ("up", "down", "pageup", "pagedown"):
+            self.on_click()
 
     def on_click(self) -> None:
-        """Close."""
-        self.dismiss()
+        """Close once: a second key may arrive before the screen is gone."""
+        if not self._closed:
+            self._closed = True
+            self.dismiss()
 
 
 POLLS_PER_SECOND = 30
@@ -130,6 +143,9 @@ VIEW_EVERY, METERS_EVERY = 3, 6
 
 MESSAGE_S = 10.0
 """Time that a message is shown."""
+
+HINT = "Drag with the mouse, or hold → to move"
+"""Shown until the first touch."""
 
 
 class PlayApp(App[None]):
@@ -141,10 +157,15 @@ class PlayApp(App[None]):
     #title { height: 1; text-style: bold; }
     #legend { height: 1; }
     #messages { height: 2; color: $warning; }
+    .-short TraceView, .-short #legend { display: none; }
+    .-short MetersView { height: 2; min-height: 2; }
     """
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (20, "-tall")]  # noqa: RUF012
     COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark", "help", "help"),
+        Binding("q,ctrl+c", "quit", "quit"),
         Binding("left", "press('left')", "back", show=False),
         Binding("right", "press('right')", "move"),
         Binding("space", "press('space')", "release / tap"),
@@ -163,8 +184,6 @@ class PlayApp(App[None]):
         Binding("m", "press('m')", "mute clicks", show=False),
         Binding("t", "press('t')", "mute tactor", show=False),
         Binding("r", "remote", show=False),
-        Binding("question_mark", "help", "help"),
-        Binding("q,ctrl+c", "quit", "quit"),
     ]
 
     def __init__(
@@ -184,10 +203,12 @@ class PlayApp(App[None]):
         self._ended = False
         self._polls = 0
         self._peaks = [0.0, 0.0]
-        self._shown: list[tuple[float, str]] = []
+        self._shown: list[tuple[float, str]] = [(math.inf, HINT)]
         self._view = TimelineView(player)
         self._meters = MetersView()
         self._trace = TraceView()
+        self._message_text = ""
+        self._report = PositionReport(player)
         self._key_actions = KeyActions(player)
         self._legend_surface: Surface | None = None
         self._legend = Static("", id="legend")
@@ -237,13 +258,17 @@ class PlayApp(App[None]):
         peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
         if self._polls % METERS_EVERY == 0:
             texts = ("" if source is None else source.status_text, status.following or "")
+            finger = finger_position(self._player)
+            place, _, event = self._report.here(status.cursor if finger is None else finger)
             with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(
                 with_peaks,
-                position_text(self._player, status.cursor),
+                f"{place}  {'' if event is None else event_text(event)}".rstrip(),
                 "; ".join(filter(None, texts)),
             )
             peaks[:] = 0.0, 0.0
+        if status.touching and self._shown[:1] == [(math.inf, HINT)]:
+            self._shown = self._shown[1:]
         self._show_messages(status.messages)
 
     def _show_legend(self) -> None:
@@ -262,9 +287,11 @@ class PlayApp(App[None]):
         now = time.monotonic()
         shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
         shown += [(now, line) for line in messages]
-        if shown != self._shown:
-            self._shown = shown
-            self._message_lines.update("\n".join(line for _, line in shown[-2:]))
+        text = "\n".join(line for _, line in shown[-2:])
+        if text != self._message_text:
+            self._message_text = text
+            self._message_lines.update(text)
+        self._shown = shown
 
     def _end(self, failure: Exception | None = None) -> None:
         """Close the player, then the screen, which may take longer."""

@@ -73,10 +73,11 @@ class KeyActions:
             "?": lambda: self._say(help_text(player)),
         }
 
-    def press(self, key: str) -> None:
-        """Run the action of a key, named as in `_actions`; ignore other keys."""
+    def press(self, key: str) -> bool:
+        """Run the action of a key, named as in `_actions`; return whether it has one."""
         if key in self._actions:
             self._actions[key]()
+        return key in self._actions
 
     def _position(self) -> float:
         """Return the pointer's position during its touch, otherwise the disk's."""

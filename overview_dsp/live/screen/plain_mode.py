@@ -1,32 +1,55 @@
 """Plain mode: a session as lines of text, for screen readers and simple terminals.
 
-The keys are those of the full screen. A line reports the disk's position and event after both have
-stayed the same for a short time. Actions of keys are reported at once.
+The keys are those of the full screen. A line reports the position of the finger, value and event,
+at once after a key or a movement and then at most four times per second: the newest, and the last.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import re
 import select
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions
-from overview_dsp.live.screen.timeline_view import position_text
+from overview_dsp.live.screen.position_report import PositionReport, finger_position
+from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 
 POLL_EVERY_S = 0.03
-STABLE_S = 0.25
-"""Time that the position text stays the same before it is reported."""
+LINE_EVERY_S = 0.25
+"""Shortest time between two lines on the position."""
+
+HELP = """\
+Left and Right: move the finger. With Shift: ten times as far.
+Home, End: touch the start, the end.
+[ and ]: touch the previous event, the next event.
+Space: release; without a touch, tap. Enter: tap. Escape: release.
+w: where the finger is, and which input holds the disk.
+Plus, minus, 0: zoom in, zoom out, whole timeline.
+R: start a take, or end it. P: replay the last take, or stop.
+1, 2: use the first preset, the second preset.
+c: type a command, then Enter: preset, window, gain, device, block size, rate and others.
+m, t: mute the clicks, the tactor.
+r: the address for a phone.
+q: quit."""
 
 ESCAPES = {
     "[C": "right", "[D": "left", "[H": "home", "[F": "end", "OC": "right", "OD": "left",
     "[1~": "home", "[4~": "end", "[1;2C": "shift+right", "[1;2D": "shift+left",
 }  # fmt: skip
+MOVES = {
+    "left", "right", "shift+left", "shift+right", "home", "end", "space", "enter", "escape",
+    "[", "]",
+}  # fmt: skip
+EVENTS = {"[", "]"}
+_SEQUENCE = re.compile(r"\[[\d;]*[A-Za-z~]|O[A-Z]")
 NAMES = {" ": "space", "\r": "enter", "\n": "enter", "\x03": "q"}
 
 
@@ -37,11 +60,113 @@ def parse_keys(text: str) -> Iterator[str]:
             yield NAMES.get(text[0], text[0])
             text = text[1:]
             continue
-        sequence = next(
-            (one for one in sorted(ESCAPES, key=len, reverse=True) if text[1:].startswith(one)), ""
-        )
-        yield ESCAPES.get(sequence, "escape")
-        text = text[1 + len(sequence) :]
+        found = _SEQUENCE.match(text, 1)
+        yield ESCAPES.get(found[0], "of that name") if found else "escape"
+        text = text[1 + len(found[0] if found else "") :]
+
+
+class LineSession:
+    """Keys of a session, and reports on its finger.
+
+    Thread: control.
+    """
+
+    def __init__(self, player: Player, say: Callable[[str], None], address: str) -> None:
+        """Report to `say`; `address` explains how to connect a phone."""
+        self._player, self._report = player, PositionReport(player)
+        self._say_line, self._address = say, address
+        self._actions = KeyActions(player, self.say)
+        self._command: str | None = None  # that is being typed
+        self._finger: float | None = None
+        self._place = player.pointer.position
+        self._asked = self._moved = False
+        self._said_at, self._said = 0.0, ""
+        self._state = self._read_state()
+
+    def say(self, text: str) -> None:
+        """Print each line of a text, without control codes."""
+        for line in text.splitlines():
+            self._say_line("".join(one if one.isprintable() else " " for one in line).strip())
+
+    def press(self, key: str) -> None:
+        """Run the action of a key, or add it to the command that is being typed."""
+        before, player = finger_position(self._player), self._player
+        if self._command is not None:
+            self._type(key)
+        elif key == "?":
+            self.say(HELP)
+        elif key == "c":
+            self._command = ""
+            self.say(f"Command, then Enter: {', '.join(FORMS.values())}")
+        elif key == "r":
+            self.say(self._address or "No address: start with --remote.")
+        elif key == "w":
+            held = player.engine.active_input
+            holder = "not held" if held is None else f"held by {held[0]}"
+            self.say(f"{self._report.text(self._place)} Disk {holder}.")
+        elif not self._actions.press(key):
+            self.say(f"No key {key}. Press question mark.")
+        elif key in MOVES:
+            place = player.pointer.position
+            if key in EVENTS and (place == before or not player.pointer.touching):
+                self.say("No event further on." if key == "]" else "No event before.")
+            else:
+                self._place, self._asked = place, True
+
+    @property
+    def typing(self) -> bool:
+        """State of the keyboard: True while a command is typed."""
+        return self._command is not None
+
+    def _type(self, key: str) -> None:
+        if key in ("enter", "escape"):
+            words = tuple((self._command or "").split())
+            self._command = None
+            if key == "enter" and words:
+                self._player.queue_command(*words)
+            else:
+                self.say("No command.")
+        elif key == "\x7f":
+            self._command = (self._command or "")[:-1]
+        elif key == "space" or len(key) == 1:
+            self._command = (self._command or "") + key.replace("space", " ")
+
+    def update(self, now_s: float) -> None:
+        """Print what has changed since the last call; call this often."""
+        state = self._read_state()
+        if state != self._state:
+            for new, old in zip(state, self._state, strict=True):
+                if new != old:
+                    self.say(new)
+            self._state = state
+        finger = finger_position(self._player)
+        if finger is not None:
+            self._moved |= finger != self._finger
+            self._place = finger
+        elif self._finger is not None:
+            self._moved = True
+        self._finger = finger
+        if (self._moved or self._asked) and now_s - self._said_at >= LINE_EVERY_S:
+            self._say_position(now_s)
+
+    def _say_position(self, now_s: float) -> None:
+        text = self._report.text(self._place)
+        if self._finger is None:
+            text = f"Released at {text}"
+            self._report.forget()
+        if self._asked or text != self._said:
+            self.say(text)
+            self._said_at, self._said = now_s, text
+        self._asked = self._moved = False
+
+    def _read_state(self) -> tuple[str, ...]:
+        """Return the window and the replay as sentences."""
+        start_s, end_s = self._player.window
+        window = f"{self._report.moment(start_s)} to {self._report.moment(end_s)}"
+        if self._player.live_updates is not None:  # it may grow all the time
+            window = ""
+        replay = "Replay." if self._player.loop.playing else "No replay."
+        return f"Window {window}.", replay
 
 
 def run(
@@ -49,28 +174,21 @@ def run(
     source: Input | None,
     stopped: Callable[[], bool],
     say: Callable[[str], None] = lambda line: print(line, flush=True),
+    address: str = "",
 ) -> None:
     """Play until `q` or `stopped()`; raise errors of the player."""
-    actions = KeyActions(player, say)
-    say(f"{player.timeline.title}. ? for the keys, q to quit.")
-    reported = last = ""
-    since = time.monotonic()
+    session = LineSession(player, say, address)
+    session.say(f"{player.timeline.title}. Press question mark for the keys, q to quit.")
     with _raw_keys() as read:
         while not stopped():
-            status = poll(player, source)
-            for line in status.messages:
-                say(line)
+            for line in poll(player, source).messages:
+                session.say(line)
             for key in parse_keys(read()):
-                if key == "q":
+                if key == "q" and not session.typing:
                     player.close()
                     return
-                actions.press(key)
-            text = position_text(player, status.cursor) + ("" if status.touching else ", released")
-            if text != last:
-                last, since = text, time.monotonic()
-            if last != reported and time.monotonic() - since >= STABLE_S:
-                reported = last
-                say(reported)
+                session.press(key)
+            session.update(time.monotonic())
         player.close()
 
 
@@ -85,18 +203,35 @@ def _raw_keys() -> Iterator[Callable[[], str]]:
         yield sys.stdin.readline
         return
     before = termios.tcgetattr(file)
-    tty.setcbreak(file)
+
+    def give_back(*signal_and_frame: object) -> None:
+        termios.tcsetattr(file, termios.TCSANOW, before)
+
+    def suspend(*signal_and_frame: object) -> None:
+        give_back()
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+    def resume(*signal_and_frame: object) -> None:
+        tty.setcbreak(file, termios.TCSANOW)  # keeps what was typed
+
+    handlers = {
+        number: signal.signal(number, handler)
+        for number, handler in ((signal.SIGTSTP, suspend), (signal.SIGCONT, resume))
+    }
+    resume()
 
     def read() -> str:
         if not select.select([file], [], [], POLL_EVERY_S)[0]:
             return ""
         data = os.read(file, 1024)
         if not data:  # closed
-            return "q"
+            return "\x1bq"
         return data.decode("utf-8", "replace")
 
     try:
         yield read
     finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
         with contextlib.suppress(termios.error):
-            termios.tcsetattr(file, termios.TCSANOW, before)
+            give_back()

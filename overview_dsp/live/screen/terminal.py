@@ -1,4 +1,4 @@
-"""Terminal driver that never waits for a frozen or closed terminal.
+"""Terminal driver that never waits for a frozen or closed terminal, and draws ASCII if necessary.
 
 Textual's own writer blocks the application when its queue is full, even at exit. This one skips
 output while the terminal doesn't read. The whole screen is drawn again when it reads again.
@@ -10,6 +10,7 @@ import os
 import select
 import threading
 from collections import deque
+from collections.abc import Mapping
 from typing import IO, Any
 
 from textual.driver import Driver
@@ -25,6 +26,19 @@ END_WITHIN_S = 0.3
 
 CHUNK = 512
 
+ASCII = str.maketrans(
+    "▁▂▃▄▅▆▇█▲◆●■✚★◇○◉▼┊│─═╭╮╰╯▏▎▔·→←°µ…",
+    "_.-:=+*#^v@%+*<oOV||-=++++||-.><'u.",
+)
+"""Replacements for a terminal without UTF-8, of the same width."""
+
+
+def has_utf8(environment: Mapping[str, str]) -> bool:
+    """Return whether a terminal shows UTF-8, by its locale (UTF-8 if unknown) and its kind."""
+    names = ("LC_ALL", "LC_CTYPE", "LANG")
+    locale = next(filter(None, (environment.get(name) for name in names)), "utf-8").casefold()
+    return environment.get("TERM") != "linux" and ("utf-8" in locale or "utf8" in locale)
+
 
 class TerminalWriter(threading.Thread):
     """Writer to a terminal in a thread of its own, which replaces Textual's.
@@ -36,6 +50,7 @@ class TerminalWriter(threading.Thread):
         """Prepare to write to an open terminal; `start` starts the thread."""
         super().__init__(daemon=True, name="terminal")
         self._file = file
+        self._utf8 = has_utf8(os.environ)
         self._queue: deque[bytes] = deque()
         self._count = 0
         self._changed = threading.Condition()
@@ -50,7 +65,10 @@ class TerminalWriter(threading.Thread):
             if self.closed or (self._count > MAX_QUEUED and not is_mode):
                 self._skipped = True
                 return
-            data = text.encode("utf-8", "replace")
+            if self._utf8:
+                data = text.encode("utf-8", "replace")
+            else:
+                data = text.translate(ASCII).encode("ascii", "replace")
             self._queue.append(data)
             self._count += len(data)
             self._changed.notify()
@@ -125,6 +143,7 @@ def nonblocking_driver(driver: type[Driver]) -> type[Driver]:
         """Driver that replaces the writer which Textual creates."""
 
         writer: TerminalWriter | None = None
+        _suspended = False
 
         @property
         def _writer_thread(self) -> TerminalWriter | None:
@@ -133,6 +152,19 @@ def nonblocking_driver(driver: type[Driver]) -> type[Driver]:
         @_writer_thread.setter
         def _writer_thread(self, original: Any) -> None:
             self.writer = None if original is None else TerminalWriter(original._file)
+
+        def suspend_application_mode(self) -> None:
+            """Give the terminal back."""
+            super().suspend_application_mode()
+            self._suspended = True
+
+        def resume_application_mode(self) -> None:
+            """Take the terminal; SIGSTOP stops this process without giving it back first."""
+            if not self._suspended:
+                self.suspend_application_mode()
+            self._suspended = False
+            super().resume_application_mode()
+            self._app.refresh(layout=True)
 
         def run_input_thread(self) -> None:
             """Read keys; the application detects a closed terminal."""

@@ -135,7 +135,7 @@ class TimelineView(Widget):
         """Return a line: events, friction columns, input and disk, or axis."""
         width, height = self.size.width, self.size.height
         if self._drawn is None or len(self._heights) != width:
-            return Strip.blank(width)
+            return Strip.blank(width, Style.null())
         rows = height - AXIS_ROWS - INPUT_ROWS - EVENT_ROWS
         if y == 0:
             return Strip(self._event_line(width)).simplify()
@@ -149,7 +149,7 @@ class TimelineView(Widget):
         return [
             Segment(self._marks[x][0], Style(color=self._marks[x][1], bold=True))
             if x in self._marks
-            else Segment(" ")
+            else Segment(" ", Style.null())
             for x in range(width)
         ]
 
@@ -216,17 +216,6 @@ def time_text(player: Player, time_s: float) -> str:
     moment = start + timedelta(seconds=time_s)
     long = player.window[1] - player.window[0] > 3 * 86_400
     return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
-
-
-def position_text(player: Player, cursor: float) -> str:
-    """Return the time at the cursor (0 to 1), and the event whose surface it is on."""
-    text = time_text(player, player.time_at(cursor))
-    surface = player.engine.surface
-    for span, index in zip(surface.span, surface.event, strict=True):
-        if span[0] <= cursor <= span[1]:
-            event = player.window_timeline.events[index]
-            return f"{text}  {event.kind} {event.display_label}".rstrip()
-    return text
 
 
 def marks(player: Player) -> list[tuple[str, str, str]]:

@@ -81,6 +81,9 @@ def _block(part: float) -> str:
 
 
 BAR = 24
+NARROW = 70
+"""Width (cells) below which the position has a row of its own."""
+
 METERS_FLOOR_DB = -60.0
 HOLD_FALL_DB = 6.0
 """Fall of a held peak per update."""
@@ -100,8 +103,13 @@ class MetersView(Static):
         """Write the meters, the text of the position and the status of the input."""
         text, stream = Text(), status.stream
         part = min(abs(status.torque) / status.full_torque, 1.0)
+        narrow = self.size.width < NARROW
+        if narrow:
+            text.append(f"{position}\n", "bold")
         text.append("torque ").append(bar(part), "yellow")
-        text.append(f" {status.torque * 1e3:+7.3f} mN·m   ").append(position, "bold")
+        text.append(f" {status.torque * 1e3:+7.3f} mN·m   ")
+        if not narrow:
+            text.append(position, "bold")
         click, tactor = status.settings.signals
         peaks = ((status.peak_click, click.mute), (status.peak_tactor, tactor.mute))
         for index, (name, (peak, muted)) in enumerate(

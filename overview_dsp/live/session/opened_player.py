@@ -89,10 +89,7 @@ class OpenedPlayer:
     ) -> None:
         """Open the player; `note` receives messages, `say` one line per take at the end.
 
-        Raises
-        ------
-        OverviewError
-            A device, file or value can't be used.
+        OverviewError: a device, file or value can't be used.
         """
         self._note, self._say = note, say
         self._window = settings.window and timeline.require_window(*settings.window)

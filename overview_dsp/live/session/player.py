@@ -82,10 +82,7 @@ class Player:
         `record` is the path of takes; with it, the first take starts at once. `other` is the second
         preset to switch to. With `follow`, `timeline` is the present snapshot of a live timeline.
 
-        Raises
-        ------
-        OverviewError
-            The output can't be opened, or the take can't be written.
+        OverviewError: the output can't be opened, or the take can't be written.
         """
         self._callback, self._max_block_size = callback, max_block_size
         self.queued_commands: deque[tuple[str, ...]] = deque()
@@ -195,10 +192,7 @@ class Player:
     ) -> None:
         """Change the output, its settings or the sample rate; a new rate ends a take.
 
-        Raises
-        ------
-        OverviewError
-            The new output can't be opened. The present one continues.
+        OverviewError: the new output can't be opened. The present one continues.
         """
         output, engine = self.output, self.engine
         before = output.opener, output.settings, engine.sample_rate
@@ -288,10 +282,7 @@ class Player:
     def close(self) -> None:
         """Release, fade out, close the output and save the take; repeated calls do nothing.
 
-        Raises
-        ------
-        InputError, OutputError
-            The take can't be written.
+        InputError, OutputError: the take can't be written.
         """
         self.release()
         try:

@@ -9,10 +9,12 @@ from pathlib import Path
 
 from overview_dsp.design.presets.library import load_preset, preset_path
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import OverviewError
+from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.signal.surface.angle_map import SHARE, without_map
 
 CHECK_EVERY_S = 0.2
+MISSING_CHECKS = 5
+"""Number of checks without a file after which it is reported; an editor replaces it sooner."""
 
 
 class PresetWatch:
@@ -35,6 +37,7 @@ class PresetWatch:
         self.linear = linear
         self.fixed = False
         self._signature = self._read_signature()
+        self._missing = 0
         self._name = name
         self.preset: Preset = self._load()
         self._check_at = 0.0
@@ -64,16 +67,17 @@ class PresetWatch:
     def pop_changed(self) -> Preset | None:
         """Return the preset if its file has changed since the last call; otherwise None.
 
-        Raises
-        ------
-        InputError
-            The changed file isn't valid. `preset` stays the last valid version.
+        InputError: the changed file isn't valid, or was deleted. `preset` stays the last valid
+            version.
         """
         now = time.monotonic()
         if self.fixed or now < self._check_at:
             return None
         self._check_at = now + CHECK_EVERY_S
         signature = self._read_signature()
+        self._missing = 0 if signature is not None else self._missing + 1
+        if self._missing == MISSING_CHECKS:
+            raise InputError(f"{self.path}: the file was deleted or moved")
         if signature is None or signature == self._signature:
             return None
         self._signature = signature

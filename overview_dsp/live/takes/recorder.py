@@ -51,10 +51,7 @@ class Recorder:
 
         `say` shows the user a message, from the take's thread.
 
-        Raises
-        ------
-        InputError, OutputError
-            The take can't be written.
+        InputError, OutputError: the take can't be written.
         """
         self._engine = engine
         self._start_sample, self._events_read, touches = read_inputs(engine.memory)
@@ -96,10 +93,7 @@ class Recorder:
     def close(self) -> None:
         """Write the rest and end the take; repeated calls do nothing. Thread: any.
 
-        Raises
-        ------
-        OutputError
-            The rest can't be written. The take on disk is valid without it.
+        OutputError: the rest can't be written. The take on disk is valid without it.
         """
         self._stopped.set()
         if self._thread is not None and self._thread is not threading.current_thread():

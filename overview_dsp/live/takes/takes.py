@@ -85,10 +85,7 @@ class Takes:
     def end(self) -> None:
         """Save the take that is recorded; without one this does nothing.
 
-        Raises
-        ------
-        OutputError
-            A part of the take can't be written.
+        OutputError: a part of the take can't be written.
         """
         recorder, self._recorder = self._recorder, None
         if recorder is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import re
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -408,7 +409,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
             return keys.pop(0)
         player.touch(float(goal))
         time.sleep(0.02)
-        return "q" if any("goal" in line for line in said[2:]) else ""
+        return "q" if any("Goal" in line for line in said[2:]) else ""
 
     @contextlib.contextmanager
     def reading():
@@ -418,9 +419,9 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     began = time.monotonic()
     plain_mode.run(player, None, lambda: time.monotonic() - began > 20.0, said.append)
     assert said[0].startswith(player.timeline.title)
-    assert "drag" in said[1]
+    assert said[1].startswith("Left and Right")
     assert "clicks muted" in said
-    assert any("goal" in line for line in said[2:])
+    assert any("Goal" in line for line in said[2:])
     assert player.output.settings.click.mute
 
 
@@ -429,6 +430,8 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     [
         ("\x1b[C\x1b[1;2D", ["right", "shift+left"]),
         ("\x1b", ["escape"]),
+        ("\x1b[", ["escape", "["]),
+        ("\x1b[A]\x1b[15~", ["of that name", "]", "of that name"]),
         ("R \r]", ["R", "space", "enter", "]"]),
         ("\x1b[H\x1b[4~", ["home", "end"]),
         ("\x03", ["q"]),
@@ -478,3 +481,30 @@ def test_a_terminal_that_has_gone_is_noticed():
     assert writer.closed
     writer.stop()
     os.close(file.writer)
+
+
+@pytest.mark.parametrize("size", [(80, 24), (40, 12)])
+def test_help_quit_and_the_way_to_move_are_on_screens_of_any_size(player, size, monkeypatch):
+    monkeypatch.setenv("NO_COLOR", "1")
+    moment = re.compile(r"\b(0:[3-5]\d|1:[0-3]\d), 0 to 0")
+
+    async def script(app, pilot):
+        def rows():
+            return [strip.text for strip in app.screen._compositor.render_strips()]
+
+        assert await until(pilot, lambda: any("hold →" in row for row in rows()))
+        assert "? help  q quit" in rows()[-1]
+        assert all(len(row) == size[0] for row in rows())
+        await pilot.press("right")
+        # the way to move is known, and the moment is shown
+        assert await until(pilot, lambda: not any("hold →" in row for row in rows()))
+        assert await until(pilot, lambda: any(moment.search(row) for row in rows()))
+        await pilot.press("question_mark")
+        assert await until(pilot, lambda: any("drag" in row for row in rows()))
+        await pilot.press(*["pagedown"] * 5)
+        assert await until(pilot, lambda: any("Any key closes" in row for row in rows()))
+        # a second key comes before the help is gone
+        await pilot.press("x", "x")
+        assert await until(pilot, lambda: not any("Any key closes" in row for row in rows()))
+
+    drive(player, script, size=size)

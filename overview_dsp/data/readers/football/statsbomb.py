@@ -46,6 +46,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     team_index,
 )
 from overview_dsp.data.readers.tables.delimited import records
+from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import Column
 from overview_dsp.data.readers.tables.time_column import as_number
 from overview_dsp.data.timeline.model import Timeline

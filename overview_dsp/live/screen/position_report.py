@@ -1,0 +1,167 @@
+"""Text of a position for people who do not see the screen: moment, value or score, event."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from datetime import timedelta
+
+import numpy as np
+
+from overview_dsp.data.analysis.series_events import value_text
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.live.session.player import Player
+from overview_dsp.units import HALF_TURN, clock_text
+
+NAMED, COUNTED = 2, 3
+"""Maximum number of passed events that are named, and of their kinds that are counted."""
+
+AT = 0.005
+"""Distance from an extreme (of the window) within which the finger is on it."""
+
+MOST_POINTS = 1_000_000
+"""Maximum number of points of a curve whose extremes are searched."""
+
+DERIVED_UNIT = "0..1"
+"""In the unit of a curve that was derived from events, whose values mean nothing."""
+
+_DAYS_FROM_S = 3 * 86_400.0
+_TENTHS_BELOW_S = 600.0
+_SCORE = re.compile(r"(\d+)-(\d+)\b\s*")
+
+
+def event_text(event: Event) -> str:
+    """Return kind and label of an event, without the score."""
+    kind = event.kind.replace("_", " ")
+    label = _SCORE.sub("", event.display_label, count=1)
+    if not label or label.casefold().startswith(kind):
+        return label or kind
+    return f"{kind}, {label}"
+
+
+def finger_position(player: Player) -> float | None:
+    """Return the position (0 to 1) of the input that touches the disk; None without a touch."""
+    if player.pointer.touching:
+        return player.pointer.position
+    held = player.engine.active_input
+    # a release by the pointer may not be applied yet
+    return None if held is None or held[0] == "touch" else held[1] / HALF_TURN
+
+
+class PositionReport:
+    """Reports on positions of an input, each with the events passed since the one before.
+
+    Thread: control.
+    """
+
+    def __init__(self, player: Player) -> None:
+        self._player = player
+        self._timeline: Timeline | None = None
+        self._last: tuple[float, Event | None] | None = None
+
+    def forget(self) -> None:
+        """Forget the last position; nothing is passed before the next one."""
+        self._last = None
+
+    def moment(self, time_s: float) -> str:
+        """Return a time as a clock or a date, as exact as the window needs."""
+        start, window = self._player.timeline.start, self._player.window
+        width_s = window[1] - window[0]
+        if start is None:
+            whole = width_s >= _TENTHS_BELOW_S
+            return clock_text(round(time_s))[:-2] if whole else clock_text(time_s)
+        day = start + timedelta(seconds=time_s)
+        date = f"{day.day} {day:%B %Y}"
+        return date if width_s > _DAYS_FROM_S else f"{date}, {day:%H:%M}"
+
+    def here(self, position: float) -> tuple[str, float, Event | None]:
+        """Return moment and value of a position (0 to 1) of the window, its time and its event."""
+        self._prepare()
+        time_s = self._player.time_at(position)
+        event = self._event_at(position)
+        end = "start" if position <= 0.0 else "end" if position >= 1.0 else ""
+        known_s = time_s if event is None else max(time_s, event.time_s)  # of the score
+        parts = self.moment(time_s), end, self._value(time_s, known_s)
+        return ", ".join(filter(None, parts)), time_s, event
+
+    def text(self, position: float) -> str:
+        """Return the report on a position: moment and value, event entered, events passed."""
+        place, time_s, event = self.here(position)
+        last, self._last = self._last, (time_s, event)
+        parts = [place]
+        if event is not None and (last is None or last[1] != event):
+            parts.append(event_text(event))
+        if last is not None and (passed := self._passed(last, time_s, event)):
+            parts.append(f"passed {passed}")
+        return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
+
+    def _prepare(self) -> None:
+        """Find the scores and extremes of a new timeline."""
+        timeline = self._player.timeline
+        if timeline is self._timeline:
+            return
+        self._timeline = timeline
+        found = ((one, _SCORE.match(one.display_label)) for one in timeline.events)
+        self._scores = [
+            (one.time_s, f"{score[1]} to {score[2]}")
+            for one, score in found
+            if score is not None and one.kind in ("goal", "own_goal")
+        ]
+        curve, self._extremes = timeline.intensity, list[Event]()
+        self._has_values = curve is not None and DERIVED_UNIT not in curve.unit
+        if curve is None or not self._has_values or not 1 < curve.count <= MOST_POINTS:
+            return
+        index = np.arange(curve.count)
+        times = curve.points.times_of(index)
+        values = np.where(timeline.has_data(times), curve.value[index], np.nan)
+        for kind, find in (("lowest", np.nanargmin), ("highest", np.nanargmax)):
+            if kind not in timeline.kinds() and not np.isnan(values).all():
+                self._extremes.append(Event(float(times[find(values)]), kind))
+
+    def _value(self, time_s: float, known_s: float) -> str:
+        """Return the score up to `known_s`, the value with its unit, or the gap at a time."""
+        timeline, curve = self._player.timeline, self._player.timeline.intensity
+        for start_s, end_s in timeline.gaps:
+            if start_s < time_s < end_s:
+                return f"no data from {self.moment(start_s)} to {self.moment(end_s)}"
+        if timeline.known_until_s is not None and time_s > timeline.known_until_s:
+            return "no data yet"
+        if self._scores:
+            return next((one for at, one in reversed(self._scores) if at <= known_s), "0 to 0")
+        if curve is None or not self._has_values:
+            return ""
+        at = np.array([time_s])
+        if not timeline.has_data(at)[0]:
+            return "no data"
+        return value_text(float(f"{float(curve.at(at)[0]):.4g}"), curve.unit)
+
+    def _event_at(self, position: float) -> Event | None:
+        """Return the event whose surface a position is on, in the timeline's own time."""
+        player = self._player
+        surface, events = player.engine.surface, player.window_timeline.events
+        for span, index in zip(surface.span, surface.event, strict=True):
+            if span[0] <= position <= span[1] and index < len(events):
+                event: Event = events[index]
+                return event.moved(event.time_s + player.window[0])
+        low, high = player.time_at(max(position - AT, 0.0)), player.time_at(min(position + AT, 1.0))
+        return next((one for one in self._extremes if low <= one.time_s <= high), None)
+
+    def _passed(self, last: tuple[float, Event | None], time_s: float, event: Event | None) -> str:
+        """Name or count the events between two positions; empty without any."""
+        low, high = sorted((last[0], time_s))
+        left_out = [one.time_s for one in (last[1], event) if one is not None]
+        passed = [
+            one
+            for one in (*self._player.timeline.events, *self._extremes)
+            if low <= one.time_s <= high and not np.isclose(one.time_s, left_out).any()
+        ]
+        if len(passed) <= NAMED:
+            return ", ".join(event_text(one) for one in passed)
+        kinds = Counter(one.kind.replace("_", " ") for one in passed)
+        if len(kinds) > COUNTED:
+            return f"{len(passed)} events"
+        return ", ".join(f"{count} {_plural(kind, count)}" for kind, count in kinds.items())
+
+
+def _plural(kind: str, count: int) -> str:
+    return kind if count == 1 else kind + ("es" if kind.endswith("s") else "s")
