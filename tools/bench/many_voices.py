@@ -1,4 +1,4 @@
-"""Rows of many voices at once: side by side on a core, and on all cores."""
+"""Rows of many voices at once on all cores."""
 
 from __future__ import annotations
 
@@ -12,42 +12,17 @@ from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.measure.bench.speeds import (
     RATE,
     SECONDS,
-    VOICE,
     Contender,
-    prepared,
-    reset_and_feed,
-    timed,
+    Lanes,
+    feed_all,
+    filled,
+    play,
 )
 from overview_dsp.offline.rendering.many import render_jobs, render_many, usable_cores
-from overview_dsp.signal.engine.engine import Engine
-from overview_dsp.signal.engine.simd_batch import EngineBatch
 
 CORES, BARE_CORES = "many voices, wall clock", "the kernel alone, wall clock"
-Lanes = tuple[EngineBatch, list[Engine | None]]
-
-BLOCK = 16384
 SEEDS = 256
 SWEEP_S = 1.5
-
-
-def feed_all(engines: list[Engine | None]) -> None:
-    """Queue the whole work on every lane's engine; this is Python's work, not the kernel's."""
-    for engine in engines:
-        assert engine is not None
-        reset_and_feed(engine)
-
-
-def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:
-    """Process the whole work once in every lane."""
-    frames = round(SECONDS * RATE)
-    for start in range(0, frames, BLOCK):
-        lanes.process(engines, min(BLOCK, frames - start), False)
-
-
-def side_by_side(lanes: EngineBatch, engines: list[Engine | None]) -> float:
-    """Return the speed of the whole work once in every lane."""
-    feed_all(engines)
-    return timed(SIMD_WIDTH * SECONDS, lambda: play(lanes, engines))
 
 
 def rendered(threads: int) -> float:
@@ -69,20 +44,11 @@ def in_threads(full: list[Lanes]) -> float:
         return len(full) * SIMD_WIDTH * SECONDS / (time.perf_counter() - started)
 
 
-def filled() -> Lanes:
-    """Return lanes with an engine in each."""
-    lanes = EngineBatch(BLOCK)
-    return lanes, [prepared(frames=BLOCK, memory=lanes.memory(lane)) for lane in range(SIMD_WIDTH)]
-
-
 def contenders() -> list[Contender]:
-    """Return rows of the full voice, and of several cores."""
+    """Return rows of several cores."""
     cores = usable_cores()
     full = [filled() for _ in range(cores)]
     return [
-        Contender(
-            VOICE, f"overView, {SIMD_WIDTH} voices side by side", lambda: side_by_side(*full[0])
-        ),
         Contender(CORES, "render_many, 1 thread", lambda: rendered(1)),
         Contender(CORES, f"render_many, {cores} threads", lambda: rendered(cores)),
         Contender(BARE_CORES, "side by side, 1 thread", lambda: in_threads(full[:1])),

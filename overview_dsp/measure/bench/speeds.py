@@ -28,16 +28,19 @@ from overview_dsp.design.gestures import Gesture, sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.simd.vector import SIMD_WIDTH
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.offline.rendering.many import usable_cores
 from overview_dsp.public import counted
 from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.signal.engine.simd_batch import EngineBatch
 
 RATE = 48_000
 SWEEP_S = 4.0
 SECONDS = 8.0
 """Duration of the sound of one run of the full voice."""
 BLOCK = 64
+LANE_BLOCK = 16384
 INTERPRETED_S = 0.1
 LINKS = 2_000_000
 """Number of dependent operations timed to find the clock rate; they take some milliseconds."""
@@ -145,7 +148,7 @@ def reset_and_feed(engine: Engine) -> Engine:
 
 def contenders() -> list[Contender]:
     """Return ways to run the engine; the first of a group is what the others are compared with."""
-    engine = prepared()
+    engine, full = prepared(), filled()
     samples = round(SWEEP_S * RATE)
     cells = np.linspace(0.0, layout.CELLS, samples, endpoint=False) + 0.5 * layout.CELLS / samples
     torque = np.empty(samples)
@@ -169,11 +172,43 @@ def contenders() -> list[Contender]:
         Contender(VOICE, "overView, one call with trace", lambda: one_call(trace)),
         Contender(VOICE, f"overView, {BLOCK}-frame native calls", lambda: native_calls(engine)),
         Contender(VOICE, f"overView, {BLOCK}-frame Python calls", python_calls),
+        Contender(
+            VOICE, f"overView, {SIMD_WIDTH} voices side by side", lambda: side_by_side(*full)
+        ),
         Contender(VOICE, "the same source as plain Python", interpreted),
         Contender(
             DISK, "overView, one call", lambda: timed(SWEEP_S, lambda: disk(engine, cells, torque))
         ),
     ]
+
+
+Lanes = tuple[EngineBatch, list[Engine]]
+
+
+def filled() -> Lanes:
+    """Return lanes with an engine in each."""
+    lanes = EngineBatch(LANE_BLOCK)
+    places = map(lanes.memory, range(SIMD_WIDTH))
+    return lanes, [prepared(frames=LANE_BLOCK, memory=memory) for memory in places]
+
+
+def feed_all(engines: Sequence[Engine]) -> None:
+    """Queue the whole work on every lane's engine; this is Python's work, not the kernel's."""
+    for engine in engines:
+        reset_and_feed(engine)
+
+
+def play(lanes: EngineBatch, engines: Sequence[Engine]) -> None:
+    """Process the whole work once in every lane."""
+    frames = round(SECONDS * RATE)
+    for start in range(0, frames, LANE_BLOCK):
+        lanes.process(engines, min(LANE_BLOCK, frames - start), False)
+
+
+def side_by_side(lanes: EngineBatch, engines: Sequence[Engine]) -> float:
+    """Return the speed of the whole work once in every lane."""
+    feed_all(engines)
+    return timed(SIMD_WIDTH * SECONDS, lambda: play(lanes, engines))
 
 
 def native_calls(engine: Engine) -> float:
