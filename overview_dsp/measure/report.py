@@ -40,13 +40,12 @@ from overview_dsp.measure.perceived_level import (
     pulse_indices,
     ratio_jnds,
 )
-from overview_dsp.measure.report_base import Report, called, cell
+from overview_dsp.measure.report_base import Report, cell, find_by_name
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.public import counted, short
-from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.signal.actuators.model import pacinian_db
 
-LOW, HIGH = 10.0, 90.0
-"""Percentiles of the spread of a kind's levels."""
+LOW, HIGH = 10.0, 90.0  # percentiles of the spread of a kind's levels
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,7 @@ class StrokeReport:
     event_free_db : float
         Weighted median level outside all events, dB of full scale.
     level_db : float
-        Weighted median level of all of it, dB of full scale.
+        Weighted median level of the whole stroke, dB of full scale.
     sharpness : float
         Steepest rise of the torque in the median tenth of a second, N m/s.
     density_hz : float
@@ -180,7 +179,7 @@ class StrokeReport:
         >>> report.strokes[0].kind("foul").kind
         'foul'
         """
-        return called(name, {one.kind: one for one in self.kinds}, "kind")
+        return find_by_name(name, {one.kind: one for one in self.kinds}, "kind")
 
     def __repr__(self) -> str:
         return (
@@ -264,7 +263,7 @@ class FeelReport(Report):
         >>> report.stroke("fast recoil").name
         'fast recoil'
         """
-        return called(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
+        return find_by_name(name, {stroke.name: stroke for stroke in self.strokes}, "stroke")
 
     def _lines(self) -> Iterator[str]:
         titles = [title or "a timeline" for title in dict.fromkeys(self.timelines)]

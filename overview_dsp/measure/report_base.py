@@ -80,7 +80,7 @@ class Report(ABC):
         """Yield the warnings."""
 
 
-def called(name: str, by_name: Mapping[str, T], what: str) -> T:
+def find_by_name(name: str, by_name: Mapping[str, T], what: str) -> T:
     """Return the entry of that name; InputError with the nearest name if there is none."""
     if not isinstance(name, str) or name not in by_name:
         hint = did_you_mean(str(name), by_name)

@@ -13,7 +13,7 @@ def hands():
     return [ov.measure.random_movement(seed) for seed in range(60)]
 
 
-def test_each_goes_from_the_start_to_the_end_and_lets_go_there(hands):
+def test_each_movement_goes_from_the_start_to_the_end_and_releases_there(hands):
     for hand in hands:
         assert hand.theta2[0] == 0.0
         assert hand.theta2[-1] == hand.theta2.max() == np.pi
@@ -43,7 +43,7 @@ def test_their_durations_spread(hands):
     assert max(seconds) > 8.0
 
 
-def test_a_seed_makes_the_same_hand(hands):
+def test_a_seed_gives_the_same_movement(hands):
     again = ov.measure.random_movement(11)
     assert np.array_equal(hands[11].theta2, again.theta2)
     assert not np.array_equal(hands[11].theta2, hands[12].theta2)

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels import layout
 from overview_dsp.measure.bench import speeds
-from overview_dsp.measure.bench.speeds import RATE, Contender, fed, interleaved, prepared
+from overview_dsp.measure.bench.speeds import RATE, Contender, interleaved, prepared, restarted
 from tests.cli.running import overview, refused
 from tests.examples import preset_with
 from tools.bench import c_rows, programs, solvers
@@ -96,7 +96,7 @@ def test_the_textbook_voice_in_c_sounds_like_ours(plain):
     # it has neither a clutch nor gains for slow hands and the recoil
     without = ("clutch.max_speed_ratio", "tactor.slow_gain_exponent", "tactor.recoil_gain_exponent")
     engine = prepared(preset=load_preset("football").with_changes(dict.fromkeys(without, 0.0)))
-    fed(engine).process(ours_)
+    restarted(engine).process(ours_)
     plain.voice(plain_scene(engine), *c_rows.sweep_input(frames), theirs)
     level = 20.0 * np.log10(theirs.std(axis=0) / ours_.std(axis=0))
     assert np.abs(level).max() < 0.5

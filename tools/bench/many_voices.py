@@ -9,7 +9,15 @@ from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.measure.bench.speeds import RATE, SECONDS, VOICE, Contender, fed, prepared, timed
+from overview_dsp.measure.bench.speeds import (
+    RATE,
+    SECONDS,
+    VOICE,
+    Contender,
+    prepared,
+    restarted,
+    timed,
+)
 from overview_dsp.offline.rendering.many import render_jobs, render_many, usable_cores
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.simd_batch import EngineBatch
@@ -26,7 +34,7 @@ def feed_all(engines: list[Engine | None]) -> None:
     """Queue the whole work on every lane's engine; this is Python's work, not the kernel's."""
     for engine in engines:
         assert engine is not None
-        fed(engine)
+        restarted(engine)
 
 
 def play(lanes: EngineBatch, engines: list[Engine | None]) -> None:

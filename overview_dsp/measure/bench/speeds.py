@@ -35,13 +35,11 @@ from overview_dsp.signal.engine.engine import Engine
 
 RATE = 48_000
 SWEEP_S = 4.0
-SECONDS = 8.0
-"""Duration of the sound of one run of the full voice."""
+SECONDS = 8.0  # duration of the sound of one run of the full voice
 BLOCK = 64
 INTERPRETED_S = 0.1
-LINKS = 2_000_000
-"""Length of the chain that cycles are counted by: some milliseconds."""
-CHAINS = 9
+LINKS = 2_000_000  # length of a chain of dependent steps, which takes some milliseconds
+CHAINS = 9  # chains that are timed; the fastest gives the clock rate
 VOICE, DISK = "the full voice", "the disk alone"
 
 
@@ -136,8 +134,8 @@ def feed(engine: Engine, gesture: Gesture) -> None:
         engine.control(float(theta2), bool(touching), now + int(stamp))
 
 
-def fed(engine: Engine) -> Engine:
-    """Return the engine as new, with the events of the work queued."""
+def restarted(engine: Engine) -> Engine:
+    """Reset an engine, queue the events of the measured sweep, and return the engine."""
     engine.reset()
     feed(engine, sweep(SWEEP_S))
     return engine
@@ -153,7 +151,7 @@ def contenders() -> list[Contender]:
     trace = np.zeros((len(out), len(layout.TRACE_COLUMNS)))
 
     def one_call(trace: FloatArray | None = None) -> float:
-        fed(engine)
+        restarted(engine)
         return timed(SECONDS, lambda: engine.process(out, trace))
 
     def in_blocks() -> None:
@@ -161,7 +159,7 @@ def contenders() -> list[Contender]:
             engine.process(out[start : start + BLOCK])
 
     def python_calls() -> float:
-        fed(engine)
+        restarted(engine)
         return timed(SECONDS, in_blocks)
 
     return [
@@ -184,7 +182,7 @@ def native_calls(engine: Engine) -> float:
     from overview_dsp.kernels.device.callback import repeated_callback
 
     run = repeated_callback()
-    memory = fed(engine).memory
+    memory = restarted(engine).memory
     memory.view(np.int64)[layout.L_CHANNELS] = 2
     OutputSettings().write(memory, RATE, at_once=True)
     out = np.zeros(2 * BLOCK, dtype=np.float32)
@@ -207,7 +205,7 @@ def interpreted() -> float:
 
 
 def clock_ghz() -> float:
-    """Return how many billions of cycles this processor has in a second, as it is busy now."""
+    """Return the present clock rate of the processor, GHz."""
     from overview_dsp.kernels.cycle_counter import CYCLES_PER_LINK, chain
 
     word = np.uint64(1)
@@ -217,7 +215,7 @@ def clock_ghz() -> float:
 
 
 def lines(report: Report) -> list[str]:
-    """Write the report as lines of text: a table for each group."""
+    """Return the report as lines of text, with a table for each group."""
     rounds = report.rounds
     found = [f"medians of {rounds} interleaved rounds (lowest to highest), CPU time of one core"]
     for group in dict.fromkeys(row.group for row in report.rows):
@@ -234,7 +232,7 @@ def lines(report: Report) -> list[str]:
 
 
 def cycles(rows: Sequence[Row], ghz: float) -> str:
-    """Write our rows of the full voice in a unit that no other row and no clock changes."""
+    """Return the cycles per sample of this package's rows; the clock rate doesn't change them."""
     each = (
         f"{row.name.removeprefix('overView, ')} {1e9 * ghz / (row.speed * RATE):.0f}"
         for row in rows
@@ -244,7 +242,7 @@ def cycles(rows: Sequence[Row], ghz: float) -> str:
 
 
 def this_machine() -> str:
-    """Write a line: `AMD EPYC 7763, 2 cores, Linux, Python 3.11.7, numba 0.61.0`."""
+    """Return a description: `AMD EPYC 7763, 2 cores, Linux, Python 3.11.7, numba 0.61.0`."""
     known = Path("/proc/cpuinfo")
     text = known.read_text() if known.exists() else ""
     found = re.search(r"^model name\s*: (.+)$", text, re.MULTILINE)
@@ -259,6 +257,6 @@ if __name__ == "__main__":
     import warnings
 
     warnings.simplefilter("ignore", RuntimeWarning)  # wrapping integers, as in machine code
-    plain = fed(prepared())
+    plain = restarted(prepared())
     sound = np.zeros((round(INTERPRETED_S * RATE), 2), dtype=np.float32)
     print(timed(INTERPRETED_S, lambda: plain.process(sound)))

@@ -18,11 +18,8 @@ from numpy.typing import NDArray
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 
 TREES = 40
-CANDIDATES = 8
-"""Random splits that are compared at each node."""
-
-MIN_SAMPLES = 5
-"""Fewest samples on each side of a split."""
+CANDIDATES = 8  # random splits that are compared at each node
+MIN_SAMPLES = 5  # fewest samples on each side of a split
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +29,7 @@ class _Tree:
     feature: IntArray
     threshold: FloatArray
     below: IntArray
-    """Node of samples below the threshold; the next node has the others."""
+    """Number of the node for samples below the threshold; the next node has the others."""
     share: FloatArray  # (nodes, classes)
 
 
@@ -49,12 +46,12 @@ class Forest:
         rows = np.arange(len(features))
         for tree in self.trees:
             node = np.zeros(len(features), dtype=np.int64)
-            going = rows
-            while len(going):
-                here = node[going]
-                going, here = going[tree.below[here] > 0], here[tree.below[here] > 0]
-                above = features[going, tree.feature[here]] >= tree.threshold[here]
-                node[going] = tree.below[here] + above
+            inner = rows
+            while len(inner):
+                here = node[inner]
+                inner, here = inner[tree.below[here] > 0], here[tree.below[here] > 0]
+                above = features[inner, tree.feature[here]] >= tree.threshold[here]
+                node[inner] = tree.below[here] + above
             total += tree.share[node]
         return total / len(self.trees)
 
@@ -89,7 +86,7 @@ class _Grower:
     def tree(self) -> _Tree:
         """Grow one tree, depth by depth."""
         parts: list[tuple[NDArray[Any], ...]] = []
-        # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
+        # samples not in a leaf yet: their rows, sorted by node, and their node at this depth
         rows = np.arange(len(self.features))
         local = np.zeros(len(self.features), dtype=np.int64)
         nodes, made = 1, 1
@@ -126,14 +123,14 @@ class _Grower:
             drawn = rows[first + (self.rng.random(nodes) * size).astype(np.int64)]
             value = self.features[drawn, feature]
             below = self.features[rows, feature[local]] < value[local]
-            under = self._sums(rows[below], local[below], nodes)
-            many = np.bincount(local[below], minlength=nodes)
+            lower = self._sums(rows[below], local[below], nodes)
+            n_below = np.bincount(local[below], minlength=nodes)
             with np.errstate(invalid="ignore", divide="ignore"):
-                worth = sum(
-                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (under, sums - under)
+                purity = sum(
+                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (lower, sums - lower)
                 )
-            better = (many >= MIN_SAMPLES) & (size - many >= MIN_SAMPLES) & (worth > best)
-            best = np.where(better, worth, best)
+            better = (n_below >= MIN_SAMPLES) & (size - n_below >= MIN_SAMPLES) & (purity > best)
+            best = np.where(better, purity, best)
             found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
             splits |= better
         return found, threshold, splits

@@ -107,7 +107,7 @@ def test_a_click_has_its_level_its_pitch_and_its_decay():
         assert one["click_decay_ms"] == pytest.approx(10.4, abs=3.0)
 
 
-def test_both_is_what_is_felt_with_its_click_and_what_is_only_heard():
+def test_the_onsets_of_both_are_felt_pulses_and_clicks_without_a_pulse():
     samples = signal([(0.3, -20.0, 20.0)], [(0.31, -20.0), (0.9, -20.0)])
     found = stroke_features(samples, RATE, ["touch", "sound", "both"])
     assert [len(one.at_ms) for one in found.values()] == [1, 2, 2]
@@ -118,12 +118,12 @@ def test_both_is_what_is_felt_with_its_click_and_what_is_only_heard():
     assert alone["level_db"] == pytest.approx(QUIET_DB, abs=1.0)
 
 
-def test_nothing_is_noticed_in_silence():
+def test_silence_has_no_onsets():
     for found in stroke_features(np.zeros((RATE, 2), np.float32), RATE).values():
         assert found.features.shape == (0, len(found.names))
 
 
-def test_the_pace_of_the_hand_is_a_feature_where_it_is_given():
+def test_a_given_pace_is_a_feature():
     pace = np.linspace(-3.0, 0.0, int(SECONDS * 1000))
     found = stroke_features(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"], pace)["touch"]
     assert found.names == (*TOUCH_FEATURES, "pace")
@@ -161,7 +161,7 @@ def test_each_feature_is_blurred_by_what_a_person_cannot_know_better(name, value
     assert np.array_equal(features, before)
 
 
-def test_a_neighbour_that_is_not_there_stays_away():
+def test_noise_is_not_added_to_a_missing_neighbour():
     names = TOUCH_FEATURES
     features = np.zeros((100, len(names)))
     features[:, names.index("next_db")] = -30.0

@@ -39,7 +39,7 @@ def test_of_several_events_the_one_with_the_strongest_profile_has_the_onset():
     assert rows_of_onsets(np.array([110]), there).tolist() == [1]
 
 
-def test_no_event_owns_nothing():
+def test_onsets_without_an_event_have_no_owner():
     none = PassedEvents(np.zeros(0, np.int64), np.zeros(0), np.zeros(0), np.zeros(0))
     assert rows_of_onsets(np.array([5, 9]), none).tolist() == [-1, -1]
 
@@ -104,7 +104,7 @@ def test_recall_counts_events_and_precision_counts_reports():
     assert scores.confusion.tolist() == [[1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 1, 1], [1, 0, 0, 0]]
 
 
-def test_an_event_with_several_onsets_is_told_if_one_is():
+def test_an_event_is_recognised_if_one_of_its_onsets_is():
     rows = [(GOAL, 100, 200, 9.0)]
     assert counted([110, 150], [CARD, GOAL], rows).recall[GOAL] == 1.0
     wrong = counted([110, 150], [NOTHING, CARD], rows)
@@ -118,7 +118,7 @@ def test_reports_of_one_event_within_120_ms_are_one_and_others_are_not():
     assert counted([110, 150], [GOAL] * 2, rows, owner=[0, -1]).reports[GOAL] == 2
 
 
-def test_what_is_taken_for_nothing_is_no_report():
+def test_an_answer_of_nothing_is_not_a_report():
     scores = counted([100, 600], [NOTHING, NOTHING], [(FOUL, 95, 105, 1.0)])
     assert scores.reports.sum() == 0
     assert scores.confusion[FOUL].tolist() == [0, 0, 0, 1]
