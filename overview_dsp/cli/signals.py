@@ -63,7 +63,7 @@ def stop_code() -> int:
 def ended_by_signals(save: Callable[[], None] | None = None) -> Iterator[list[int]]:
     """Collect signals, so that a command can end in its own way.
 
-    A process that still runs `END_WITHIN_S` after the first signal (as a terminal or a device
+    A process that still runs `END_WITHIN_S` after the first signal (because a terminal or a device
     doesn't answer) is ended after `save`.
     """
     received: list[int] = []

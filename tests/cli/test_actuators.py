@@ -22,7 +22,7 @@ def thresholds(tmp_path, monkeypatch):
     return path
 
 
-def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football):
+def test_a_render_uses_an_actuator_and_reports_it(folder, match, football):
     told = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", "--actuator", "c2")
     assert told.code == 0, told.err
     assert told.out.splitlines()[1].startswith("driven for C-2 tactor: reduced by up to ")
@@ -37,7 +37,7 @@ def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football)
     assert report["actuator"]["samples_at_peak"] == result.protected.at_peak
 
 
-def test_no_actuator_leaves_a_render_as_it_was(folder, match, football):
+def test_without_an_actuator_a_render_is_unchanged(folder, match, football):
     expected = ov.render(match, football, ov.tap(0.2, 0.05), 8000, tail=0.05).samples
     for option in ((), ("--actuator", "none")):
         done = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", *option, "--json")
@@ -46,7 +46,7 @@ def test_no_actuator_leaves_a_render_as_it_was(folder, match, football):
         assert np.array_equal(samples, expected)
 
 
-def test_an_unknown_actuator_is_one_line_and_writes_nothing(folder):
+def test_an_unknown_actuator_is_an_error_of_one_line_and_writes_nothing(folder):
     words = ("no actuator is called 'headphone'", "headphones")
     refused(overview("render", MATCH, *QUICK, "--actuator", "headphone"), *words)
     assert list(folder.iterdir()) == []
@@ -109,7 +109,7 @@ def test_an_actuator_is_shown_with_what_its_values_amount_to():
     refused(overview("actuators", "show", "c"), "no actuator is called 'c'", "c2")
 
 
-def test_a_sweep_is_written_within_the_rating_and_says_where_it_sags(folder):
+def test_a_sweep_stays_within_the_rating_and_reports_reduced_levels(folder):
     quick = ("--duration", 2, "--sample-rate", 8000, "-o", "s.flac")
     done = overview("actuators", "sweep", "c2", *quick)
     assert done.code == 0, done.err
@@ -142,7 +142,7 @@ def test_a_sweep_that_cannot_be_writes_nothing(folder, option):
     assert list(folder.iterdir()) == []
 
 
-def test_an_export_drives_the_pad_and_leaves_the_other_formats_as_they_are(folder, match, football):
+def test_an_actuator_changes_the_wav4_export_only(folder, match, football):
     tap = ("--gesture", "tap:0.5:0.2")
     both = ("export", MATCH, *tap, "--to", "ahap", "--to", "wav4", "-o")
     assert overview(*both, "plain").code == 0

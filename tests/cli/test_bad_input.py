@@ -71,12 +71,12 @@ def test_the_examples_are_good_but_for_their_faults(folder):
         ("list.json", b"[1, 2, 3]", "list.json"),
     ],
 )
-def test_a_bad_timeline_is_one_line_that_names_the_file(folder, name, content, words):
+def test_a_bad_timeline_is_an_error_of_one_line_that_names_the_file(folder, name, content, words):
     (folder / name).write_bytes(content)
     refused(render(folder, name), name, words)
 
 
-def test_a_missing_timeline_is_one_line(folder):
+def test_a_missing_timeline_is_an_error_of_one_line(folder):
     refused(render(folder, "no.json"), "no.json", "no such file")
     refused(render(folder, "."), "is a folder")
 
@@ -94,14 +94,16 @@ PRESET = preset_path("football").read_text(encoding="utf-8")
         ("k1 = 0.00036", "k1", ("not TOML",)),
     ],
 )
-def test_a_bad_preset_is_one_line_that_names_file_line_key_and_range(folder, before, after, words):
+def test_a_bad_preset_is_an_error_of_one_line_that_names_file_line_key_and_range(
+    folder, before, after, words
+):
     (folder / "mine.toml").write_text(PRESET.replace(before, after), encoding="utf-8")
     number = 1 + PRESET.splitlines().index(before)
     place = f"mine.toml:{number}:" if "TOML" not in words[0] else f"line {number}"
     refused(render(folder, MATCH, "--preset", "mine.toml"), place, *words)
 
 
-def test_an_unknown_preset_is_one_line_with_the_nearest(folder):
+def test_an_unknown_preset_is_an_error_of_one_line_with_the_nearest(folder):
     refused(render(folder, MATCH, "--preset", "footbal"), "'footbal'", "'football'")
     refused(render(folder, MATCH, "--preset", "no.toml"), "no.toml", "no such file")
 
@@ -118,7 +120,7 @@ def test_an_unknown_preset_is_one_line_with_the_nearest(folder):
         (noise(), "take.csv"),
     ],
 )
-def test_a_bad_take_is_one_line_that_names_the_file(folder, content, words):
+def test_a_bad_take_is_an_error_of_one_line_that_names_the_file(folder, content, words):
     (folder / "take.csv").write_bytes(content)
     refused(render(folder, MATCH, "--gesture", "take.csv"), "take.csv", words)
 
@@ -157,11 +159,11 @@ def test_a_bad_take_is_one_line_that_names_the_file(folder, content, words):
         (("--seed", "1.5"), ("--seed",)),
     ],
 )
-def test_a_bad_option_is_one_line_with_what_is_allowed(folder, options, words):
+def test_a_bad_option_is_an_error_of_one_line_with_what_is_allowed(folder, options, words):
     refused(render(folder, MATCH, *options), *words)
 
 
-def test_a_sample_rate_too_low_for_the_carrier_is_one_line(folder):
+def test_a_sample_rate_too_low_for_the_carrier_is_an_error_of_one_line(folder):
     text = PRESET.replace("[tactor]", "[tactor]\nfrequency_hz = 900")
     (folder / "high.toml").write_text(text, encoding="utf-8")
     refused(
@@ -173,7 +175,7 @@ def test_a_sample_rate_too_low_for_the_carrier_is_one_line(folder):
 
 @pytest.mark.parametrize("option", ["-o", "--trace"])
 @pytest.mark.parametrize("where", ["no/a", "file/a", "folder", "x" * 300, "x" * 5000])
-def test_an_output_that_cannot_be_written_is_one_line(folder, option, where):
+def test_an_output_that_cannot_be_written_is_an_error_of_one_line(folder, option, where):
     (folder / "file").write_text("")
     suffix = ".wav" if option == "-o" else ".csv"
     (folder / f"folder{suffix}").mkdir()
@@ -181,7 +183,7 @@ def test_an_output_that_cannot_be_written_is_one_line(folder, option, where):
 
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="this system has no /proc")
-def test_an_output_in_a_folder_that_takes_no_files_is_one_line(folder):
+def test_an_output_in_a_folder_that_takes_no_files_is_an_error_of_one_line(folder):
     refused(render(folder, MATCH, "-o", "/proc/a.wav"), "/proc/a.wav", "can't be written")
     refused(render(folder, MATCH, "--trace", "/proc/a.npz"), "/proc/a.npz", "can't be written")
     refused(overview("figures", "--output", "/proc/x"), "/proc/x")
@@ -189,7 +191,7 @@ def test_an_output_in_a_folder_that_takes_no_files_is_one_line(folder):
 
 
 @pytest.mark.parametrize("command", ["demo", "figures"])
-def test_a_file_in_the_place_of_the_output_folder_is_one_line(folder, command):
+def test_a_file_in_the_place_of_the_output_folder_is_an_error_of_one_line(folder, command):
     (folder / "file").write_text("")
     refused(overview(command, "--output", "file"), "file", "can't be written")
 
@@ -200,7 +202,7 @@ def test_what_was_there_before_survives_an_error(folder):
     assert (folder / "out.htk").read_text() == "old"
 
 
-def test_a_timeline_of_more_events_than_a_surface_holds_is_felt_and_said(folder):
+def test_a_timeline_with_too_many_events_for_a_surface_is_rendered_with_a_warning(folder):
     lines = "".join(f"{i},goal\n" for i in range(MAX_EVENTS + 1))
     (folder / "many.csv").write_text("time_s,kind\n" + lines)
     outcome = overview("render", "many.csv", *QUICK)
@@ -208,7 +210,7 @@ def test_a_timeline_of_more_events_than_a_surface_holds_is_felt_and_said(folder)
     assert f"{MAX_EVENTS + 1} events" in outcome.err
 
 
-def test_a_process_of_its_own_says_the_same(folder):
+def test_a_process_of_its_own_prints_the_same_error(folder):
     (folder / "noise.json").write_bytes(noise())
     outcome = overview_process("render", "noise.json", *QUICK, cwd=folder)
     assert refused(outcome, "noise.json") == refused(overview("render", "noise.json", *QUICK))
@@ -216,7 +218,7 @@ def test_a_process_of_its_own_says_the_same(folder):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
-def test_a_full_standard_output_is_one_line():
+def test_a_full_standard_output_is_an_error_of_one_line():
     import subprocess
 
     from tests.cli.running import environment
@@ -236,7 +238,7 @@ def test_a_full_standard_output_is_one_line():
     assert done.stderr.splitlines()[0].startswith("error: ")
 
 
-def test_a_title_no_terminal_knows_is_no_error(folder):
+def test_an_unprintable_title_is_no_error(folder):
     timeline = bundled_timeline()
     from dataclasses import replace
 
@@ -266,13 +268,13 @@ def test_an_error_under_json_is_json():
     assert "No such option" in wrong["error"]
 
 
-def test_a_mistyped_command_is_told_the_nearest_one():
+def test_a_mistyped_command_gets_a_hint_with_the_nearest_one():
     refused(overview("rendr", "x"), "'rendr'", "did you mean 'render'?")
     refused(overview("timeline", "shw"), "'shw'", "Did you mean 'show'?")
     assert "mean" not in refused(overview("zzz"), "'zzz'")
 
 
-def test_a_file_whose_name_begins_as_an_option_is_told_how_to_be_named(tmp_path, monkeypatch):
+def test_a_file_whose_name_begins_like_an_option_gets_a_hint(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "-x.json").write_bytes(native())
     refused(overview("timeline", "show", "-x.json"), "./-x.json")

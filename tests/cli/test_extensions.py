@@ -80,7 +80,7 @@ def test_a_command_of_this_package_cannot_be_replaced(other):
         ("command = print", "not a click.Command"),
     ],
 )
-def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code, said):
+def test_one_that_is_broken_is_an_error_of_one_line_that_names_its_distribution(other, code, said):
     other(code)
     refused(overview("stir", "soup"), "the command stir of stirring", said)
     assert "stir" in overview("--help").out
@@ -88,7 +88,9 @@ def test_one_that_is_broken_is_one_line_that_names_its_distribution(other, code,
 
 @pytest.mark.parametrize("name", SEPARATE_COMMANDS)
 @pytest.mark.parametrize("more", [(), ("--help",), ("check", "x.toml")])
-def test_what_is_installed_apart_is_one_line_that_says_how(alone, name, more):
+def test_a_command_of_a_missing_distribution_is_an_error_with_the_install_command(
+    alone, name, more
+):
     refused(overview(name, *more), f"overview {name}", "pip install ./")
 
 
@@ -127,7 +129,7 @@ def test_every_name_of_the_list_is_there_and_described():
         extensions.sho  # noqa: B018
 
 
-def test_importing_the_list_imports_none_of_it():
+def test_importing_the_names_imports_no_module():
     code = (
         "import sys, json\nfrom overview_dsp.cli import extensions\n"
         "print(json.dumps([m for m in sys.modules if m.startswith('overview_dsp.')]))"

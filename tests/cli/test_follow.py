@@ -13,7 +13,7 @@ import overview_dsp as ov
 from tests.cli.running import MATCH, environment, overview, refused
 
 
-def test_a_match_is_told_as_lines_of_json_at_its_times():
+def test_a_match_is_printed_as_lines_of_json_at_its_times():
     outcome = overview("feed", MATCH, "--speed", "inf")
     assert outcome.code == 0
     lines = [json.loads(line) for line in outcome.out.splitlines()]
@@ -50,12 +50,12 @@ def test_speed_is_kept(tmp_path):
         (("serve", MATCH, "--announce", "goal"), ("--announce", "--follow")),
     ],
 )
-def test_what_cannot_be_followed_is_one_line(words, named, tmp_path, monkeypatch):
+def test_an_invalid_live_source_is_an_error_of_one_line(words, named, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     refused(overview(*words), *named)
 
 
-def test_a_match_that_is_told_is_played_taken_and_rendered_again(tmp_path):
+def test_a_live_match_is_played_recorded_and_rendered_again(tmp_path):
     take = tmp_path / "take.csv"
     hand = tmp_path / "hand.csv"
     ov.save_gesture(ov.tap(0.5, 0.5) + ov.pause(1.0) + ov.tap(0.9, 0.5) + ov.pause(4.0), hand)

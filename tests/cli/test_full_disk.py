@@ -41,14 +41,14 @@ def small_disk(tmp_path):
 
 
 @pytest.mark.parametrize("outputs", OUTPUTS.values(), ids=OUTPUTS)
-def test_a_full_disk_is_one_line_and_leaves_nothing(small_disk, monkeypatch, outputs):
+def test_a_full_disk_is_an_error_of_one_line_and_leaves_no_file(small_disk, monkeypatch, outputs):
     monkeypatch.chdir(small_disk)
     refused(overview("render", MATCH, *LONG, *outputs), "a.", "nothing was left behind", code=1)
     assert os.listdir(small_disk) == []
 
 
 @pytest.mark.parametrize("outputs", OUTPUTS.values(), ids=OUTPUTS)
-def test_a_full_disk_leaves_what_was_there(small_disk, monkeypatch, outputs):
+def test_a_full_disk_leaves_the_existing_file_unchanged(small_disk, monkeypatch, outputs):
     monkeypatch.chdir(small_disk)
     for name in ("a.wav", "a.flac", "a.npz", "a.csv"):
         (small_disk / name).write_text(name)
@@ -58,7 +58,7 @@ def test_a_full_disk_leaves_what_was_there(small_disk, monkeypatch, outputs):
     assert len(os.listdir(small_disk)) == 4
 
 
-def test_a_sound_that_just_does_not_fit_takes_its_trace_with_it(small_disk, monkeypatch):
+def test_a_sound_that_does_not_fit_removes_its_trace_too(small_disk, monkeypatch):
     monkeypatch.chdir(small_disk)
     short = ("--gesture", "tap:0.5:0.05", "--sample-rate", "1000", "--tail", "none")
     # the trace fits, the sound's last bytes don't: whatever is left over, it is none of the two
@@ -107,7 +107,7 @@ def limited(folder, *arguments: str) -> Outcome:
 
 
 @pytest.mark.parametrize("outputs", [OUTPUTS["flac"], OUTPUTS["npz"], OUTPUTS["csv"]])
-def test_a_file_that_grows_beyond_what_is_allowed_is_one_line(folder, outputs):
+def test_a_file_beyond_the_allowed_size_is_an_error_of_one_line(folder, outputs):
     # compiled beforehand, where files may be as long as they like
     overview("render", MATCH, "--gesture", "tap:0.1:0.01", "--tail", "none")
     os.unlink(folder / "out.wav")

@@ -60,7 +60,7 @@ def test_wrong_hands_are_one_line(arguments, words):
 @pytest.mark.parametrize(
     ("learner", "known"), [("osc", "theta2, touch, device"), ("midi", "theta2, touch, taps")]
 )
-def test_what_cannot_be_learned_is_one_line_with_what_can(tmp_path, learner, known):
+def test_an_unknown_target_is_an_error_with_the_known_ones(tmp_path, learner, known):
     words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))
     assert "did you mean 'tactor.gain_db'?" in words
     assert f"TARGET must be {known} or the id of a parameter" in words
@@ -115,7 +115,7 @@ def test_a_list_with_a_parameter_that_is_none_is_refused_before_it_plays(tmp_pat
         ("bleak", ("--input", "ble:x"), "ble"),
     ],
 )
-def test_a_missing_library_is_one_line_that_says_how_to_get_it(
+def test_a_missing_library_is_an_error_of_one_line_that_says_how_to_get_it(
     monkeypatch, module, arguments, extra
 ):
     for other in (module, {"rtmidi": "rtmidi2", "hid": "hidraw"}.get(module, module)):
@@ -188,7 +188,7 @@ def remembered(tmp_path, monkeypatch):
     return lambda: saved_settings.load_settings(card.full_name, card.channels)
 
 
-def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
+def test_devices_saves_changed_settings_and_keeps_the_others(remembered):
     settings = ("--set", "tactor.gain=-6", "--set", "tactor.channel=3+4", "--set", "click.mute=yes")
     assert overview("devices", "--listen", 0, "--device", "Card", *settings).code == 0
     assert (remembered().tactor.gain_db, remembered().tactor.channel) == (-6.0, (3, 4))
@@ -212,7 +212,9 @@ def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
         (("--set", "click.gain=1", "--set", "click.gain=2"), ("click.gain occurs twice",)),
     ],
 )
-def test_a_wrong_setting_is_one_line_and_nothing_is_remembered(remembered, arguments, words):
+def test_a_wrong_setting_is_an_error_of_one_line_and_nothing_is_remembered(
+    remembered, arguments, words
+):
     before = remembered()
     refused(overview("devices", "--listen", 0, *arguments), *words)
     assert remembered() == before

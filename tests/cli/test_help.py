@@ -197,7 +197,7 @@ def test_the_version_is_the_packages():
     assert overview("--version").out == f"overview {ov.__version__}\n"
 
 
-def test_an_unknown_command_or_option_is_one_line_that_points_to_the_help():
+def test_an_unknown_command_or_option_is_an_error_of_one_line_that_points_to_the_help():
     refused(overview("rendr"), "rendr", "overview --help")
     refused(overview("render", "x", "--gestur", "tap:1"), "--gestur", "overview render --help")
     refused(overview("render"), "TIMELINE", "overview render --help")

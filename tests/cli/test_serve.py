@@ -85,7 +85,7 @@ def test_it_prints_an_address_serves_and_ends_with_a_signal(tmp_path):
         assert server.token in json.loads(out.splitlines()[0])["address"]
 
 
-def test_with_audio_here_at_the_host_a_hand_on_a_page_moves_the_disk(tmp_path):
+def test_with_audio_at_the_host_a_page_moves_the_disk(tmp_path):
     take = tmp_path / "take.csv"
     arguments = ("serve", MATCH, "--port", 0, "--audio", "host", "--device", "none",
                  "--record", take, "--window", "1000", "2000")  # fmt: skip
@@ -165,7 +165,7 @@ def test_play_remote_shows_the_address_in_the_terminal(tmp_path):
         os.close(terminal)
 
 
-def test_play_without_remote_listens_to_nobody(tmp_path):
+def test_play_without_remote_opens_no_port(tmp_path):
     done = overview("play", MATCH, "--device", "none", "--screen", "json", "--seconds", 0.2)
     assert done.code == 0, done.err
     assert "open http" not in done.err
@@ -197,7 +197,7 @@ def test_an_option_without_effect_is_refused():
 
 
 @pytest.mark.parametrize("address", ["localhost:99999", "two words", "a:b", "[::1"])
-def test_an_address_that_is_none_is_refused(address):
+def test_an_invalid_address_is_refused(address):
     play = ("play", MATCH, "--device", "none")
     refused(overview(*play, "--remote", address), f"--remote is {address}", "such as 0.0.0.0:8765")
 
@@ -208,7 +208,7 @@ def test_a_port_that_is_taken_is_one_clear_line(tmp_path):
         refused(overview("serve", MATCH, "--port", port), port, "--port")
 
 
-def test_a_missing_package_is_one_line_that_says_how_to_install_it(monkeypatch):
+def test_a_missing_package_is_an_error_with_the_install_command(monkeypatch):
     import importlib.util
 
     found = importlib.util.find_spec

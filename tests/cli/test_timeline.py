@@ -106,7 +106,7 @@ def test_show_draws_the_curve(folder, suffix):
     assert outcome.out.splitlines()[-1] == f"out.{suffix}: intensity curve with events"
 
 
-def test_a_picture_that_cannot_be_is_one_line_before_anything_is_read(folder):
+def test_a_picture_that_cannot_be_is_an_error_of_one_line_before_anything_is_read(folder):
     refused(overview("timeline", "show", "no.json", "--plot", "x.gif"), "x.gif", ".png")
     refused(overview("timeline", "show", "no.json", "--plot", "no/x.png"), "no/x.png", "no folder")
 
@@ -192,7 +192,7 @@ def test_every_command_that_opens_a_timeline_takes_the_same_options(command):
         ("max-depth=2.5", ("'2.5' is not a whole number",)),
     ],
 )
-def test_a_wrong_reading_option_is_one_line_with_what_can_be_given(read, words):
+def test_a_wrong_reading_option_is_an_error_of_one_line_with_what_can_be_given(read, words):
     refused(overview("timeline", "show", MATCH, "--read", read), *words)
 
 

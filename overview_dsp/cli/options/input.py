@@ -33,8 +33,7 @@ PARTS: dict[str, tuple[str, ...]] = {
 
 MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
-BATCHES_S = 2.0
-"""Longest silence of an app that posts batches, s."""
+BATCHES_S = 2.0  # longest silence of an app that posts batches, s
 
 SILENT_OSC_S = 5.0
 """Silence after which an OSC sender counts as released (UDP has no connection), s."""
