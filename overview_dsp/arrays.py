@@ -9,5 +9,4 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-SampleArray = NDArray[np.float32]
-"""Sound: (frames,) or (frames, channels)."""
+SampleArray = NDArray[np.float32]  # sound: (frames,) or (frames, channels)

@@ -141,8 +141,7 @@ class OverviewWarning(UserWarning):
     """
 
 
-MAX_HINTS = 3
-"""Most names in the hint of an unknown name."""
+MAX_HINTS = 3  # most names in the hint of an unknown name
 
 HINT_RANGE = 0.1
 """Names this much less similar than the nearest one are in the hint, too (difflib's ratio)."""
@@ -183,12 +182,7 @@ def require_internals(module: ModuleType, names: Iterable[str], requirement: str
     """Check that a module has the private attributes that this package uses.
 
     `names` are attributes; `a.b` is the attribute `b` of `a`. `requirement` has the versions that
-    are known to work, for pip.
-
-    Raises
-    ------
-    OverviewError
-        An attribute is missing in the installed version.
+    are known to work, for pip. OverviewError if an attribute is missing in the installed version.
     """
     for name in names:
         found: object = module

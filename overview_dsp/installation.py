@@ -19,11 +19,6 @@ def install_command(extra: str) -> str:
 
     The package is in no registry. So pip gets the source tree that it runs from, or the folder or
     wheel that it was installed from: `.` if that is the working folder.
-
-    Parameters
-    ----------
-    extra : str
-        Name of an optional dependency group in `pyproject.toml`.
     """
     source = _source()
     if source is None:
@@ -33,17 +28,7 @@ def install_command(extra: str) -> str:
 
 
 def require_package(module: str, purpose: str, extra: str) -> Any:
-    """Import a module of an optional package; InputError if it is missing.
-
-    Parameters
-    ----------
-    module : str
-        Dotted name of the module.
-    purpose : str
-        Subject of the error message: `purpose` needs the package.
-    extra : str
-        Extra that installs it.
-    """
+    """Import a module of an optional package for a `purpose`; InputError names its `extra`."""
     try:
         return import_module(module)
     except ImportError as error:

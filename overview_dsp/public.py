@@ -92,12 +92,7 @@ def counted(count: int, what: str) -> str:
 def changed_fields(instance: Any, **replacements: str) -> str:
     """Return the repr of a dataclass, without the fields that have their default.
 
-    Parameters
-    ----------
-    instance : dataclass
-        Object to describe.
-    **replacements : str
-        Texts that replace the values of fields.
+    `replacements` are texts that replace the values of fields.
     """
     texts = []
     for field in fields(instance):

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import math
 
-HALF_TURN = math.pi
-"""Input angle of the whole timeline, rad (180 degrees in the paper)."""
-
-FELT_WINDOW_S = 0.010
-"""Window of the RMS that is the felt level, s."""
+HALF_TURN = math.pi  # input angle of the whole timeline, rad (180 degrees in the paper)
+FELT_WINDOW_S = 0.010  # window of the RMS that is the felt level, s
 
 JUST_NOTICEABLE_DB = 2.5
 """Just-noticeable difference of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
 
-DAYS_FROM_S = 2 * 86_400.0
-"""Shortest duration that is written in days, s."""
+DAYS_FROM_S = 2 * 86_400.0  # shortest duration that is written in days, s
 
 
 def gain_to_db(gain: float) -> float:

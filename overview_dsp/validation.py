@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.errors import InputError, shown
 
-KIND_MAX_LENGTH = 64
-"""Maximum length of an event kind, characters."""
+KIND_MAX_LENGTH = 64  # maximum length of an event kind, characters
 
 TIME_HINT = "times are finite seconds from 0 to the timeline's duration"
 """End of an error message about a time."""
@@ -45,21 +44,9 @@ def located(location: str) -> Iterator[None]:
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:
-    """Return `value` as a finite float.
+    """Return an int or float of Python or numpy as a finite float.
 
-    Parameters
-    ----------
-    value
-        Any object; only ints and floats of Python and numpy are allowed.
-    what
-        Name of the value, at the start of the message.
-    hint
-        Allowed values and remedy, at the end of the message.
-
-    Raises
-    ------
-    InputError
-        The value isn't a number, isn't finite, or exceeds the range of a float.
+    InputError begins with `what`, the name of the value, and ends with `hint`, the allowed values.
     """
     if type(value) is float and math.isfinite(value):
         return value  # the usual case
@@ -103,8 +90,8 @@ def kind(value: object, what: str = "kind") -> str:
     tried = re.sub(r"[^a-z0-9]+", "_", value.lower()).strip("_") if isinstance(value, str) else ""
     example = tried[:KIND_MAX_LENGTH] or "goal"
     raise InputError(
-        f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 and _; "
-        f"try '{example}'"
+        f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 "
+        f"and _; try '{example}'"
     )
 
 

@@ -1,5 +1,5 @@
-/* A rotary encoder turns the timeline: 40 counts for the whole of it, or what the sensor's file says
-([encoder] counts; `overview sensor setup` finds it).
+/* A rotary encoder turns the timeline: 40 counts for the whole of it, or the number in the sensor's
+file ([encoder] counts; `overview sensor setup` measures it).
 
 Wiring   common to GND, A to pin 2, B to pin 3 (pins with interrupts; ESP32: any), no resistors
 Flash    Arduino IDE: open this folder's encoder.ino, choose board and port, upload
@@ -20,7 +20,7 @@ void IRAM_ATTR moved() {
 #else
 void moved() {
 #endif
-  // by the states before and now: a step forward, back, or none (both changed: one was missed)
+  // from the states before and now: a step forward, back, or none (if both changed, one was missed)
   static const signed char STEPS[16] = {0, 1, -1, 0, -1, 0, 0, 1, 1, 0, 0, -1, 0, -1, 1, 0};
   static unsigned char states = 3;
   states = ((states << 2) | (digitalRead(A) ? 1 : 0) | (digitalRead(B) ? 2 : 0)) & 15;
@@ -41,7 +41,7 @@ void loop() {
   static int line = 0;
   if ((long)(micros() - due) < 0) return;
   due += 1000000UL / RATE_HZ;
-  if (line == 0) Serial.println(F("count"));  // what the numbers are, once a second
+  if (line == 0) Serial.println(F("count"));  // the column's name, once a second
   line = (line + 1) % RATE_HZ;
   noInterrupts();
   long now = count;

@@ -2,13 +2,13 @@
 MPU-6050, an LSM6DS3 or a BNO055 by itself and sends checked frames, 200 a second.
 
 Wiring   SDA to SDA (Uno, Nano: A4), SCL to SCL (A5), GND to GND, VIN to 5V (bare chips: 3V3)
-         x points from the wrist to the fingers, z out of the face; another way is what
-         `overview sensor setup PORT -o mine.toml` finds
+         x points from the wrist to the fingers, z out of the face; mounted differently, run
+         `overview sensor setup PORT -o mine.toml` once
 Flash    Arduino IDE: open this folder's imu.ino, choose board and port, upload
 Play     overview play MATCH --input serial:PORT          (with pip install 'overview-dsp[sensors]')
 Prints on reset
          # overview imu 1: MPU-6050, frames, 200 a second
-     or  # overview imu 1: no sensor answers; looks again     (each second: mind SDA and SCL)
+     or  # overview imu 1: no sensor answers; looks again     (each second: check SDA and SCL)
 */
 
 #include <Wire.h>
@@ -21,7 +21,7 @@ enum Chip { NONE, MPU6050, LSM6DS3, BNO055 };
 
 struct Kind {
   Chip chip;
-  uint8_t address, identity, answer;  // where it is, and what its register of identity says
+  uint8_t address, identity, answer;  // on the bus; register of the identity, and its value
 };
 
 const Kind KINDS[] = {
@@ -61,29 +61,29 @@ Chip found() {
 
 void begin() {  // 16 g and 2000 deg/s, filtered below 100 Hz
   if (chip == MPU6050) {
-    writeRegister(0x6B, 0x01);  // awake, by the gyroscope's clock
+    writeRegister(0x6B, 0x01);  // out of sleep, with the gyroscope's clock
     writeRegister(0x1A, 0x02);
     writeRegister(0x19, 0x04);  // 1 kHz / 5
     writeRegister(0x1B, 0x18);
     writeRegister(0x1C, 0x18);
   } else if (chip == LSM6DS3) {
-    writeRegister(0x12, 0x44);  // whole samples only, registers count up
+    writeRegister(0x12, 0x44);  // no half-written samples, register addresses count up
     writeRegister(0x10, 0x54);  // 208 Hz
     writeRegister(0x11, 0x5C);
   } else {
-    writeRegister(0x3D, 0x00);  // to be set up
+    writeRegister(0x3D, 0x00);  // configuration mode
     delay(25);
     writeRegister(0x07, 0x01);  // page 1
     writeRegister(0x08, 0x13);
     writeRegister(0x0A, 0x10);
     writeRegister(0x07, 0x00);
     writeRegister(0x3B, 0x01);  // mg
-    writeRegister(0x3D, 0x05);  // accelerometer and gyroscope as they are
+    writeRegister(0x3D, 0x05);  // raw accelerometer and gyroscope
     delay(10);
   }
 }
 
-int16_t scaled(int16_t value, int32_t by) {  // by / 16384, held to 16 bits
+int16_t scaled(int16_t value, int32_t by) {  // times by / 16384, limited to 16 bits
   int32_t product = ((int32_t)value * by) >> 14;
   return product > 32767 ? 32767 : product < -32768 ? -32768 : product;
 }
@@ -93,7 +93,7 @@ bool sample(int16_t values[6]) {  // 1/2048 g, 1/16.384 deg/s
   if (chip == MPU6050) {
     if (!readRegisters(0x3B, data, 14)) return false;
     for (uint8_t i = 0; i < 6; i++) {
-      uint8_t at = 2 * i + (i < 3 ? 0 : 2);  // its temperature is between
+      uint8_t at = 2 * i + (i < 3 ? 0 : 2);  // skips the temperature
       values[i] = (int16_t)((uint16_t)data[at] << 8 | data[at + 1]);
     }
     return true;
@@ -126,7 +126,7 @@ void look() {
   Serial.print(F("# overview imu 1: "));
   Serial.print(chip == MPU6050 ? F("MPU-6050") : chip == LSM6DS3 ? F("LSM6DS3") : F("BNO055"));
   Serial.println(F(", frames, 200 a second"));
-  Serial.write((uint8_t)0);  // what comes before isn't part of a frame
+  Serial.write((uint8_t)0);  // ends any bytes before the first frame
 }
 
 void loop() {
@@ -141,5 +141,5 @@ void loop() {
   due += 1000000UL / RATE_HZ;
   uint32_t now = micros();
   if (sample(values)) sendFrame(now, values);
-  else chip = NONE;  // pulled out
+  else chip = NONE;  // disconnected
 }

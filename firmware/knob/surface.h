@@ -1,9 +1,10 @@
-/* The surface on a motor knob's own board: disk 1, its spring, its knocks, and the wire.
+/* The surface on a motor knob's own board: disk 1, its spring, its knocks and the serial protocol.
 
 The host sends a friction table once; from then on the board pulls a disk over it with its own
-encoder's angle, so that what is felt doesn't wait for a wire. One file for boards, emulators and
-tools: C99 and C++, float, no libm, no allocation. Same bytes and angles in, same bits out, where
-products and sums aren't contracted (-ffp-contract=off; below for GCC and clang).
+encoder's angle, so that the delay of the serial line doesn't matter to the feel. One file for
+boards, emulators and tools: C99 and C++, float, no libm, no allocation. The same bytes and angles
+give the same bits of torque wherever products and sums aren't contracted (-ffp-contract=off; set
+below for GCC and clang).
 
     static Knob knob;
     knob_begin(&knob, angle);                    // rad, wherever the shaft is
@@ -22,10 +23,11 @@ with u in the middle of the coming step, and the knob feels the spring in that m
 
     torque = -gain * (e - vm/2) - home * u - ends - knock,
 
-so that what the hand puts in is what the spring stores, to the second order. The slip clutch is
-that of overview_dsp/kernels/clutch.py. Two things could give the hand more than it put in: the
-clutch taking hold again, and the knock, which is the disk's own deceleration, low-passed, as a
-brake. Both pay from one ledger, which what the surface has rubbed away fills up to LEDGER_J. */
+so that the work of the hand equals the energy stored in the spring, to the second order. The slip
+clutch is that of overview_dsp/kernels/clutch.py. Two things could return more energy to the hand
+than it put in: the clutch when it stops slipping, and the knock (the disk's own deceleration,
+low-passed, as a brake). Both take their energy from one `ledger`, which is credited with part of
+the energy lost in the table's friction, up to LEDGER_J. */
 #ifndef KNOB_SURFACE_H
 #define KNOB_SURFACE_H
 
@@ -42,49 +44,49 @@ brake. Both pay from one ledger, which what the surface has rubbed away fills up
 #define KNOB_HZ 4000 /* calls of knob_step a second, 1000 to 4000 */
 #endif
 #ifndef KNOB_POINTS
-#define KNOB_POINTS 8193 /* of each of two tables, 2 bytes a point: 32 n + 1; 1025 do */
+#define KNOB_POINTS 8193 /* of each of two tables, 2 bytes a point: 32 n + 1; 1025 are enough */
 #endif
 #ifndef KNOB_RESOLUTION
 #define KNOB_RESOLUTION 3.835e-4f /* rad: a step of the encoder, here of 14 bits */
 #endif
 
 enum {
-    KNOB_DISK = 16, KNOB_PART, KNOB_USE, KNOB_ALIVE, /* kinds of frames from the host */
-    KNOB_MOTION = 6, KNOB_STATE,                     /* and to it, as overview_dsp/devices/sensors/frames.py */
+    KNOB_DISK = 16, KNOB_PART, KNOB_USE, KNOB_ALIVE, /* kinds of frames from the host, */
+    KNOB_MOTION = 6, KNOB_STATE,                     /* and to it, as in devices/sensors/frames.py */
     KNOB_PART_POINTS = 32,
     KNOB_PARTS = (KNOB_POINTS - 1) / KNOB_PART_POINTS + 1,
     KNOB_LONGEST = 80,
-    KNOB_MEAN = KNOB_HZ < 1000 ? 2 : KNOB_HZ / 500, /* steps over which the hand is timed: 2 ms */
+    KNOB_MEAN = KNOB_HZ < 1000 ? 2 : KNOB_HZ / 500, /* steps of the mean speed: 2 ms */
     KNOB_HALF = KNOB_MEAN / 2,
     KNOB_SUBSTEPS = (4000 + KNOB_HZ - 1) / KNOB_HZ
 };
 
 #define KNOB_DT (1.0f / ((float)KNOB_HZ * (float)KNOB_SUBSTEPS))
 #define KNOB_PER_RAD ((float)(KNOB_POINTS - 1) / 3.14159265f) /* cells */
-#define KNOB_SILENT (KNOB_HZ * 28L / 1000) /* steps without a word that end the torque, */
-#define KNOB_FALL (100.0f / KNOB_HZ)      /* within 10 ms */
-#define KNOB_RISE (33.0f / KNOB_HZ)
-#define KNOB_HOME_RISE (2.0f / KNOB_HZ)
+#define KNOB_SILENT (KNOB_HZ * 28L / 1000) /* steps without a frame that end the torque */
+#define KNOB_FALL (100.0f / KNOB_HZ) /* change of the level in one step: to 0 within 10 ms, */
+#define KNOB_RISE (33.0f / KNOB_HZ)  /* to 1 within 30 ms, */
+#define KNOB_HOME_RISE (2.0f / KNOB_HZ) /* and the pull to the start within 0.5 s */
 #define KNOB_PULL 0.8f /* of the ceiling, for the ends and the pull to the start */
 #define LEDGER_J 7e-6f
-#define LEDGER_PART 0.5f /* of what is rubbed away, how much is credited */
+#define LEDGER_PART 0.5f /* of the energy lost in friction, the part that is credited */
 #define KNOCK_S 0.003f
-#define KNOCK_PACE 1.0f /* rad/s of theta2: at that pace a knock is half of what it would be */
+#define KNOCK_PACE 1.0f /* rad/s of theta2: at this speed a knock is half as strong as at rest */
 #define PACE_S 0.08f
-#define PACE_LEAST 0.02f /* timelines a second, as overview_dsp/kernels/derive.py */
+#define PACE_LEAST 0.02f /* timelines a second, as in overview_dsp/kernels/derive.py */
 #define PACE_MOST 6.0f
 
-typedef struct { /* as it is sent, after the kind, an id and a flag: 1 = theta2 is 0 here */
+typedef struct { /* in a frame after the kind, an id and a flag: 1 = theta2 is 0 here */
     float inertia, k1, k2, catch_up, unfold_s, smoothing_s; /* the preset's disk */
-    float gain, knock, home;                                /* how much of it the knob gives */
+    float gain, knock, home;                                /* the scale of each torque */
     float ceiling;                                          /* N m */
     float end;                                              /* N m/rad of theta2, beyond an end */
-    float per_rad;                                          /* theta2 of a rad of the shaft */
+    float per_rad;                                          /* theta2 for one rad of the shaft */
 } KnobDisk;
 
-typedef struct { /* after the kind: id of the table, ms */
-    float unit; /* N m s/rad of 1 in the table */
-    float hard; /* N m s/rad: friction of this much gives half its knock */
+typedef struct { /* in a frame after the kind, the table's id and the cross-fade's ms */
+    float unit; /* N m s/rad that a 1 in the table stands for */
+    float hard; /* N m s/rad: at this friction a knock has half its strength */
 } KnobTable;
 
 typedef struct {
@@ -94,9 +96,9 @@ typedef struct {
     uint16_t points[2][KNOB_POINTS];
     uint8_t have[(KNOB_PARTS + 7) / 8];
     uint8_t disk_id, active_id, filling_id, slot, playing, changing;
-    uint16_t missing; /* the first part that hasn't come */
-    uint32_t silent;  /* steps since the last word */
-    uint16_t refused; /* frames with a failing check */
+    uint16_t missing; /* the first part not received yet */
+    uint32_t silent;  /* steps since the last frame */
+    uint16_t refused; /* frames with a wrong checksum */
     uint8_t frame[KNOB_LONGEST];
     uint8_t length;
     /* derived from it */
@@ -123,7 +125,7 @@ static float knob_friction_of(const Knob *k, int slot, float x) {
     const uint16_t *points = k->points[slot];
     float a, b;
     int i;
-    x = x > 0.0f ? x : 0.0f; /* a NaN too */
+    x = x > 0.0f ? x : 0.0f; /* 0 for a NaN as well */
     x = x < (float)(KNOB_POINTS - 2) ? x : (float)(KNOB_POINTS - 2);
     i = (int)x;
     a = (float)points[i];
@@ -138,7 +140,7 @@ static float knob_friction(const Knob *k, float x) {
     return friction;
 }
 
-/* Let the disk lie where the hand is: whatever begins, begins without a stored joule. */
+/* Put the disk at the hand's angle, at rest and with the spring relaxed: no energy is stored. */
 static void knob_rest(Knob *k) {
     k->x = k->before = k->y1 = k->y2 = k->extreme = k->u;
     k->v = k->stretch = k->low_pass = k->knock = k->ledger = k->torque = k->used = k->home_level = 0.0f;
@@ -157,17 +159,18 @@ static void knob_derive(Knob *k) {
     k->unfold = d->unfold_s > 0.0f ? KNOB_DT / d->unfold_s : PACE_MOST * KNOB_DT;
     k->smoothing = KNOB_DT / (d->smoothing_s + KNOB_DT);
     k->pacing = KNOB_DT / (PACE_S + KNOB_DT);
-    k->gain = d->gain * d->k2 * theta1;              /* N m a cell */
+    k->gain = d->gain * d->k2 * theta1;              /* N m per cell */
     k->home = d->home * d->gain * d->k1 * theta1;    /* the same */
     k->end = d->end * cell;                          /* the same */
-    k->energy = 0.5f * k->gain * cell / turn;        /* J a cell squared, at the shaft */
-    k->loss = d->gain / turn * theta1 * theta1 / KNOB_DT; /* J of 1 N m s/rad a (cell a step)^2 */
+    k->energy = 0.5f * k->gain * cell / turn;        /* J per cell squared, at the shaft */
+    k->loss = d->gain / turn * theta1 * theta1 / KNOB_DT; /* J lost at 1 N m s/rad per (cell a step)^2 */
     k->kinetic = 0.5f * k->loss * k->inertia;
     k->knock_gain = d->gain * d->knock * d->inertia * theta1 / (KNOB_DT * KNOB_DT);
 }
 
-/* How far the spring is stretched where a rigid one would be by `stretch`: the clutch slips, a
-ceiling is come near to and never passed, and what takes hold again is paid from the ledger. */
+/* How far the spring is stretched where a rigid one would be by `stretch`: the clutch limits it,
+the torque approaches the ceiling without reaching it, and the energy of a clutch that stops
+slipping is taken from the ledger. */
 static float knob_stretched(Knob *k, float stretch, float held, float friction) {
     float size = knob_abs(stretch), least = size * k->unfold, most, knee, needed;
     float pace = least > k->pace ? least : k->pace;
@@ -190,7 +193,7 @@ static float knob_stretched(Knob *k, float stretch, float held, float friction) 
     return stretch;
 }
 
-/* One step of the disk with the hand at `u` in its middle; the spring's mean stretch in it. */
+/* Step the disk, with the hand at `u` in the middle of the step; return the mean stretch. */
 static float knob_move(Knob *k, float u) {
     float moved, friction, held, before = k->v, middle, slowed, hard;
     float y2 = k->y2;
@@ -216,14 +219,14 @@ static float knob_move(Knob *k, float u) {
     return held - 0.5f * middle;
 }
 
-/* The knock: a brake, within `room`; what its last step gave the hand is paid for here. */
+/* The knock: a brake of at most `room`. The work of its last step is taken from the ledger here. */
 static void knob_knock(Knob *k, float shaft, float room) {
     float turned = k->sign * (shaft - k->shaft), work = -k->way * k->knock * turned, most, pace;
     k->ledger -= work > 0.0f ? work : LEDGER_PART * work;
     k->ledger = knob_clamped(k->ledger, 0.0f, LEDGER_J);
     if (k->way * (k->u - k->extreme) >= 0.0f) {
         k->extreme = k->u;
-    } else { /* the hand has turned back: it isn't pushed */
+    } else { /* the hand has turned back: a brake must not push it */
         k->way = -k->way;
         k->extreme = k->u;
         k->low_pass = 0.0f;
@@ -246,7 +249,7 @@ static inline void knob_begin(Knob *k, float shaft) {
     k->origin = k->shaft = shaft;
 }
 
-/* Whether there may be torque; it rises and falls within some ms. */
+/* Raise the level of the torque while the host sends frames and plays; else lower it to 0. */
 static void knob_watch(Knob *k) {
     int alive = k->silent < KNOB_SILENT && k->disk_id && k->active_id && k->playing &&
                 !k->changing;
@@ -264,8 +267,8 @@ static void knob_watch(Knob *k) {
     if (k->fade > 0.0f) k->fade = k->fade > k->fade_step ? k->fade - k->fade_step : 0.0f;
 }
 
-/* The pull to the start and the two ends, N m: of the hand's angle alone, and never all of the
-ceiling, so that what it stores it gives back. */
+/* The pull to the start and the two ends, N m. It depends on the hand's angle alone and is always
+below the ceiling, so that all energy it stores is given back. */
 static float knob_pull(const Knob *k, float u) {
     const float end = (float)(KNOB_POINTS - 1);
     float home = k->home_level * k->home * knob_clamped(u, 0.0f, end);
@@ -274,8 +277,8 @@ static float knob_pull(const Knob *k, float u) {
     return -home - knob_clamped(k->end * beyond, -KNOB_PULL * k->disk.ceiling, most > 0.0f ? most : 0.0f);
 }
 
-/* How far the hand goes until the middle of the coming step, cells: to the second order, or a stiff
-end would push a trembling hand at 1000 steps a second. */
+/* How far the hand moves until the middle of the coming step, cells: estimated to the second order,
+as otherwise a stiff end would amplify a tremor at 1000 steps a second. */
 static float knob_ahead(const Knob *k) {
     const float half = k->latest[(k->at + KNOB_MEAN - KNOB_HALF) % KNOB_MEAN];
     const float first = k->latest[(k->at + KNOB_MEAN - 2 * KNOB_HALF) % KNOB_MEAN];
@@ -283,13 +286,13 @@ static float knob_ahead(const Knob *k) {
     return 0.5f * (now + (now - before) * (0.5f + 0.25f / KNOB_HALF));
 }
 
-/* The torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
+/* Return the torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
 static inline float knob_step(Knob *k, float shaft) {
     float speed, ahead, torque, stretch = 0.0f;
     int n;
-    if (!(knob_abs(shaft) < 1e6f)) shaft = k->shaft; /* a NaN too */
+    if (!(knob_abs(shaft) < 1e6f)) shaft = k->shaft; /* true for a NaN as well */
     k->u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD;
-    speed = (k->u - k->latest[k->at]) / KNOB_MEAN; /* cells a step */
+    speed = (k->u - k->latest[k->at]) / KNOB_MEAN; /* cells per step */
     ahead = knob_ahead(k);
     k->latest[k->at] = k->u;
     k->at = (uint8_t)((k->at + 1) % KNOB_MEAN);
@@ -311,7 +314,7 @@ static inline float knob_step(Knob *k, float shaft) {
     return k->torque;
 }
 
-/* --- the wire --------------------------------------------------------------------------------- */
+/* --- the serial line --------------------------------------------------------------------------- */
 
 static uint16_t knob_crc(const uint8_t *data, int count) { /* CRC-16/X-25 */
     uint16_t crc = 0xFFFF;
@@ -327,7 +330,7 @@ static uint16_t knob_get(const uint8_t *data) { return (uint16_t)(data[0] | (uin
 
 static void knob_take_disk(Knob *k, const uint8_t *payload) {
     k->changing = payload[1] != k->disk_id;
-    if (!k->changing || k->level > 0.0f) return; /* never while there is torque: it is sent again */
+    if (!k->changing || k->level > 0.0f) return; /* never while there is torque: the host sends it again */
     k->changing = 0;
     memcpy(&k->disk, payload + 3, sizeof k->disk);
     k->disk_id = payload[1];
@@ -375,7 +378,7 @@ static void knob_take(Knob *k, const uint8_t *payload, int count) {
     k->silent = 0;
 }
 
-/* A byte from the host. */
+/* Take a byte from the host. */
 static inline void knob_receive(Knob *k, uint8_t byte) {
     uint8_t *frame = k->frame;
     int count = k->length, at, next;
@@ -393,7 +396,7 @@ static inline void knob_receive(Knob *k, uint8_t byte) {
         k->refused++;
         return;
     }
-    for (at = 0; at < count; at = next) { /* COBS: each distance becomes the zero it stood for */
+    for (at = 0; at < count; at = next) { /* COBS: put a zero in place of each distance */
         next = at + frame[at];
         if (next > count) return;
         frame[at] = 0;
@@ -413,7 +416,7 @@ static int32_t knob_rounded(float x, float most) {
     return (int32_t)(x < 0.0f ? x - 0.5f : x + 0.5f);
 }
 
-/* The next of 24 bytes to send: the motion, and at every sixteenth call the state. */
+/* Write the next 24 bytes to send: the motion, or at every sixteenth call the state. */
 static inline int knob_report(Knob *k, uint32_t now_us, uint8_t *out) {
     uint8_t payload[19];
     int state = k->sequence % 16 == 0, code = 0, at = 1, n;

@@ -20,7 +20,7 @@ SDA, SCL, ANALOGUE = 4, 5, 26
 ADDRESS = 0x68
 
 
-# m/s2 and rad/s
+# in m/s2 and rad/s
 def mpu6050(i2c):
     for register, value in ((0x6B, 1), (0x1A, 2), (0x1B, 0x18), (0x1C, 0x18)):
         i2c.writeto_mem(ADDRESS, register, bytes((value,)))
@@ -37,7 +37,7 @@ def mpu6050(i2c):
     return "mpu6050", "ax,ay,az,gx,gy,gz", read
 
 
-# what there is: its name, its columns, and what reads it
+# the sensor's name, its columns, and a function that reads it
 def found():
     try:
         from microbit import accelerometer
@@ -49,7 +49,7 @@ def found():
         i2c = machine.I2C(0, sda=machine.Pin(SDA), scl=machine.Pin(SCL), freq=400000)
         if ADDRESS in i2c.scan():
             return mpu6050(i2c)
-    except (OSError, ValueError, TypeError):  # no such pins here
+    except (OSError, ValueError, TypeError):  # the board has no such pins
         pass
     wiper = machine.ADC(machine.Pin(ANALOGUE))
     return "potentiometer", "pot", lambda: str(wiper.read_u16() >> 6)
@@ -60,13 +60,13 @@ def run(name, columns, read):
     began, lines = ticks_ms(), 0
     while True:
         if lines % RATE_HZ == 0:
-            print(columns)  # what the numbers are, once a second
+            print(columns)  # the columns' names, once a second
         print(read())
         lines += 1
         late = ticks_ms() - began - lines * 1000 // RATE_HZ
         if late < 0:
             sleep_ms(-late)
-        elif late > 100:  # it can't keep up: later, not faster
+        elif late > 100:  # too slow for the rate: skip samples instead of catching up
             began, lines = ticks_ms(), 0
 
 

@@ -15,7 +15,7 @@ const int RATE_HZ = 200;
 void setup() {
   Serial.begin(115200);
 #if !defined(__AVR__) && !defined(ESP8266)
-  analogReadResolution(10);  // as the others
+  analogReadResolution(10);  // the range of the other boards
 #endif
   Serial.println(F("# overview pot 1: lines of pot, 0 to 1023, 200 a second"));
 }
@@ -25,7 +25,7 @@ void loop() {
   static int line = 0;
   if ((long)(micros() - due) < 0) return;
   due += 1000000UL / RATE_HZ;
-  if (line == 0) Serial.println(F("pot"));  // what the numbers are, once a second
+  if (line == 0) Serial.println(F("pot"));  // the column's name, once a second
   line = (line + 1) % RATE_HZ;
   Serial.println(analogRead(WIPER));
 }

@@ -18,13 +18,9 @@ from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError
 from overview_dsp.installation import require_package
 
-MAX_RETRIES = 10
-"""Retries of a task whose worker died."""
-
+MAX_RETRIES = 10  # retries of a task whose worker died
 CONNECT_S = 10.0
-
-WAITING = 2000
-"""Tasks that the scheduler holds at a time."""
+WAITING = 2000  # tasks that the scheduler holds at a time
 
 
 @lru_cache(maxsize=4)

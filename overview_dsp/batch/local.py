@@ -19,11 +19,8 @@ from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError, OverviewWarning, warn
 
-MAX_DEATHS = 3
-"""Deaths of processes after which the batch ends."""
-
-WAITING = 4
-"""Queued tasks per process."""
+MAX_DEATHS = 3  # deaths of processes after which the batch ends
+WAITING = 4  # queued tasks per process
 
 _worker: Worker | None = None
 _notes: list[str] = []

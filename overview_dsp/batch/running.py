@@ -26,8 +26,7 @@ TASKS_PER_WORKER = 16
 MAX_CASES_PER_TASK = 256
 """Cases per task: few, so that all workers end together; many, so that scheduling is cheap."""
 
-Progress = Callable[[int, int], None]
-"""Receives the numbers of finished cases and of all cases."""
+Progress = Callable[[int, int], None]  # receives the numbers of finished cases and of all cases
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ def run_batch(
     storage = Storage(grid.out)
     if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; must be 1 or more")
-    if storage.of_one_process and (workers != 1 or scheduler is not None):
+    if grid.out.startswith("memory://") and (workers != 1 or scheduler is not None):
         raise InputError(f"{grid.out}: other processes can't read it; use workers = 1")
     key_of = Keys(grid).key
     keys = [key_of(grid.case(index)) for index in range(len(grid))]

@@ -19,8 +19,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import output_error
 from overview_dsp.installation import require_package
 
-UNFINISHED = ".unfinished"
-"""Folder of incomplete files, which the next run deletes after a crash."""
+UNFINISHED = ".unfinished"  # folder of incomplete files, which the next run deletes after a crash
 
 
 def is_url(text: str) -> bool:
@@ -51,11 +50,6 @@ class Storage:
                 raise InputError(f"{where}: can't be opened ({error})") from None
         self._made: set[str] = set()
 
-    @property
-    def of_one_process(self) -> bool:
-        """True for storage in memory, which other processes can't read."""
-        return self._path is None and self.where.startswith("memory://")
-
     def _remote(self, name: str) -> str:
         return f"{self._root.rstrip('/')}/{name}"
 
@@ -71,7 +65,9 @@ class Storage:
                 return
             for last in (False, False, False, True):
                 try:
-                    self._make_folders(folder)
+                    for needed in {folder, UNFINISHED} - self._made:
+                        (self._path / needed).mkdir(parents=True, exist_ok=True)
+                        self._made.add(needed)
                     self._put_in_folder(name, data)
                     return
                 except FileNotFoundError:  # another process deleted a folder of this one
@@ -80,13 +76,6 @@ class Storage:
                     self._made.clear()
         except OSError as error:
             raise output_error(Path(self.where, name), error) from error
-
-    def _make_folders(self, folder: str) -> None:
-        assert self._path is not None
-        for needed in (folder, UNFINISHED):
-            if needed not in self._made:
-                (self._path / needed).mkdir(parents=True, exist_ok=True)
-                self._made.add(needed)
 
     def _put_in_folder(self, name: str, data: bytes) -> None:
         assert self._path is not None

@@ -1,33 +1,85 @@
 """Tasks of a worker: render some cases, store the sounds, and write the measurements to parts.
 
-A part is written after its sounds, so each case in a part is finished.
+Measurements are length, levels, felt events and hashes. A part is written after its sounds, so each
+case in a part is finished.
 """
 
 from __future__ import annotations
 
+import hashlib
 import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from overview_dsp.arrays import SampleArray
 from overview_dsp.batch.grid import Case, RenderGrid
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
-from overview_dsp.batch.measurements import MEASURED_COLUMNS, measure_render
 from overview_dsp.batch.storage import Storage
+from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import OutputError, OverviewError
 from overview_dsp.files.sound import sound_bytes
+from overview_dsp.measure.perceived_level import event_levels
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, VoiceRenderer
 from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.signal.surface.cache import SurfaceCache
+from overview_dsp.units import gain_to_db
 
-PART_S = 2.0
-"""Longest time between parts, s: a crash loses no more work."""
+MEASURED_COLUMNS = ("engaged", "cursor")  # columns of the trace that the measurements need
 
-Job = tuple[int, str]
-"""Index and key of a case."""
+
+def measure_render(result: RenderedJob[Trace | None], data: bytes) -> dict[str, Any]:
+    """Measure a render (with its trace) that is stored as `data`."""
+    return {
+        "frames": len(result.samples),
+        "duration_s": len(result.samples) / result.sample_rate,
+        "peak_click_dbfs": _peak_db(result.samples[:, 0]),
+        "peak_tactor_dbfs": _peak_db(result.samples[:, 1]),
+        "loudness_lufs": _loudness(result.samples[:, :1], result.sample_rate),
+        "strikes": len(result.strikes),
+        "felt": _felt(result),
+        "bytes": len(data),
+        "sha256": hashlib.sha256(data).hexdigest(),
+        "samples_sha256": hashlib.sha256(
+            np.ascontiguousarray(result.samples, "<f4").data
+        ).hexdigest(),
+    }
+
+
+def _peak_db(signal: SampleArray) -> float | None:
+    peak = float(np.abs(signal).max(initial=0.0))
+    return gain_to_db(peak) if peak > 0.0 else None
+
+
+def _loudness(click: SampleArray, sample_rate: float) -> float | None:
+    """Return the integrated loudness of the clicks (BS.1770), LUFS; None below 4000 Hz."""
+    if sample_rate < MIN_RATE or not len(click):
+        return None
+    meter = StepMeter(int(sample_rate), (1.0,))
+    for first in range(0, len(click), meter.block_frames):
+        meter.feed(click[first : first + meter.block_frames])
+    return meter.finish().integrated()
+
+
+def _felt(result: RenderedJob[Trace | None]) -> list[dict[str, Any]]:
+    """Return the events that the disk passed, in the order of their positions."""
+    assert result.trace is not None
+    surface, events = result.surface, result.job.timeline.events
+    levels = event_levels(surface, result.trace, result.samples[:, 1], result.sample_rate)
+    felt = np.isfinite(levels)
+    return [
+        {"event": event, "kind": events[event].kind, "level_db": level}
+        for event, level in zip(surface.event[felt].tolist(), levels[felt].tolist(), strict=True)
+    ]
+
+
+PART_S = 2.0  # longest time between parts, s: a crash loses no more work
+Job = tuple[int, str]  # index and key of a case
 
 
 @dataclass(frozen=True)
@@ -36,11 +88,6 @@ class TaskResult:
 
     finished: int
     failed: tuple[tuple[int, str], ...]
-
-
-def sound_name(key: str, format: str) -> str:
-    """Return the name of the sound file of a case."""
-    return f"{SOUNDS}/{key[:2]}/{key}.{format}"
 
 
 class Worker:
@@ -112,7 +159,7 @@ class Worker:
         self, result: RenderedJob[Trace | None], key: str
     ) -> tuple[str, bytes, dict[str, Any]]:
         settings = self.grid.settings
-        name = sound_name(key, settings.format)
+        name = f"{SOUNDS}/{key[:2]}/{key}.{settings.format}"
         data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
         return name, data, {"key": key, "file": name, **measure_render(result, data)}
 

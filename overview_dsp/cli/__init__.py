@@ -23,8 +23,7 @@ from overview_dsp.files.atomic import remove_temporaries
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-GROUP = "overview_dsp.commands"
-"""Entry-point group of commands in other distributions."""
+GROUP = "overview_dsp.commands"  # entry-point group of commands in other distributions
 
 # name: (module, summary)
 COMMANDS = {

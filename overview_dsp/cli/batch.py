@@ -71,7 +71,6 @@ def command(
     for index, why in result.failed[:MAX_SHOWN_FAILURES]:
         click.echo(f"failed: render {index}: {why}", err=True)
     if result.failed:
-        count = len(result.failed)
         raise OverviewError(
-            f"{count} of {result.cases} renders failed (column error of the manifest)"
+            f"{len(result.failed)} of {result.cases} renders failed (column error of the manifest)"
         )

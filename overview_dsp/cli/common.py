@@ -101,9 +101,8 @@ def show(as_json: bool, report: Any, *lines: object) -> None:
     """Print a report as JSON, or as lines of text."""
     if as_json:
         print_json(report)
-        return
-    for line in lines:
-        click.echo(line)
+    else:
+        click.echo("\n".join(map(str, lines)), nl=bool(lines))
 
 
 def list_profiles(

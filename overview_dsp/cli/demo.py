@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import announce_compile, print_json
+from overview_dsp.cli.common import announce_compile, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.files.atomic import make_folder
 
@@ -44,23 +44,21 @@ def command(
             click.echo(f"{path}  ({len(result.samples) / result.sample_rate:.1f} s)")
             click.echo(f"    {LISTEN[name]}")
     pictures = draw(timeline, {name: result for _, name, result in sounds}, folder)
-    if as_json:
-        print_json(
+    report = {
+        "sounds": [
             {
-                "sounds": [
-                    {
-                        "file": str(path),
-                        "gesture": name,
-                        "duration_s": len(result.samples) / result.sample_rate,
-                        "listen_for": LISTEN[name],
-                    }
-                    for path, name, result in sounds
-                ],
-                "pictures": [str(path) for path in pictures],
+                "file": str(path),
+                "gesture": name,
+                "duration_s": len(result.samples) / result.sample_rate,
+                "listen_for": LISTEN[name],
             }
-        )
-        return
-    click.echo("pictures: " + ", ".join(str(path) for path in pictures if path.suffix == ".png"))
-    click.echo(
-        f"{timeline.title}. Goals and cards are real; the crowd curve and most fouls are invented."
+            for path, name, result in sounds
+        ],
+        "pictures": [str(path) for path in pictures],
+    }
+    show(
+        as_json,
+        report,
+        "pictures: " + ", ".join(str(path) for path in pictures if path.suffix == ".png"),
+        f"{timeline.title}. Goals and cards are real; the crowd curve and most fouls are invented.",
     )

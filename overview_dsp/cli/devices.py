@@ -49,7 +49,7 @@ def command(
     from overview_dsp.live.ports.midi import midi_ports
     from overview_dsp.live.ports.pads import pads
     from overview_dsp.live.ports.serial import PortInfo, ports
-    from overview_dsp.live.ports.serial import listen as hear
+    from overview_dsp.live.ports.serial import listen as listen_to_ports
 
     if settings or device is not None:
         _remember(device, settings)
@@ -67,7 +67,7 @@ def command(
     found_ports = ports()
     known = {port.device for port in found_ports}
     found_ports += [PortInfo(port, "", "") for port in serial if port not in known]
-    heard = hear([port.device for port in found_ports], listen, baud) if listen else {}
+    formats = listen_to_ports([port.device for port in found_ports], listen, baud) if listen else {}
     midi = listed("midi_ports", midi_ports)
     found_pads = listed("pads", pads)
     if as_json:
@@ -75,7 +75,7 @@ def command(
             {
                 "outputs": [{**vars(output), "plays": _plays(output)} for output in found],
                 "serial_ports": [
-                    {**vars(port), "speaks": heard.get(port.device)} for port in found_ports
+                    {**vars(port), "speaks": formats.get(port.device)} for port in found_ports
                 ],
                 "midi_ports": midi,
                 "pads": [{"kind": pad.kind, "name": pad.name} for pad in found_pads],
@@ -97,8 +97,8 @@ def command(
     for port in found_ports:
         about = " ".join(word for word in (port.description, port.identity) if word)
         click.echo(f"  serial:{port.device} {about}".rstrip())
-        if port.device in heard:
-            click.echo(f"       {heard[port.device]}")
+        if port.device in formats:
+            click.echo(f"       {formats[port.device]}")
     if not found_ports:
         click.echo("no serial port with a device (tools/simulated_knob.py simulates one)")
     for name in midi:

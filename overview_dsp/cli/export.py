@@ -31,12 +31,8 @@ if TYPE_CHECKING:
     from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
-DRIVEN = "wav4"
-"""Format that an actuator profile changes."""
-
-SITE, SOURCE = "web", "c"
-"""Formats of a timeline in a folder: a web page, or C source."""
-
+DRIVEN = "wav4"  # format that an actuator profile changes
+SITE, SOURCE = "web", "c"  # formats of a timeline in a folder: a web page, or C source
 CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
@@ -117,7 +113,7 @@ def command(
         return
     if base_url is not None:
         raise InputError(f"--base-url does not apply to clips; remove it, or use --to {SITE}")
-    movement, rest = read_gesture(gesture), tail_of(tail)
+    movement, chosen_tail = read_gesture(gesture), tail_of(tail)
     driven = load_calibrated(actuator)
     if driven is not None and DRIVEN not in formats:
         raise InputError(
@@ -129,7 +125,7 @@ def command(
     require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
-        result = ov.render(data, chosen, movement, seed=seed, tail=rest, actuator=driven)
+        result = ov.render(data, chosen, movement, seed=seed, tail=chosen_tail, actuator=driven)
         progress(1.0)
     reports: list[dict[str, Any]] = []
     for to, path in paths.items():

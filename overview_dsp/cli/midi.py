@@ -45,10 +45,8 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
 
     require_target(target, (THETA2, TOUCH, TAPS))
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)
-    parse_map(
-        write_map((replace(stand_in, to=target, low=learning.low, high=learning.high),)),
-        f"{target}",
-    )
+    wanted = replace(stand_in, to=target, low=learning.low, high=learning.high)
+    parse_map(write_map((wanted,)), target)  # checks the range
     require_writable(learning.output)
     controls = load_map(learning.output) if Path(learning.output).exists() else ()
     learner = Learner(target)
@@ -56,8 +54,10 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     def decode(messages: list[bytes], now_s: float) -> Control | None:
         return next(filter(None, map(learner.read, messages)), None)
 
-    moved = listen(MidiPort(name), lambda: learner.instruction, decode, learning.timeout,
-                       lambda: f"no control for {target!r} was moved")  # fmt: skip
+    def failure() -> str:
+        return f"no control for {target!r} was moved"
+
+    moved = listen(MidiPort(name), lambda: learner.instruction, decode, learning.timeout, failure)
     found = replace(moved, low=learning.low, high=learning.high)
     same = (found.name, found.channel)
     kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)

@@ -80,6 +80,6 @@ def build(
     names = [preset.name for preset in chosen]
     report = {"format": to, "file": str(built), "timelines": list(data), "presets": names}
     report |= {"target": target} if target else {}
-    timed = f"{', '.join(data)} in " if len(data) > 1 else ""
-    line = f"{built}: {timed}{', '.join(names)}; clicks on output 1, the tactor on output 2"
+    of_timelines = f"{', '.join(data)} in " if len(data) > 1 else ""
+    line = f"{built}: {of_timelines}{', '.join(names)}; clicks on output 1, the tactor on output 2"
     show(as_json, report, line)

@@ -112,7 +112,7 @@ def command(
     data = open_window(timeline, reading, window)
     chosen = choice.load(preset_for(data, choice.preset))
     movement = read_gesture(gesture)
-    rest = tail_of(tail)
+    chosen_tail = tail_of(tail)
     driven = load_calibrated(actuator)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar(f"rendering {Path(output).name}") as progress:
@@ -123,7 +123,7 @@ def command(
             output,
             sample_rate,
             seed,
-            tail=rest,
+            tail=chosen_tail,
             subtype=subtype,
             trace_path=trace,
             progress=progress,
@@ -134,9 +134,8 @@ def command(
         )
     passed = passed_events(done.passed, done.engine.timeline) if done.passed is not None else []
     if cue_points:
-        marked = [(round(one.time_s * sample_rate), one.text) for one in passed]
-        add_cues(Path(output), marked)
-    beside = [str(one) for one in stem_paths(Path(output))] if stems else []
+        add_cues(Path(output), [(round(one.time_s * sample_rate), one.text) for one in passed])
+    stem_names = [str(one) for one in stem_paths(Path(output))] if stems else []
     missed = [done.engine.timeline.events[i] for i in done.unreached]
     click_db, tactor_db = (round(gain_to_db(peak), 1) if peak else None for peak in done.peaks)
     if as_json:
@@ -156,7 +155,7 @@ def command(
                 "peak_click_dbfs": click_db,
                 "peak_tactor_dbfs": tactor_db,
                 "format": done.note,
-                "stems": beside,
+                "stems": stem_names,
                 "click_lufs": done.lufs if done.lufs is None else round(done.lufs, 1),
                 "click_gain_db": round(done.gain_db, 1),
                 "cues": len(passed) if cue_points else 0,
@@ -165,12 +164,17 @@ def command(
             }
         )
         return
+    click_peak, tactor_peak = (
+        "silent" if db is None else f"{db:.1f} dBFS" for db in (click_db, tactor_db)
+    )
     click.echo(
         f"{output}: {chosen.name}, {clock_text(done.duration_s)}, {done.strikes} strikes, "
-        f"peaks {_level(click_db)} click and {_level(tactor_db)} tactor, {done.note}"
+        f"peaks {click_peak} click and {tactor_peak} tactor, {done.note}"
     )
-    if beside:
-        click.echo(f"{', '.join(beside)}: click, tactor, and cursor, touching, torque, envelope")
+    if stem_names:
+        click.echo(
+            f"{', '.join(stem_names)}: click, tactor, and cursor, touching, torque, envelope"
+        )
     if measure_loudness or normalize is not None:
         click.echo(_loudness(done.lufs, done.gain_db, normalize))
     if driven and done.protected:
@@ -191,12 +195,7 @@ def command(
     write_transcripts(transcripts, passed, as_json)
 
 
-MAX_NAMED = 6
-"""Maximum number of events that a message names; the JSON report has all."""
-
-
-def _level(db: float | None) -> str:
-    return "silent" if db is None else f"{db:.1f} dBFS"
+MAX_NAMED = 6  # most events that a message names; the JSON report has all
 
 
 def _loudness(lufs: float | None, gain_db: float, target: float | None) -> str:

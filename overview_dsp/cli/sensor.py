@@ -79,9 +79,8 @@ def firmware(
         if output is not None:
             raise InputError(f"NAME is missing; must be {' or '.join(firmware_names())}")
         heads = {one: firmware_head(one) for one in firmware_names()}
-        lines = (f"{one:12s} {' '.join(head.split(chr(10) * 2)[0].split())}"
-                 for one, head in heads.items())  # fmt: skip
-        show(as_json, heads, "\n".join(lines))
+        firsts = {one: " ".join(head.partition("\n\n")[0].split()) for one, head in heads.items()}
+        show(as_json, heads, *(f"{one:12s} {first}" for one, first in firsts.items()))
         return
     head = firmware_head(name)
     to = None if output is None else str(copy_firmware(name, Path(output)))
@@ -108,11 +107,7 @@ def profile(
         if output is not None:
             raise InputError(f"NAME is missing; must be {' or '.join(LIBRARY.bundled)}")
         about = {one: load_sensor(one).description for one in LIBRARY.bundled}
-        show(
-            as_json,
-            about,
-            "\n".join(f"{one:14s} {description}" for one, description in about.items()),
-        )
+        show(as_json, about, *(f"{one:14s} {description}" for one, description in about.items()))
         return
     text = LIBRARY.path(name).read_text(encoding="utf-8")
     if output is not None:

@@ -8,7 +8,6 @@ from pathlib import Path
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import print_json
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.reading import READ_KEYS, Reading, open_timeline, open_timelines
@@ -56,12 +55,9 @@ def show(
         from overview_dsp.offline.plots.timeline import plot_timeline
 
         save_picture(plot_timeline(data), plot)
-    if as_json:
-        print_json({"file": file, "plot": plot, **describe_json(data, events=events)})
-        return
-    click.echo(describe(data, events=events))
-    if plot is not None:
-        click.echo(f"{plot}: intensity curve with events")
+    report = {"file": file, "plot": plot, **describe_json(data, events=events)}
+    drawn = [] if plot is None else [f"{plot}: intensity curve with events"]
+    show_report(as_json, report, describe(data, events=events), *drawn)
 
 
 @cli_command("timeline convert goals.csv --select 'France Croatia' -o final.json", group=command)

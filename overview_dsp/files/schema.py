@@ -12,8 +12,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 from overview_dsp.errors import did_you_mean, shown
 
-Path = tuple[str | int, ...]
-"""Keys and list indices that lead to a value."""
+Path = tuple[str | int, ...]  # keys and list indices that lead to a value
 
 _HOW = {
     **dict.fromkeys(("float_type", "int_type"), "is not a number"),

@@ -92,12 +92,9 @@ def require_known(table: Iterable[str], known: Collection[str], prefix: str = ""
     """Refuse unknown keys with an InputError that begins with the key."""
     for key in table:
         if key not in known:
-            raise InputError(f"{prefix}{format_key(key)}: unknown key{did_you_mean(key, known)}")
-
-
-def format_key(key: str) -> str:
-    """Return a key for a message; unprintable keys are quoted."""
-    return key if key.isprintable() and not any(c.isspace() for c in key) else repr(key)
+            plain = key.isprintable() and not any(c.isspace() for c in key)
+            text = key if plain else repr(key)
+            raise InputError(f"{prefix}{text}: unknown key{did_you_mean(key, known)}")
 
 
 def line_of(text: str, path: Iterable[str | int]) -> int | None:

@@ -34,11 +34,8 @@ from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 from overview_dsp.units import FELT_WINDOW_S
 
-RATE = 16_000.0
-"""Sample rate, Hz. The disk and its vibration do not depend on it."""
-
-TAIL_S = 3.0
-"""Time rendered after the release, s, in which the disk arrives."""
+RATE = 16_000.0  # sample rate, Hz. The disk and its vibration do not depend on it.
+TAIL_S = 3.0  # time rendered after the release, s, in which the disk arrives
 
 STROKES: Mapping[str, Gesture] = {
     **{f"sweep {s} s": sweep(s) for s in (1, 2, 4, 6)},
@@ -48,13 +45,10 @@ STROKES: Mapping[str, Gesture] = {
 TAPS = (0.1, 0.25, 0.5, 0.75, 0.97)
 TAP_S = 1.5
 SCRUB_WIDTH, SCRUB_HZ = 0.02, (1.0, 2.0)
-SCRUB_DB = -35.0
-"""Lowest level of a pulse in scrubbing, dBFS: a typical foul in a sweep of 4 s."""
-
+SCRUB_DB = -35.0  # lowest level of a pulse in scrubbing, dBFS: a typical foul in a sweep of 4 s
 CURVE = "the curve"
 CARD_MARGIN_DB, CARD_AFTER_S = 2.5, 600.0
-_EDGE = 0.02
-"""Share of the timeline at each end that the felt range leaves out."""
+_EDGE = 0.02  # share of the timeline at each end that the felt range leaves out
 
 Triple = tuple[float, float, float]
 

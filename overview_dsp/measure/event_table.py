@@ -54,8 +54,7 @@ from overview_dsp.offline.rendering.trace import Trace
 from overview_dsp.public import counted, short
 from overview_dsp.units import FELT_WINDOW_S, HALF_TURN
 
-FLOOR_DB = -90.0
-"""Lowest level that is measured, dB of full scale."""
+FLOOR_DB = -90.0  # lowest level of a row
 
 ARRIVED = 0.005
 """Distance from the end of the stroke, as a share of the timeline, at which a disk has arrived. A
@@ -67,8 +66,7 @@ HALF_WINDOW_MS = 5
 _PEAK_MS = 30
 """Longest time from entering an event to its peak of vibration, unless the disk stays longer."""
 
-_CLICK_MS = 55
-"""Time from a strike in which the level of its click is measured."""
+_CLICK_MS = 55  # time from a strike in which the level of its click is measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,11 +228,11 @@ def felt_events(
     preset : Preset
         Preset that is measured.
     timelines : sequence of Timeline
-        One or more timelines.
+        Timelines with events.
     gestures : mapping of str to Gesture
         Gestures by name; default: slow, medium and fast sweeps and a tap.
     sample_rate : float
-        Sample rate, Hz. It does not affect disk and vibration, but clicks need 48 kHz.
+        Hz. The vibration is the same at any sample rate; clicks need 48 kHz.
     tail : {"rest", "none"} or float
         As in `render`.
     progress : callable
@@ -243,7 +241,7 @@ def felt_events(
     Returns
     -------
     list of FeltEvents
-        A table for each stroke: gesture by gesture, timeline by timeline.
+        One table per stroke, by gesture, then by timeline.
 
     Raises
     ------
@@ -289,19 +287,20 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     cursor = done.trace.cursor[stroke.start : stroke.stop]
     torque = np.abs(done.trace.torque[stroke.start : stroke.stop])
     slope = np.diff(torque, prepend=torque[:1]) * rate
-    heard = done.samples[stroke.start : stroke.stop + (round(TRAILING_S * rate) if outward else 0)]
-    level = levels(heard[:, TACTOR], rate, FELT_WINDOW_S, FLOOR_DB)
+    trailing = round(TRAILING_S * rate) if outward else 0
+    samples = done.samples[stroke.start : stroke.stop + trailing]
+    level = levels(samples[:, TACTOR], rate, FELT_WINDOW_S, FLOOR_DB)
     course = cursor[np.arange(0.0, len(cursor), per_ms).astype(np.int64)]
     away = np.flatnonzero(np.abs(cursor - cursor[-1]) > ARRIVED)
     arrived = min(int(away[-1]) + 2 if len(away) else len(cursor), len(cursor))
     # a window overlaps an event if the disk is on one in any of its frames
-    on_one = np.cumsum(np.append(0, surface.in_span(cursor)))
+    on_event = np.cumsum(np.append(0, surface.in_span(cursor)))
     windows = slice(HALF_WINDOW_MS, max(HALF_WINDOW_MS, int(arrived / per_ms) - HALF_WINDOW_MS))
     middle = np.arange(len(course))[windows]
     first_frame, last_frame = (
         ((middle + side) * per_ms).astype(int) for side in (-HALF_WINDOW_MS, HALF_WINDOW_MS)
     )
-    free = level[windows][on_one[last_frame] == on_one[first_frame]]
+    free = level[windows][on_event[last_frame] == on_event[first_frame]]
     free_db = float(np.median(free)) if len(free) else np.nan
 
     pulses = touch_pulses(level)
@@ -310,8 +309,8 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     frames, (high, sharpness, duration) = np.full((2, count), np.nan), np.full((3, count), np.nan)
     frames[:, rows] = first, last
     detected, reached = np.zeros((2, count), dtype=bool)
-    low, far = cursor.min(), cursor.max()
-    reached[rows] = (low <= surface.position[rows]) & (surface.position[rows] <= far)
+    low, furthest = cursor.min(), cursor.max()
+    reached[rows] = (low <= surface.position[rows]) & (surface.position[rows] <= furthest)
     for row, begin, end in zip(rows.tolist(), first.tolist(), last.tolist(), strict=True):
         inside = surface.span[row, 0] <= cursor[begin : end + 1]
         inside &= cursor[begin : end + 1] <= surface.span[row, 1]
@@ -333,7 +332,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     events = [timeline.events[i] for i in surface.event.tolist()]
     kinds = np.array([event.kind for event in events], dtype=str)
     click_s, click_db, click_lag_ms, merged, lost_to = _clicks(
-        done, stroke, frames, heard[:, CLICK], kinds
+        done, stroke, frames, samples[:, CLICK], kinds
     )
     first_s, last_s = (frames + stroke.start) / rate
     return FeltEvents(
@@ -342,7 +341,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
         stroke=stroke,
         sample_rate=rate,
         target=target,
-        turn=float(far if outward else low),
+        turn=float(furthest if outward else low),
         event=surface.event,
         kind=kinds,
         time_s=np.array([event.time_s for event in events]),

@@ -32,14 +32,12 @@ from overview_dsp.units import FELT_WINDOW_S
 HOP_S = 0.001
 """Time from one window to the next, s: short enough that one window holds a whole short pulse."""
 
-_RUN = 64
-"""Frames per run: consecutive frames whose lowest and highest position are found at once."""
+_RUN = 64  # frames per run; the lowest and highest position of a run are found at once
 
 MIN_COAST = 0.001
 """Smallest movement after a release that extends the outward stroke, as a share of the timeline."""
 
-RECOIL_END = 0.01
-"""Cursor at which a recoil ends."""
+RECOIL_END = 0.01  # cursor at which a recoil ends
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class Stroke:
 
 @dataclass(frozen=True, eq=False)
 class StrokeFeel:
-    """Felt levels of one stroke.
+    """Levels felt in one stroke.
 
     `event_free_db`: median level of the windows outside every event's span, dB.
     `event_db`: highest level at each event of the surface, dB; NaN if it was not passed.
@@ -304,15 +302,11 @@ def stroke_feel(
     return StrokeFeel(stroke, float(np.median(free)) if len(free) else np.nan, event_db, rise)
 
 
-JND_DB = 2.3
-"""Just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)."""
-
-JND_DURATION = 1.25  # ratio, as the next one
+JND_DB = 2.3  # just noticeable difference (JND) of amplitude (Israr and Tan 2006: 2.2 to 2.5 dB)
+JND_DURATION = 1.25
 JND_SHARPNESS = 2.0
-MERGED_S = 0.030
-"""Two pulses closer than this are felt as one."""
-
-FALL_DB = 6.0  # fall from its peak that ends a pulse
+MERGED_S = 0.030  # two pulses closer than this are felt as one
+FALL_DB = 6.0
 
 GESTURES: Mapping[str, Gesture] = {
     "slow": sweep(6.0),
@@ -330,8 +324,7 @@ def ratio_jnds(first: float, second: float, step: float) -> float:
     return abs(math.log(first / second)) / math.log(step)
 
 
-PULSE_HOP_S = 0.002
-"""Time between two levels in which pulses are sought, s."""
+PULSE_HOP_S = 0.002  # time between two levels in which pulses are sought, s
 
 
 def pulse_indices(level: FloatArray) -> IntArray:
@@ -392,14 +385,12 @@ def count_resolved_events(
     return int(np.count_nonzero(surface.in_span(cursor[np.minimum(middles, len(cursor) - 1)])))
 
 
-TOUCH_FLOOR_DB = -50.0
-"""Lowest level that a finger feels, dB of full scale."""
+TOUCH_FLOOR_DB = -50.0  # lowest level that a finger feels, dB of full scale
 
 PULSE_PROMINENCE_DB = 2.5
 """Prominence of a pulse: a just noticeable step of amplitude on the skin (Israr and Tan 2006)."""
 
-MIN_PULSE_GAP_MS = 30
-"""Of two pulses nearer than this, only the higher one is detected."""
+MIN_PULSE_GAP_MS = 30  # of two pulses nearer than this, only the higher one is detected
 
 BEFORE_MS, AFTER_MS = 15.0, 40.0
 """A pulse belongs to an event from this long before the disk enters it to this long after."""

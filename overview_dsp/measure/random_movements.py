@@ -12,19 +12,14 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.scripts import CONTROL_RATE
 from overview_dsp.units import HALF_TURN
 
-SWEEP_S = (1.5, 6.0)
-"""Range of the duration of a sweep at the mean pace, s; its logarithm is uniformly distributed."""
-
-PACE_CHANGE = 0.6
-"""Standard deviation of the logarithm of the pace of a segment."""
-
+SWEEP_S = (1.5, 6.0)  # duration of a steady movement of the mean pace, s; its logarithm is uniform
+PACE_CHANGE = 0.6  # standard deviation of the logarithm of the pace of a segment
 SEGMENT_S = (0.25, 0.9)
 PAUSE_SHARE, PAUSE_S = 0.15, (0.15, 0.8)
 RETURN_SHARE, RETURN_BY = 0.12, (0.03, 0.15)
 """Shares of segments that pause or return; distance of a return as a share of the timeline."""
 
-SMOOTHED_S = 0.2
-"""Length of the Hann window that smooths the pace, s."""
+SMOOTHED_S = 0.2  # length of the Hann window that smooths the pace, s
 
 
 def random_movement(seed: int) -> Gesture:

@@ -43,10 +43,9 @@ from overview_dsp.measure.perceived_level import (
 from overview_dsp.measure.report_base import Report, cell, entry_named
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.public import counted, short
-from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.signal.actuators.model import pacinian_db
 
-LOW, HIGH = 10.0, 90.0
-"""Percentiles of the spread of a kind's levels."""
+LOW, HIGH = 10.0, 90.0  # percentiles of the spread of a kind's levels
 
 
 @dataclass(frozen=True)

@@ -28,49 +28,37 @@ from overview_dsp.measure.perceived_level import JND_DB
 from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
 
-RATE = 16_000.0
-"""Sample rate, Hz. The vibration does not depend on it, and a low one is fast."""
+RATE = 16_000.0  # sample rate, Hz. The vibration does not depend on it, and a low one is fast.
 
 ORDERED_JNDS, SEPARATE_JNDS = 2.0, 1.0
 """Required JNDs between a kind and the next one of a target, and between separated kinds."""
 
-REST_JNDS = 1.0
-"""Required JNDs of the last kind above the level between the events."""
-
-MARGIN_JNDS = 0.3
-"""Margin of the search in JNDs, so that the target holds at other speeds too."""
+REST_JNDS = 1.0  # required JNDs of the last kind above the level between the events
+MARGIN_JNDS = 0.3  # margin of the search in JNDs, so that the target holds at other speeds too
 
 CLEAR_JNDS = 1.8
 """JNDs of separated kinds above the level between the events in the search, so that weak events are
 felt."""
 
-FAULT_JNDS = 2.0
-"""Cost of a masked or merged event, as a shortfall in JNDs."""
+FAULT_JNDS = 2.0  # cost of a masked or merged event, as a shortfall in JNDs
 
 GOOD = 0.02
 """Cost at which the search ends. A target is met once its requirements hold at the last speeds."""
 
-MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
-"""Largest ratios of change of heights and widths."""
+MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0  # largest ratios of change of heights and widths
 
 LOG_PER_DB = 0.19
 """Change of a height's logarithm per dB of level, for a compression of 0.6 dB per dB."""
 
-TRIES, TRIES_APART = 100, 2000
-"""Tries of the search, at few speeds and again at all of them."""
-
-GUESSES = 3
-"""First tries, which raise each kind of a target by its shortfall."""
-
-TOGETHER = 0.15
-"""Share of the tries that change all kinds at once."""
+TRIES, TRIES_APART = 100, 2000  # tries of the search, at few speeds and again at all of them
+GUESSES = 3  # first tries, which raise each kind of a target by its shortfall
+TOGETHER = 0.15  # share of the tries that change all kinds at once
 
 SPREAD = (0.3, 0.15)
 """Standard deviations of a try, in logarithms of the height's and the width's ratio."""
 
 REST = "the level between the events"
-UNMET = -10.0
-"""JNDs above another kind that are assumed for a kind that was never passed."""
+UNMET = -10.0  # JNDs of a kind that was never passed above another one
 
 Sweeps = Mapping[str, Gesture]
 

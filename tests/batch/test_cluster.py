@@ -57,7 +57,9 @@ def test_a_folder_that_is_deleted_and_made_again_is_no_trouble_to_running_worker
     assert hashes(tmp_path / "study") == whole
 
 
-def test_folders_that_vanish_again_and_again_cost_nothing_but_what_was_in_them(cluster, tmp_path):
+def test_an_output_folder_that_is_deleted_repeatedly_is_completed_by_the_next_run(
+    cluster, tmp_path
+):
     """Whatever becomes of a run meanwhile, the next one finishes the same study."""
     (tmp_path / "one").mkdir()
     run_batch(grid_in(tmp_path / "one"), workers=1)
@@ -81,7 +83,7 @@ def test_the_command_works_on_a_cluster(cluster, tmp_path, monkeypatch):
     assert f"{CASES // 3} rendered" in outcome.out
 
 
-def test_an_error_of_the_place_reaches_the_caller(cluster, tmp_path, monkeypatch):
+def test_an_error_of_the_storage_reaches_the_caller(cluster, tmp_path, monkeypatch):
     from overview_dsp.batch.storage import Storage
 
     def full(self, name, data):
@@ -105,7 +107,7 @@ def test_workers_of_another_version_are_refused(cluster, tmp_path, monkeypatch):
         run_batch(grid_in(tmp_path), scheduler=cluster)
 
 
-def test_an_address_where_nothing_answers_is_one_line(tmp_path, monkeypatch):
+def test_an_address_where_nothing_answers_is_an_error_of_one_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("overview_dsp.batch.cluster.CONNECT_S", 0.5)
     jobs_file(tmp_path)

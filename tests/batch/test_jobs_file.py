@@ -133,7 +133,7 @@ def test_ranges_keep_their_ends_and_are_even_or_even_in_ratio(tmp_path):
          "{from = -12, to = 0, steps = 5000}", ["499,995,000", "100,000,000"]),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_one_line_that_names_it(tmp_path, text, words):
+def test_an_invalid_jobs_file_is_an_error_of_one_line_that_names_the_file(tmp_path, text, words):
     with pytest.raises(ov.InputError) as error:
         grid_in(tmp_path, text)
     line = str(error.value)
@@ -143,7 +143,7 @@ def test_what_is_wrong_is_one_line_that_names_it(tmp_path, text, words):
     assert "\n" not in line
 
 
-def test_a_file_that_is_not_there_is_one_line(tmp_path):
+def test_a_file_that_is_not_there_is_an_error_of_one_line(tmp_path):
     with pytest.raises(ov.InputError, match="no such"):
         load_jobs(tmp_path / "no such")
 

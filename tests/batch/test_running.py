@@ -46,7 +46,7 @@ def rows(folder):
     return parquet.read_table(folder / "manifest.parquet").to_pylist()
 
 
-def test_every_case_has_its_sound_and_its_row(done, tmp_path):
+def test_every_case_has_a_sound_file_and_a_row(done, tmp_path):
     folder, files = done
     study = grid_in(tmp_path)
     table = rows(folder)
@@ -85,14 +85,14 @@ def test_every_case_has_its_sound_and_its_row(done, tmp_path):
     assert all(-70.0 <= row["loudness_lufs"] < 0.0 for row in table)
 
 
-def test_the_manifest_holds_the_presets_whole(done):
+def test_the_manifest_has_the_complete_presets(done):
     metadata = parquet.read_schema(done[0] / "manifest.parquet").metadata
     about = json.loads(metadata[b"overview_study"])
     assert about["presets"]["football"]["kinds"]["goal"]
     assert about["tail"] == "none"
 
 
-def test_processes_make_the_same_files_and_a_second_run_makes_none(done, tmp_path):
+def test_several_processes_make_the_same_files_and_a_second_run_makes_none(done, tmp_path):
     study = grid_in(tmp_path)
     told = []
     # said once, whichever process saw it
@@ -111,7 +111,7 @@ def test_processes_make_the_same_files_and_a_second_run_makes_none(done, tmp_pat
     assert hashes(tmp_path / "study") == done[1]
 
 
-def test_only_what_is_missing_or_cut_short_is_made_again(done, tmp_path, monkeypatch):
+def test_only_missing_or_truncated_files_are_rendered_again(done, tmp_path, monkeypatch):
     shutil.copytree(done[0], tmp_path / "study")
     names = sorted((tmp_path / "study" / "sounds").rglob("*.wav"))
     names[3].unlink()
@@ -121,7 +121,7 @@ def test_only_what_is_missing_or_cut_short_is_made_again(done, tmp_path, monkeyp
     assert hashes(tmp_path / "study") == done[1]
 
 
-def test_a_study_that_grows_makes_what_is_new(done, tmp_path):
+def test_a_larger_grid_renders_only_the_new_cases(done, tmp_path):
     shutil.copytree(done[0], tmp_path / "study")
     more = JOBS.replace("seeds = 3", "seeds = 4")
     outcome = run_batch(grid_in(tmp_path, more), workers=1)
@@ -135,7 +135,7 @@ def test_a_study_that_grows_makes_what_is_new(done, tmp_path):
     assert len(rows(tmp_path / "study")) == CASES
 
 
-def test_other_contents_are_other_renders_and_other_words_are_not(tmp_path):
+def test_changed_data_are_rendered_again_and_changed_texts_are_not(tmp_path):
     study = grid_in(tmp_path)
     keys = Keys(study)
     plain = [keys.key(study.case(index)) for index in range(CASES)]
@@ -158,7 +158,7 @@ def test_other_contents_are_other_renders_and_other_words_are_not(tmp_path):
     assert key(gestures={"x": ov.tap(0.4, 0.051)}) != plain[0]
 
 
-def test_what_fails_is_listed_and_the_rest_is_made(tmp_path):
+def test_failed_cases_are_listed_and_the_others_are_rendered(tmp_path):
     text = """
 out = "study"
 timelines = ["world-cup-final-2018"]
@@ -193,7 +193,7 @@ def test_equal_presets_under_two_names_are_rendered_once(tmp_path):
     assert len({row["file"] for row in table}) == CASES // 2
 
 
-def test_a_place_in_memory_is_a_place_like_any_other(done, tmp_path):
+def test_a_folder_in_memory_works_like_any_other(done, tmp_path):
     import fsspec
 
     study = grid_in(tmp_path, out="memory://bucket/study")
@@ -209,7 +209,7 @@ def test_a_place_in_memory_is_a_place_like_any_other(done, tmp_path):
     assert hashes(tmp_path / "copy") == done[1]
 
 
-def test_inputs_come_from_addresses(done, tmp_path):
+def test_inputs_can_be_urls(done, tmp_path):
     import fsspec
 
     memory = fsspec.filesystem("memory")
@@ -258,20 +258,20 @@ def test_a_full_disk_stops_the_study_with_one_line(tmp_path, monkeypatch):
     assert len(rows(tmp_path / "study")) == CASES
 
 
-def test_garbage_in_the_place_is_named(tmp_path):
+def test_a_damaged_manifest_part_is_named(tmp_path):
     (tmp_path / "study" / "parts").mkdir(parents=True)
     (tmp_path / "study" / "parts" / "x.jsonl").write_bytes(b"garbage")
     with pytest.raises(ov.InputError, match=r"parts/x\.jsonl"):
         run_batch(grid_in(tmp_path), workers=1)
 
 
-def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
+def test_a_folder_that_cannot_be_written_is_an_error_of_one_line(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ov.InputError, match="file"):
         run_batch(grid_in(tmp_path, out=str(tmp_path / "file" / "study")), workers=1)
 
 
-def test_parts_are_written_now_and_then(tmp_path, monkeypatch):
+def test_parts_of_the_manifest_are_written_during_the_run(tmp_path, monkeypatch):
     monkeypatch.setattr(task, "PART_S", 0.0)
     written = []
     real = Storage.put
@@ -324,7 +324,7 @@ def killed_after(monkeypatch, steps):
     return left
 
 
-def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monkeypatch):
+def test_a_run_killed_at_any_step_and_resumed_leaves_the_same_files(tmp_path, monkeypatch):
     text = 'out = "study"\ntimelines = ["world-cup-final-2018"]\ngestures = ["tap:0.4:0.02"]\n'
     text += 'sample_rate = 2000\ntail = "none"\nseeds = 3\n'
     monkeypatch.setattr(task, "PART_S", 0.0)
@@ -357,7 +357,7 @@ def test_killed_at_any_step_and_resumed_it_leaves_the_same_files(tmp_path, monke
 @pytest.mark.parametrize(
     ("seeds", "workers_of_runs"), [(12, "212"), pytest.param(40, "21121", marks=pytest.mark.soak)]
 )
-def test_killed_at_random_and_resumed_it_leaves_the_same_files(tmp_path, seeds, workers_of_runs):
+def test_a_run_killed_at_random_and_resumed_leaves_the_same_files(tmp_path, seeds, workers_of_runs):
     # a low rate: no loudness, whose library takes longest to load
     text = JOBS.replace("seeds = 3", f"seeds = {seeds}")
     text = text.replace("0.05", "2.0").replace("8000", "2000")
@@ -421,7 +421,7 @@ def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
     assert hashes(tmp_path / "study") == done[1]
 
 
-def test_workers_that_die_again_and_again_end_it_with_one_line(tmp_path, monkeypatch):
+def test_workers_that_die_repeatedly_end_the_run_with_one_line(tmp_path, monkeypatch):
     from overview_dsp.batch import local
 
     def dead(study, left, processes):
@@ -433,7 +433,7 @@ def test_workers_that_die_again_and_again_end_it_with_one_line(tmp_path, monkeyp
         run_batch(grid_in(tmp_path), workers=2)
 
 
-def test_the_command_reports_what_it_did(tmp_path, monkeypatch):
+def test_the_command_reports_its_renders(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = JOBS.replace("seeds = 3", "seeds = 1")
     jobs_file(tmp_path, text)
@@ -463,7 +463,7 @@ def test_the_command_ends_with_1_when_renders_failed(tmp_path, monkeypatch):
     assert lines[1].startswith("error: 1 of 2 renders failed")
 
 
-def test_without_the_extra_one_line_says_how_to_install_it(tmp_path, monkeypatch):
+def test_without_the_extra_the_error_has_the_install_command(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     jobs_file(tmp_path)

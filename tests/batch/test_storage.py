@@ -11,7 +11,7 @@ from overview_dsp.batch.storage import Storage
 
 
 @pytest.mark.parametrize("written", ["{}", "{}/", "../{name}", "."])
-def test_a_place_names_its_files_by_their_way_from_it(tmp_path, monkeypatch, written):
+def test_storage_lists_files_by_their_path_below_the_folder(tmp_path, monkeypatch, written):
     monkeypatch.chdir(tmp_path)
     place = Storage(written.format(tmp_path, name=tmp_path.name))
     place.put("sounds/ab/a.wav", b"123")
@@ -22,7 +22,7 @@ def test_a_place_names_its_files_by_their_way_from_it(tmp_path, monkeypatch, wri
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root reads all")
-def test_a_folder_that_cannot_be_read_is_one_line(tmp_path):
+def test_a_folder_that_cannot_be_read_is_an_error_of_one_line(tmp_path):
     (tmp_path / "sounds").mkdir(mode=0)
     with pytest.raises(ov.InputError, match="sounds: can't be read"):
         Storage(str(tmp_path)).sizes("sounds")
@@ -39,7 +39,7 @@ def test_folders_that_another_process_deletes_are_made_again(tmp_path):
     place.put("sounds/ab/a.wav", b"123")
 
 
-def test_files_are_put_while_another_process_cleans_up(tmp_path):
+def test_files_are_written_while_another_process_cleans_up(tmp_path):
     place, other = Storage(str(tmp_path)), Storage(str(tmp_path))
     over = threading.Event()
 

@@ -22,7 +22,7 @@ def thresholds(tmp_path, monkeypatch):
     return path
 
 
-def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football):
+def test_a_render_uses_an_actuator_and_reports_it(folder, match, football):
     told = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", "--actuator", "c2")
     assert told.code == 0, told.err
     assert told.out.splitlines()[1].startswith("driven for C-2 tactor: reduced by up to ")
@@ -37,7 +37,7 @@ def test_a_render_is_driven_for_an_actuator_and_says_so(folder, match, football)
     assert report["actuator"]["samples_at_peak"] == result.protected.at_peak
 
 
-def test_no_actuator_leaves_a_render_as_it_was(folder, match, football):
+def test_without_an_actuator_a_render_is_unchanged(folder, match, football):
     expected = ov.render(match, football, ov.tap(0.2, 0.05), 8000, tail=0.05).samples
     for option in ((), ("--actuator", "none")):
         done = overview("render", MATCH, *QUICK, "--subtype", "FLOAT", *option, "--json")
@@ -142,7 +142,7 @@ def test_an_invalid_sweep_writes_no_file(folder, option):
     assert list(folder.iterdir()) == []
 
 
-def test_an_export_drives_the_pad_and_leaves_the_other_formats_as_they_are(folder, match, football):
+def test_an_actuator_changes_the_wav4_export_only(folder, match, football):
     tap = ("--gesture", "tap:0.5:0.2")
     both = ("export", MATCH, *tap, "--to", "ahap", "--to", "wav4", "-o")
     assert overview(*both, "plain").code == 0

@@ -202,7 +202,7 @@ def test_what_was_there_before_survives_an_error(folder):
     assert (folder / "out.htk").read_text() == "old"
 
 
-def test_a_timeline_of_more_events_than_a_surface_holds_is_felt_and_said(folder):
+def test_a_timeline_with_too_many_events_for_a_surface_is_rendered_with_a_warning(folder):
     lines = "".join(f"{i},goal\n" for i in range(MAX_EVENTS + 1))
     (folder / "many.csv").write_text("time_s,kind\n" + lines)
     outcome = overview("render", "many.csv", *QUICK)
@@ -268,13 +268,13 @@ def test_an_error_under_json_is_json():
     assert "No such option" in wrong["error"]
 
 
-def test_a_mistyped_command_is_told_the_nearest_one():
+def test_a_mistyped_command_gets_a_hint_with_the_nearest_one():
     refused(overview("rendr", "x"), "'rendr'", "did you mean 'render'?")
     refused(overview("timeline", "shw"), "'shw'", "Did you mean 'show'?")
     assert "mean" not in refused(overview("zzz"), "'zzz'")
 
 
-def test_a_file_whose_name_begins_as_an_option_is_told_how_to_be_named(tmp_path, monkeypatch):
+def test_a_file_whose_name_begins_like_an_option_gets_a_hint(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "-x.json").write_bytes(native())
     refused(overview("timeline", "show", "-x.json"), "./-x.json")

@@ -129,7 +129,7 @@ def test_every_name_of_the_list_is_there_and_described():
         extensions.sho  # noqa: B018
 
 
-def test_importing_the_list_imports_none_of_it():
+def test_importing_the_names_imports_no_module():
     code = (
         "import sys, json\nfrom overview_dsp.cli import extensions\n"
         "print(json.dumps([m for m in sys.modules if m.startswith('overview_dsp.')]))"

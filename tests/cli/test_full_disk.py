@@ -48,7 +48,7 @@ def test_a_full_disk_gives_a_one_line_error_and_leaves_nothing(small_disk, monke
 
 
 @pytest.mark.parametrize("outputs", OUTPUTS.values(), ids=OUTPUTS)
-def test_a_full_disk_leaves_what_was_there(small_disk, monkeypatch, outputs):
+def test_a_full_disk_leaves_the_existing_file_unchanged(small_disk, monkeypatch, outputs):
     monkeypatch.chdir(small_disk)
     for name in ("a.wav", "a.flac", "a.npz", "a.csv"):
         (small_disk / name).write_text(name)
@@ -58,7 +58,7 @@ def test_a_full_disk_leaves_what_was_there(small_disk, monkeypatch, outputs):
     assert len(os.listdir(small_disk)) == 4
 
 
-def test_a_sound_that_just_does_not_fit_takes_its_trace_with_it(small_disk, monkeypatch):
+def test_a_sound_that_does_not_fit_removes_its_trace_too(small_disk, monkeypatch):
     monkeypatch.chdir(small_disk)
     short = ("--gesture", "tap:0.5:0.05", "--sample-rate", "1000", "--tail", "none")
     # the trace fits, the sound's last bytes don't: whatever is left over, it is none of the two

@@ -188,7 +188,7 @@ def remembered(tmp_path, monkeypatch):
     return lambda: saved_settings.load_settings(card.full_name, card.channels)
 
 
-def test_devices_remembers_what_is_set_and_keeps_the_rest(remembered):
+def test_devices_saves_changed_settings_and_keeps_the_others(remembered):
     settings = ("--set", "tactor.gain=-6", "--set", "tactor.channel=3+4", "--set", "click.mute=yes")
     assert overview("devices", "--listen", 0, "--device", "Card", *settings).code == 0
     assert (remembered().tactor.gain_db, remembered().tactor.channel) == (-6.0, (3, 4))

@@ -93,7 +93,7 @@ def test_a_temporary_file_is_removed_even_if_stopped_while_it_is_created(folder,
 
 @pytest.mark.skipif(os.name != "posix", reason="sends signals")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
-def test_a_study_that_is_stopped_says_how_far_it_came_and_ends_its_workers(folder, name):
+def test_a_stopped_batch_reports_its_progress_and_ends_its_workers(folder, name):
     pytest.importorskip("pyarrow", reason="needs the extra batch")
     (folder / "jobs.toml").write_text(
         f'out = "o"\ntimelines = ["{MATCH}"]\ngestures = ["tap:1:0.5"]\nseeds = 50000\n'

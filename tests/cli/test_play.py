@@ -44,7 +44,7 @@ def test_play_prints_a_line_per_second_and_a_summary(tmp_path, match, springy_fi
     assert len(result.strikes) > 20
 
 
-def test_a_session_is_driven_for_an_actuator_and_says_so(springy_file):
+def test_a_session_uses_an_actuator_and_reports_it(springy_file):
     done = played_here(springy_file, "--input", "tap:0.5:0.2", "--actuator", "lra")
     assert "note: lra is felt" in done.err
     summary = json.loads(done.out.splitlines()[-1])["summary"]
@@ -61,7 +61,7 @@ def test_standard_input_moves_the_disk():
 
 @pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
-def test_a_signal_ends_it_with_the_take_saved(tmp_path, name):
+def test_a_signal_ends_the_session_and_the_take_is_saved(tmp_path, name):
     take = tmp_path / "take.csv"
     process = subprocess.Popen(
         [*PLAY, "--record", take], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -116,7 +116,7 @@ def test_a_mistake_gives_a_one_line_error_and_exit_code_2(arguments, words):
     assert words in refused(overview("play", MATCH, "--device", "none", *arguments))
 
 
-def test_a_zoom_is_recorded_and_the_whole_stays_in_reach(tmp_path, match, springy_file):
+def test_a_zoom_is_recorded_and_the_whole_timeline_stays_available(tmp_path, match, springy_file):
     take = tmp_path / "take.csv"
     played_here(springy_file, "--input", "sweep:0.5", "--zoom-to", "goal:2:100", "--record", take)
     goal = match.event("goal", 2).time_s
@@ -134,7 +134,7 @@ def test_a_window_may_be_given_by_events_and_clocks(springy_file):
 @pytest.mark.parametrize(
     ("replay", "repeats"), [("tap:0.5:0.1,loop", True), ("tap:0.5:0.1", False)]
 )
-def test_a_replay_repeats_where_that_is_asked_for(monkeypatch, springy_file, replay, repeats):
+def test_a_replay_repeats_on_request(monkeypatch, springy_file, replay, repeats):
     begun = []
     begin = Loop.begin
     monkeypatch.setattr(Loop, "begin", lambda *given: begun.append(given[2:]) or begin(*given))

@@ -10,14 +10,14 @@ from overview_dsp.design.presets.parameters import PARAMETERS
 from tests.cli.running import overview, refused
 
 
-def test_list_names_every_bundled_preset_with_what_it_is_for():
+def test_list_names_every_bundled_preset_with_its_purpose():
     lines = overview("presets", "list").out.splitlines()
     assert [line.split()[0] for line in lines] == list(ov.bundled_presets())
     for name, line in zip(ov.bundled_presets(), lines, strict=True):
         assert ov.load_preset(name).description in line
 
 
-def test_list_as_json_is_the_same():
+def test_list_as_json_has_the_same_presets():
     report = json.loads(overview("presets", "list", "--json").out)
     assert [entry["name"] for entry in report] == list(ov.bundled_presets())
     assert all(entry["title"] and entry["description"] for entry in report)
@@ -36,7 +36,7 @@ def test_show_reports_every_parameter_and_kind(name):
     )
 
 
-def test_check_says_which_are_valid():
+def test_check_reports_valid_presets():
     outcome = overview("presets", "check", *ov.bundled_presets())
     assert outcome.code == 0
     assert outcome.out.count(": valid, ") == len(ov.bundled_presets())
@@ -60,7 +60,7 @@ def test_check_names_file_line_key_and_range_of_a_fault(folder):
     refused(overview("presets", "check", "nobody"), "'nobody'")
 
 
-def test_check_goes_on_after_a_fault(folder):
+def test_check_continues_after_a_fault(folder):
     broken(folder)
     outcome = overview("presets", "check", "mine.toml", "football", "nobody")
     assert outcome.code == 2

@@ -49,7 +49,7 @@ def test_editing_checks_what_was_written(folder, monkeypatch):
     refused(overview("presets", "edit", "mine"), "disk.k1")
 
 
-def test_diff_says_what_differs_as_a_table_and_as_json(folder):
+def test_diff_lists_differences_as_a_table_and_as_json(folder):
     assert "surface.friction" in done("presets", "diff", "football", "crowd")
     found = json.loads(done("presets", "diff", "football", "crowd", "--json"))
     first, second = (
@@ -118,9 +118,7 @@ def test_a_clip_is_imported_into_a_preset(folder):
     refused(overview("presets", "import", "mine.toml", "--as", "goal"), "not JSON")
 
 
-def test_an_observer_says_what_is_taken_for_what_in_words_plain_data_and_a_picture(
-    folder, monkeypatch
-):
+def test_an_observer_reports_confusions_as_text_json_and_a_picture(folder, monkeypatch):
     # a hundred timelines take too long here
     few = functools.partial(observing.observe, learned=3, held_out=2)
     monkeypatch.setattr(observing, "observe", few)

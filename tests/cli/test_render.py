@@ -11,7 +11,7 @@ import overview_dsp as ov
 from tests.cli.running import MATCH, QUICK, overview, overview_process
 
 
-def test_render_writes_what_ov_render_gives(folder, match, football):
+def test_render_writes_the_samples_of_ov_render(folder, match, football):
     outcome = overview(
         *("render", MATCH, "--gesture", "sweep:0.2+tap:0.5:0.1", "--sample-rate", "8000"),
         *("--seed", "3", "--subtype", "FLOAT", "-o", "a.wav", "--trace", "a.npz"),
@@ -29,7 +29,7 @@ def test_render_writes_what_ov_render_gives(folder, match, football):
     assert sorted(os.listdir(folder)) == ["a.npz", "a.wav"]
 
 
-def test_render_says_what_it_wrote(folder):
+def test_render_reports_its_file(folder):
     outcome = overview("render", MATCH, *QUICK, "-o", "a.flac", "--trace", "a.csv")
     lines = outcome.out.splitlines()
     assert lines[0].startswith("a.flac: football, 0:00.1, ")
@@ -44,7 +44,7 @@ def test_dither_is_reported_for_sixteen_bits(folder):
     assert "WAV PCM_16, TPDF dither at 16 bits" in outcome.out
 
 
-def test_the_report_is_json_and_true(folder):
+def test_the_json_report_agrees_with_the_file(folder):
     outcome = overview("render", MATCH, *QUICK, "--trace", "t.csv", "--json")
     report = json.loads(outcome.out)
     samples, rate = soundfile.read(folder / "out.wav")
@@ -56,7 +56,7 @@ def test_the_report_is_json_and_true(folder):
     assert report["peak_tactor_dbfs"] == pytest.approx(peaks[1], abs=0.06)
 
 
-def test_silence_is_reported_as_silence_and_not_as_minus_infinity(folder):
+def test_silence_is_reported_as_silent_and_not_as_minus_infinity(folder):
     quiet = ("--gesture", "rest:0.1", "--sample-rate", "8000", "--tail", "none")
     assert "silent click and silent tactor" in overview("render", MATCH, *quiet).out
     report = json.loads(overview("render", MATCH, *quiet, "--json").out)

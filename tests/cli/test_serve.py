@@ -85,7 +85,7 @@ def test_serve_prints_its_address_serves_and_ends_with_a_signal(tmp_path):
         assert server.token in json.loads(out.splitlines()[0])["address"]
 
 
-def test_with_audio_here_at_the_host_a_hand_on_a_page_moves_the_disk(tmp_path):
+def test_with_audio_at_the_host_a_page_moves_the_disk(tmp_path):
     take = tmp_path / "take.csv"
     arguments = ("serve", MATCH, "--port", 0, "--audio", "host", "--device", "none",
                  "--record", take, "--window", "1000", "2000")  # fmt: skip
@@ -165,7 +165,7 @@ def test_play_remote_shows_the_address_in_the_terminal(tmp_path):
         os.close(terminal)
 
 
-def test_play_without_remote_listens_to_nobody(tmp_path):
+def test_play_without_remote_opens_no_port(tmp_path):
     done = overview("play", MATCH, "--device", "none", "--screen", "json", "--seconds", 0.2)
     assert done.code == 0, done.err
     assert "open http" not in done.err

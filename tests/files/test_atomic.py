@@ -33,7 +33,7 @@ def test_a_file_that_was_there_is_replaced(tmp_path):
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, ov.InputError])
-def test_what_goes_wrong_on_the_way_leaves_what_was_there(tmp_path, error):
+def test_an_error_while_writing_leaves_the_existing_file(tmp_path, error):
     path = tmp_path / "a.txt"
     path.write_text("old")
 
@@ -81,7 +81,7 @@ def test_a_file_has_the_rights_that_the_umask_leaves(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["no/a.txt", "file/a.txt", "", "x" * 5000, "a\0b", "n" * 300])
-def test_a_place_that_cannot_be_is_one_line(tmp_path, name):
+def test_an_invalid_path_is_an_error_of_one_line(tmp_path, name):
     (tmp_path / "file").write_text("")
     with pytest.raises(ov.InputError) as error:
         write(tmp_path / name)
@@ -102,7 +102,7 @@ def test_a_folder_is_made_with_its_parents_and_may_be_there(tmp_path):
     assert make_folder(str(made)) == made
 
 
-def test_a_folder_in_a_files_place_is_one_line(tmp_path):
+def test_a_folder_in_a_files_place_is_an_error_of_one_line(tmp_path):
     (tmp_path / "file").write_text("")
     for name in ("file", "file/sub"):
         with pytest.raises(ov.InputError, match="can't be written") as error:

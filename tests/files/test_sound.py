@@ -147,7 +147,7 @@ def test_a_long_ogg_is_written_whole(tmp_path):
         ("folder.wav", RATE, None, "is a folder"),
     ],
 )
-def test_what_cannot_be_written_is_one_line_and_leaves_what_was_there(
+def test_what_cannot_be_written_is_an_error_of_one_line_and_leaves_what_was_there(
     tmp_path, name, rate, subtype, words
 ):
     (tmp_path / "file").write_text("")

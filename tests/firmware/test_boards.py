@@ -21,6 +21,7 @@ import overview_dsp as ov
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touch_detection import TouchRules
+from tests.devices.force_feedback.board_frames import all_frames
 from tests.firmware import boards
 from tests.firmware.boards import FIRMWARE, HERE, MICROBIT, needs, run, sketch
 from tests.live.priority import urgently
@@ -169,7 +170,7 @@ def data_header(points, folder):
     surface = ov.build_surface(ov.load_timeline("world-cup-final-2018"), football)
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(surface, football.values)
-    frames = b"".join(loop.all_frames(points))
+    frames = b"".join(all_frames(loop, points))
     frames += b"\x05damaged\x00"
     dice = np.random.default_rng(1)
     n = np.arange(STEPS[points])

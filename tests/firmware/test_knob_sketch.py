@@ -11,6 +11,7 @@ from overview_dsp.devices.force_feedback.board_loop import BoardLoop
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
+from tests.devices.force_feedback.board_frames import all_frames
 from tests.firmware.boards import FIRMWARE, needs, run
 
 LIBRARY = """
@@ -68,7 +69,7 @@ def sources(tmp_path_factory, match, football):
     folder = tmp_path_factory.mktemp("knob")
     loop = BoardLoop(load_sensor("simplefoc"), 1_000_000)
     loop.render(ov.build_surface(match, football), football.values)
-    frames = b"".join(loop.all_frames(8193))
+    frames = b"".join(all_frames(loop, 8193))
     frames += framed(bytes((19, 1))) * 4000
     data = f"static const unsigned char FRAMES[] = {{{','.join(map(str, frames))}}};\n"
     (folder / "SimpleFOC.h").write_text(data + LIBRARY)

@@ -152,7 +152,7 @@ def test_an_event_that_the_disk_enters_and_does_not_cross_is_not_reached():
     assert np.isnan(table.lag_ms[0])
 
 
-def test_a_recoil_has_rows_for_what_the_disk_goes_back_over():
+def test_a_recoil_has_rows_for_the_events_that_the_disk_passes_again():
     timeline = timeline_of(20.0, 40.0, 80.0)
     done = rendered(RIGID, timeline, ov.sweep(2.0, 0.0, 0.6))
     out, back = stroke_events(done)

@@ -9,7 +9,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.measure.perceived_level import GESTURES
 from overview_dsp.measure.report import feel_report
-from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.signal.actuators.model import pacinian_db
 from tests.cli.running import MATCH, overview
 
 SWEEPS = ("slow", "medium", "fast")
@@ -52,7 +52,7 @@ def test_a_higher_kind_is_stronger_sharper_and_louder_at_every_speed():
     assert not any("feel the same" in line or "hardly" in line for line in report.warnings())
 
 
-def test_kinds_with_one_profile_feel_alike_and_a_warning_names_both():
+def test_kinds_with_equal_profiles_are_indistinct_and_a_warning_names_both():
     report = feel_report(preset_of(a=20.0, b=20.0), timeline_of(*"abbaabba"))
     for name in SWEEPS:
         assert [(a, b) for a, b, _ in report.stroke(name).indistinct] == [("a", "b")]

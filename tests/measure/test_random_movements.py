@@ -43,7 +43,7 @@ def test_random_movements_have_different_durations(hands):
     assert max(seconds) > 8.0
 
 
-def test_a_seed_makes_the_same_hand(hands):
+def test_a_seed_gives_the_same_movement(hands):
     again = ov.measure.random_movement(11)
     assert np.array_equal(hands[11].theta2, again.theta2)
     assert not np.array_equal(hands[11].theta2, hands[12].theta2)

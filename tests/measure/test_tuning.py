@@ -35,7 +35,7 @@ def test_tuning_sets_kinds_two_jnds_apart_at_every_speed(two_apart):
         assert strong.level_db > weak.level_db + 2.3
 
 
-def test_no_two_kinds_feel_alike_once_they_are_set_apart():
+def test_separated_kinds_are_all_distinct():
     preset = preset_of(a=20.0, b=20.0, d=8.0)
     found = tune(preset, ("a", "d"), separate=True, seed=1)
     assert found.reached
@@ -70,7 +70,7 @@ def test_an_invalid_target_gives_a_one_line_error():
             tune(preset, target)
 
 
-def test_a_preset_that_is_apart_already_stays_as_it_is(two_apart):
+def test_a_preset_with_separate_kinds_is_unchanged(two_apart):
     apart = two_apart.preset
     found = tune(apart, ("strong", "weak"), seed=2)
     assert found.preset.kinds == apart.kinds
@@ -94,7 +94,7 @@ height = 33.0
 """
 
 
-def test_a_retuned_child_keeps_its_text(tmp_path, monkeypatch):
+def test_a_tuned_preset_that_extends_another_keeps_its_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     source = tmp_path / "child.toml"
     source.write_text(CHILD)
@@ -145,7 +145,7 @@ def test_a_child_of_a_file_extends_it_from_another_folder_too(tmp_path):
     assert made.title == "Mine"
 
 
-def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
+def test_a_preset_is_tuned_on_given_timelines_and_reports_unreached_requirements(
     match, football, monkeypatch
 ):
     target = ["goal", "yellow_card", "foul"]
@@ -164,7 +164,7 @@ def test_a_preset_is_tuned_where_its_events_lie_and_says_what_it_cannot_reach(
     assert heights[0] > 1.5 * heights[1]
 
 
-def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
+def test_unreached_requirements_name_kind_gesture_and_timeline():
     # the strongest event lies so near to the other that this gets its level
     crowd = ov.Timeline("crowd", duration_s=10.0, events=(ov.Event(5.0, "a"), ov.Event(5.0, "b")))
     found = tune(preset_of(a=20.0, b=19.0), ["a", "b"], [crowd])
@@ -175,7 +175,7 @@ def test_what_cannot_be_reached_is_told_by_kind_gesture_and_timeline():
     )
 
 
-def test_timelines_of_one_title_are_measured_each_by_itself():
+def test_timelines_with_equal_titles_are_measured_separately():
     far, near = timeline_of("a", "b", "b", "a"), timeline_of("a", "b", spacing=0.1)
     gaps = gaps_of(preset_of(a=60.0, b=6.0), ["a", "b"], [far, near])
     assert [(gap.first, gap.second) for gap in gaps] == [("a", "b"), ("b", REST)] * 10

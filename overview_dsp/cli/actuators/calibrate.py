@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import click
 
 import overview_dsp as ov
-from overview_dsp.arrays import SampleArray
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import DEVICE
@@ -22,15 +21,11 @@ from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import SILENT
 
 if TYPE_CHECKING:
-    from overview_dsp.live.output.sample_player import SamplePlayback
     from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
 
-MAX_EARLY = 3
-"""Maximum number of answers before a tone."""
-
-SPREAD_DB = 6.0
-"""Range of answers that causes a note, dB."""
+MAX_EARLY = 3  # maximum number of answers before a tone
+SPREAD_DB = 6.0  # range of answers that causes a note, dB
 
 
 @cli_command("actuators calibrate c2 --device 2")
@@ -102,6 +97,7 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
+    from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
     from overview_dsp.live.output.threshold import SILENCE_S, RisingTone, find_threshold
 
     settings, name, rate, index = _output(device, channel)
@@ -123,7 +119,9 @@ def _answers(
         samples = rise.drive(actuator, out, channels, rate)
         click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
         keys.discard()
-        level = find_threshold(rise, _playback(device, index, samples, rate), keys.pressed)
+        silent = device == SILENT
+        player = NullSamplePlayer(samples, rate) if silent else SamplePlayer(samples, rate, index)
+        level = find_threshold(rise, player, keys.pressed)
         if math.isfinite(level):
             click.echo(f"felt at {level:.1f} dB", err=True)
             levels.append(level)
@@ -161,16 +159,6 @@ def _output(
     if not tactor.channels:
         raise InputError(f"the tactor has no channel of {name}; select one with --channel")
     return OutputSettings(SignalSettings(0), tactor), name, rate, index
-
-
-def _playback(
-    device: str | None, index: int | None, samples: SampleArray, rate: float
-) -> SamplePlayback:
-    from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
-
-    if device == SILENT:
-        return NullSamplePlayer(samples, rate)
-    return SamplePlayer(samples, rate, index)
 
 
 class _Keys:

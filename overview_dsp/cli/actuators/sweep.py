@@ -6,8 +6,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 
-UNEVEN_DB = 0.1
-"""Gain reduction by the protection that causes a note, dB."""
+UNEVEN_DB = 0.1  # gain reduction by the protection that causes a note, dB
 
 
 @cli_command("actuators sweep c2 -o sweep.wav --low-frequency 100 --high-frequency 500")

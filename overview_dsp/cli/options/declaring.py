@@ -18,9 +18,7 @@ import click
 from overview_dsp.errors import InputError, did_you_mean
 
 GENERAL = "Options"
-
-MAX_OPTIONS = 12
-"""Maximum number of options in --help; a command with more options lists its main ones there."""
+MAX_OPTIONS = 12  # most options that --help shows; a command with more names those used first
 
 _BY_ANNOTATION: dict[str, dict[str, Any]] = {
     "bool": {"is_flag": True},

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from overview_dsp.live.session.live_updates import FollowSettings
     from overview_dsp.web.media import Media
 
-FIRST_WITHIN_S = 3.0
-"""Longest wait for the first data, which determine the preset, s."""
+FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
 
 
 @dataclass(frozen=True)

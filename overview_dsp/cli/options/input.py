@@ -36,8 +36,7 @@ MAX_SMOOTH_MS = 100.0
 
 MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
-SILENT_BATCHES_S = 2.0
-"""Longest silence of an app that posts batches, s."""
+SILENT_BATCHES_S = 2.0  # longest silence of an app that posts batches, s
 
 SILENT_OSC_S = 5.0
 """Silence after which an OSC sender counts as released (UDP has no connection), s."""

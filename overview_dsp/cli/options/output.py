@@ -74,8 +74,7 @@ def _channels(text: str) -> int | tuple[int, ...]:
 
 
 def _number(text: str) -> float:
-    number = float(text)
-    if not math.isfinite(number):
+    if not math.isfinite(number := float(text)):
         raise ValueError
     return number
 

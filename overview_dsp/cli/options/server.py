@@ -100,14 +100,14 @@ def open_server(
     from overview_dsp.web.server import WebServer, listen
 
     host = server.host
-    near = address.is_loopback(host)
+    is_local = address.is_loopback(host)
     reached = address.public_host(host)
     if server.key is not None and server.cert is None:
         raise InputError("--key needs --cert; add it")
     secure, certificate = None, None
     if server.cert is not None:
         certificate = Path(server.cert)
-    elif not near:
+    elif not is_local:
         own = sorted(address.machine_names())
         certificate = user_certificate([reached, "localhost", "127.0.0.1", "::1", *own])
     if certificate is not None:
@@ -118,13 +118,13 @@ def open_server(
     app = make_app(access, names, note, session, more, public)
     socket = listen(host, server.port)
     scheme = "http" if secure is None else "https"
-    where = address.page_url(scheme, reached, socket.getsockname()[1], access.token)
+    url = address.page_url(scheme, reached, socket.getsockname()[1], access.token)
     running = WebServer(app, [socket], secure, note, crowd)
     try:
         opened = ServerAddress(
-            where,
+            url,
             None if certificate is None else fingerprint(certificate),
-            None if near else address.qr_text(where),
+            None if is_local else address.qr_text(url),
         )
         click.echo(opened.text, err=True)
         yield opened

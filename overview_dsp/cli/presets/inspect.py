@@ -73,20 +73,17 @@ def show(preset: str, *, as_json: bool = JSON) -> None:
 @cli_command("presets check my-preset.toml", group=command)
 def check(presets: tuple[str, ...] = argument(required=True), *, as_json: bool = JSON) -> None:
     """Check PRESETS (names or .toml files); errors name file, line, key and range."""
-    faults = []
-    report = []
+    faults, report, lines = [], [], []
     for name in presets:
         try:
-            preset = ov.load_preset(name)
+            kinds = list(ov.load_preset(name).kinds)
         except InputError as error:
             faults.append(str(error))
             report.append({"preset": name, "valid": False, "error": str(error)})
-            continue
-        report.append({"preset": name, "valid": True, "kinds": list(preset.kinds)})
-        if not as_json:
-            click.echo(f"{name}: valid, {len(preset.kinds)} event kinds")
-    if as_json:
-        print_json(report)
+        else:
+            report.append({"preset": name, "valid": True, "kinds": kinds})
+            lines.append(f"{name}: valid, {len(kinds)} event kinds")
+    show_report(as_json, report, *lines)
     for fault in faults[:-1]:
         click.echo(f"error: {fault}", err=True)
     if faults:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar, show
+from overview_dsp.cli.common import announce_compile, progress_bar, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
 from overview_dsp.cli.options.reading import Reading, Window, open_window
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import EventKind, Preset
-    from overview_dsp.measure.arm import ArmReport
-    from overview_dsp.measure.observer.report import ObserverReport
-    from overview_dsp.measure.report import FeelReport
+    from overview_dsp.measure.report_base import Report
 
 
 TIMELINES = argument(metavar="[TIMELINE]...")
@@ -137,22 +135,22 @@ def feel(
     if not observer:
         refuse_options("needs --observer; add it, or remove the option", Observer)
     measured = _observed if observer else _measured
-    report, figure = measured(loaded, loaded_timelines, **observing.arguments())
+    reports, figure = measured(loaded, loaded_timelines, **observing.arguments())
     if plot is not None:
         from overview_dsp.offline.plots.saving import save_picture
 
         save_picture(figure(), plot)
-    if as_json:
-        print_json({**report.to_json(), "warnings": report.warnings()})
-        return
-    click.echo(report.table())
-    for line in report.warnings():
-        click.echo(f"note: {line}")
+    warnings = [line for report in reports for line in report.warnings()]
+    data = reports[0].to_json()
+    if len(reports) > 1:
+        data["arm"] = reports[1].to_json()
+    tables = "\n\n".join(report.table() for report in reports)
+    show(as_json, {**data, "warnings": warnings}, tables, *(f"note: {line}" for line in warnings))
 
 
 def _measured(
     preset: Preset, timelines: list[Timeline]
-) -> tuple[MeasuredFeel, Callable[[], Figure]]:
+) -> tuple[list[Report], Callable[[], Figure]]:
     from overview_dsp.measure.arm import arm_report
     from overview_dsp.measure.pictures import plot_feel
     from overview_dsp.measure.report import feel_report
@@ -168,39 +166,19 @@ def _measured(
             progress=lambda part: progress(part / 2),
         )
         arm = arm_report(preset, measured, progress=lambda part: progress(0.5 + part / 2))
-    return MeasuredFeel(first, arm), lambda: plot_feel(first)
-
-
-class MeasuredFeel:
-    """Report on the event kinds of a preset, and on a human arm."""
-
-    def __init__(self, kinds: FeelReport, arm: ArmReport) -> None:
-        """Combine two reports on the same timelines."""
-        self._kinds, self._arm = kinds, arm
-
-    def to_json(self) -> dict[str, Any]:
-        """Return both reports as JSON; that of the arm is under `arm`."""
-        return {**self._kinds.to_json(), "arm": self._arm.to_json()}
-
-    def table(self) -> str:
-        """Return both reports as text tables."""
-        return f"{self._kinds.table()}\n\n{self._arm.table()}"
-
-    def warnings(self) -> list[str]:
-        """Return the warnings of both reports."""
-        return [*self._kinds.warnings(), *self._arm.warnings()]
+    return [first, arm], lambda: plot_feel(first)
 
 
 def _observed(
     preset: Preset, timelines: list[Timeline], **options: Any
-) -> tuple[ObserverReport, Callable[[], Figure]]:
+) -> tuple[list[Report], Callable[[], Figure]]:
     from overview_dsp.measure.observer.observing import observe
     from overview_dsp.measure.pictures import plot_observer
 
     announce_compile("process_lanes")
     with progress_bar(f"observing {preset.name}") as progress:
         report = observe(preset, timelines, progress=progress, **options)
-    return report, lambda: plot_observer(report)
+    return [report], lambda: plot_observer(report)
 
 
 @cli_command("presets tune my-match match.json --order 'goal>red_card>foul'", group=command)

@@ -15,8 +15,7 @@ from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.errors import InputError
 from overview_dsp.public import counted
 
-LONGEST_S = 7 * 24 * 3600.0
-"""Longest gesture, s; a longer time is taken for a mistake."""
+LONGEST_S = 7 * 24 * 3600.0  # longest gesture, s; a longer time is taken for a mistake
 
 
 SOURCES = ("touch", "twist", "serial", "osc", "midi", "remote")

@@ -12,24 +12,16 @@ from overview_dsp.design.gestures.model import Gesture
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
 
-CONTROL_RATE = 200.0
-"""Control events a second of a scripted movement."""
-
-TAP_S = 0.05
-"""Default duration of a tap, s; the disk arrives however short it is."""
-
+CONTROL_RATE = 200.0  # control events a second of a scripted movement
+TAP_S = 0.05  # default duration of a tap, s; the disk arrives however short it is
 LONGEST_S = 24 * 3600.0
-
-ARM_REST_S = 0.1
-"""Time from the end of an arm's movement to its release, s."""
-
+ARM_REST_S = 0.1  # time from the end of an arm's movement to its release, s
 FLICK_S = 0.3
 SCRUB_S = 4.8
 APPROACH_S, APPROACH_REST_S = 0.6, 0.6
 """Time in which a scrubbing finger moves to its first turning point, and time it rests there, s."""
 
-FASTEST_SCRUB_HZ = 20.0
-"""Highest scrubbing frequency: ten control events per period."""
+FASTEST_SCRUB_HZ = 20.0  # highest scrubbing frequency: ten control events per period
 
 
 def _position(value: float, what: str) -> float:
@@ -80,12 +72,7 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     _position(start, "a sweep's start")
     _position(end, "a sweep's end")
     part = _parts(seconds)
-    position_at = start + (end - start) * part
-    time_s = np.append(seconds * part, seconds)
-    theta2 = np.append(position_at, position_at[-1]) * HALF_TURN
-    touching = np.ones(len(part) + 1, dtype=bool)
-    touching[-1] = False
-    return Gesture(time_s, theta2, touching, float(time_s[-1]))
+    return _released(seconds * part, start + (end - start) * part, float(seconds))
 
 
 def tap(position: float, hold_seconds: float | None = None) -> Gesture:
@@ -272,13 +259,13 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
 
 
 def _parts(seconds: float) -> FloatArray:
-    """Parts of a movement, 0 to 1, at the control rate."""
+    """Return parts of a movement, 0 to 1, at the control rate."""
     steps = max(1, math.ceil(seconds * CONTROL_RATE))
     return np.arange(steps + 1) / steps
 
 
 def _minimum_jerk(part: FloatArray) -> FloatArray:
-    """Position of a minimum-jerk movement from 0 to 1 at parts of its time."""
+    """Return the positions of a minimum-jerk movement from 0 to 1 at parts of its time."""
     # the polynomial passes 1 by a rounding error
     return np.asarray(np.minimum(part**3 * (10.0 - part * (15.0 - 6.0 * part)), 1.0))
 

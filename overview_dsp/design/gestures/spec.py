@@ -17,8 +17,7 @@ FORMS = (
     "sweep:SECONDS[:FROM:TO], tap:POSITION[:HOLD_SECONDS], arm:SECONDS[:REST_SECONDS], "
     "flick[:SECONDS], scrub:POSITION:WIDTH:HZ[:SECONDS], rest:SECONDS, or a take's path (.csv)"
 )
-DEFAULT = "sweep:4"
-"""Default gesture."""
+DEFAULT = "sweep:4"  # default gesture
 
 _MAKERS: dict[str, tuple[Callable[..., Gesture], tuple[int, ...]]] = {
     "sweep": (sweep, (1, 3)),

@@ -22,9 +22,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching")
-ROUNDED_RAD = 1e-5
-"""Largest rounding error of an angle: 3.141593 is pi to six decimals."""
-
+ROUNDED_RAD = 1e-5  # largest rounding error of an angle: 3.141593 is pi to six decimals
 _TOUCH = {"1": True, "true": True, "0": False, "false": False}
 
 

@@ -47,8 +47,11 @@ def bristle_hold(preset: Preset) -> dict[str, float]:
     """Return the effect of the surface's bristles on a slowly pulled disk, in % of the surface.
 
     The result has its largest distance from the input disk, and the distance of a slip. The pull
-    rises to the static torque and swings equally far below the sliding torque.
+    rises to the static torque and swings equally far below the sliding torque. Empty without
+    bristles.
     """
+    if preset.values["surface.model"] != "bristle":
+        return {}
     number = preset.number
     sliding = number("surface.torque_ratio") * number("surface.friction")
     static = sliding * number("surface.static_ratio")
@@ -57,22 +60,6 @@ def bristle_hold(preset: Preset) -> dict[str, float]:
         "held_within_percent": static * percent,
         "slip_percent": 2.0 * (static - sliding) * percent,
     }
-
-
-def _hold_lines(preset: Preset) -> list[str]:
-    if preset.values["surface.model"] != "bristle":
-        return []
-    hold = bristle_hold(preset)
-    return [
-        f"Its bristles hold the disk up to {hold['held_within_percent']:.2g} % of the surface from "
-        f"the input disk; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
-    ]
-
-
-def _map_lines(preset: Preset) -> list[str]:
-    if not preset.points:
-        return []
-    return [f"The intensity map has {len(preset.points)} points."]
 
 
 def describe(preset: Preset) -> str:
@@ -85,11 +72,16 @@ def describe(preset: Preset) -> str:
             star = " " if is_default(known, value) else "*"
             shown = f"{value_text(value)} {known.unit}".strip()
             lines.append(f" {star}{key:<18} {shown:<20} ({known.allowed}) {known.doc}")
-    facts = character(preset)
+    facts, hold = character(preset), bristle_hold(preset)
+    lines.append("")
+    if preset.points:
+        lines.append(f"The intensity map has {len(preset.points)} points.")
+    if hold:
+        lines.append(
+            f"Its bristles hold the disk up to {hold['held_within_percent']:.2g} % of the surface "
+            f"from the input disk; pulled slowly it slips {hold['slip_percent']:.2g} % at a time."
+        )
     lines += [
-        "",
-        *_map_lines(preset),
-        *_hold_lines(preset),
         "On the bare surface: "
         f"touched {facts['held_hz']:.2f} Hz, damping {facts['held_damping']:.2f};"
         f" released {facts['free_hz']:.2f} Hz, damping {facts['free_damping']:.2f}, "
@@ -114,7 +106,6 @@ def describe_json(preset: Preset) -> dict[str, Any]:
             }
             for id, known in PARAMETERS.items()
         },
-        "character": character(preset)
-        | (bristle_hold(preset) if preset.values["surface.model"] == "bristle" else {}),
+        "character": character(preset) | bristle_hold(preset),
         **{key: preset_to_dict(preset)[key] for key in ("points", "kinds")},
     }

@@ -58,9 +58,7 @@ def user_presets() -> tuple[str, ...]:
     return LIBRARY.user
 
 
-def preset_path(name: str | Path) -> Path:
-    """Return the file of a preset, by name or path; InputError if no such preset or file exists."""
-    return LIBRARY.path(name)
+preset_path = LIBRARY.path
 
 
 def load_preset(name: str | Path) -> Preset:
@@ -102,8 +100,7 @@ def parse_user_preset(text: str, path: Path) -> Preset:
     return parse_preset(text, path.stem, str(path), _base)
 
 
-LOUDNESS_UNIT = "LUFS"
-"""Unit of a recording's curve."""
+LOUDNESS_UNIT = "LUFS"  # unit of a recording's curve
 
 
 def best_preset(kinds: Mapping[str, int], unit: str = "") -> str:

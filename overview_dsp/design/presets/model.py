@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -439,16 +439,8 @@ class Preset:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a mappingproxy can't be pickled
-        return Preset, (
-            self.name,
-            self.title,
-            self.description,
-            dict(self.values),
-            dict(self.kinds),
-            self.tags,
-            self.authors,
-            self.points,
-        )
+        values = (getattr(self, one.name) for one in fields(self) if one.init)
+        return Preset, tuple(dict(one) if isinstance(one, Mapping) else one for one in values)
 
     def __repr__(self) -> str:
         changed = sum(value != PARAMETERS[id].default for id, value in self.values.items())

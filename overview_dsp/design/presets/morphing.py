@@ -165,7 +165,8 @@ def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
     random = validation.random(seed)
     values: dict[str, Value] = dict(preset.values)
     for id, known in PARAMETERS.items():
-        if not known.choices and not _is_fixed(id):
+        fixed = id.endswith("gain_db") or id in ("output.ceiling_db", "tactor.frequency_hz")
+        if not known.choices and not fixed:
             values[id] = _moved(known, preset.number(id), amount, random)
     kinds = {}
     for name, kind in preset.kinds.items():
@@ -198,10 +199,6 @@ def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
 
 
 _VARIED_KIND_KEYS = ("height", "width_percent", "width_ms")
-
-
-def _is_fixed(id: str) -> bool:
-    return id.endswith("gain_db") or id in ("output.ceiling_db", "tactor.frequency_hz")
 
 
 def _moved(known: Parameter, value: float, amount: float, random: np.random.Generator) -> float:

@@ -13,12 +13,8 @@ from types import MappingProxyType
 from overview_dsp.design.presets.parameter import Parameter, read_parameters
 from overview_dsp.errors import InputError, did_you_mean
 
-MAX_POINTS = 256
-"""Most points of a kind's own profile."""
-
-MAX_ALIASES = 64
-"""Most aliases of a kind."""
-
+MAX_POINTS = 256  # most points of a kind's own profile
+MAX_ALIASES = 64  # most aliases of a kind
 _KNOWN = read_parameters(Path(__file__).with_name("parameters.toml"))
 
 

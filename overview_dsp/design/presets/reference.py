@@ -43,15 +43,13 @@ def reference() -> str:
         "## [kinds.NAME]\n\nAn event kind's profile and click; exactly one of the two widths. "
         "`kinds.default` serves\nevents of any other kind.\n\n" + _table(KIND_PARAMETERS.values())
     )
-    parts.append(
+    parts += [
         "`points` (a list of 2 to 256 numbers, 0 to 1) is a profile over two widths that replaces "
         "the shape. `aliases` (a list of names) are other event kinds that use this one,\n"
-        "unless the preset names them.\n"
-    )
-    parts.append(
+        "unless the preset names them.\n",
         "## kinds.NAME.modes\n\nA list of modal resonators, struck when the disk passes.\n\n"
-        + _table(MODE_PARAMETERS.values())
-    )
+        + _table(MODE_PARAMETERS.values()),
+    ]
     return "\n".join(parts)
 
 

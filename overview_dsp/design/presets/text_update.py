@@ -15,8 +15,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.toml import SUFFIX, read_text
 
-DIGITS = 4
-"""Significant digits of a tuned value; a hundredth of a JND."""
+DIGITS = 4  # significant digits of a tuned value; a hundredth of a JND
 
 Changes = Mapping[str, Mapping[str, float]]
 """New values by kind and key (`height`, `width_percent`, `width_ms`)."""

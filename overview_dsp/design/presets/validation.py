@@ -167,14 +167,10 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
             continue
         found[key] = _over(below, value)
         # an event has one of two widths; the one of the file has priority
-        _one_width(found[key], value)
+        for width, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
+            if width in value and other not in value:
+                found[key].pop(other, None)
     return found
-
-
-def _one_width(found: dict[str, Any], own: dict[str, Any]) -> None:
-    for key, other in (("width_percent", "width_ms"), ("width_ms", "width_percent")):
-        if key in own and other not in own:
-            found.pop(other, None)
 
 
 def layer_of(layers: list[Layer], path: Path) -> Layer:

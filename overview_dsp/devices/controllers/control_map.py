@@ -54,15 +54,12 @@ from overview_dsp.validation import located
 SCHEMA = 1
 
 THETA2, TOUCH, TAPS = "theta2", "touch", "taps"
-KEYS = (36, 96)
-"""Five octaves about middle C: the keys of most keyboards."""
+KEYS = (36, 96)  # five octaves about middle C: the keys of most keyboards
 
 RELATIVE = ("twos", "offset", "signed")
 """Codes of a step right and left: 1 and 127 (two's complement), 65 and 63, 1 and 65 (sign bit)."""
 
-STEPS = 60.0
-"""Steps from one end to the other: two and a half turns of a knob with 24 detents."""
-
+STEPS = 60.0  # steps from one end to the other: two and a half turns of a knob with 24 detents
 _FORMS = "bend, pressure, cc 0 to cc 119, note 0 to note 127, or keys LOW-HIGH"
 _NUMBERED = re.compile(r"(cc|note) (\d{1,3})")
 _RANGE = re.compile(r"keys (\d{1,3})-(\d{1,3})")
@@ -78,9 +75,7 @@ SENSED: Mapping[str, tuple[str, ...]] = MappingProxyType(
 )
 """Quantities that a device measures, and their columns in a reading."""
 
-PHONE = ("y", "-x", "z")
-"""Axes of a phone in the hand: its y is its long side, towards the fingers."""
-
+PHONE = ("y", "-x", "z")  # axes of a phone in the hand: its y is its long side, towards the fingers
 ORDERS = ("xyzw", "wxyz")
 
 
@@ -182,9 +177,6 @@ APPS: Mapping[str, tuple[OscControl, ...]] = MappingProxyType(
     }
 )
 """Maps of well-known apps, by name."""
-
-
-# --- reading --------------------------------------------------------------------------------------
 
 
 class _Entry(Strict):
@@ -298,11 +290,9 @@ def _read(
                 if isinstance(found, list):
                     raise InputError(found[0].message)
                 control = make(found)
-                if control.key in controls:
-                    raise InputError(
-                        f"{control.key[0]!r} is assigned twice; remove one of the tables"
-                    )
-                controls[control.key] = control
+                if (key := control.key) in controls:
+                    raise InputError(f"{key[0]!r} is assigned twice; remove one of the tables")
+                controls[key] = control
     return tuple(controls.values())
 
 
@@ -350,18 +340,16 @@ def sensor_of(control: OscControl) -> Sensor:
     return Sensor(values={**values, "angular_velocity.unit": "rad/s"})
 
 
-# --- writing --------------------------------------------------------------------------------------
-
-
 def write_map(controls: Iterable[Control | OscControl]) -> str:
     """Return the text of a map file with these controls."""
     lines = [f"schema = {SCHEMA}"]
     for one in controls:
-        table = {"control": one.name} if isinstance(one, Control) else {"address": one.address}
+        table: dict[str, Any] = (
+            {"control": one.name} if isinstance(one, Control) else {"address": one.address}
+        )
         lines += ["", "[[control]]"]
-        lines += [
-            f"{key} = {_toml(value)}" for key, value in (table | _written_fields(one)).items()
-        ]
+        table |= _written_fields(one)
+        lines += [f"{key} = {_toml(value)}" for key, value in table.items()]
     return "\n".join(lines) + "\n"
 
 

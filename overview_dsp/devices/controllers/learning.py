@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 from overview_dsp.devices.controllers.control_map import (
     PHONE,
@@ -20,20 +19,14 @@ from overview_dsp.devices.controllers.midi_messages import step_of
 from overview_dsp.devices.controllers.osc_messages import decode_packet
 from overview_dsp.errors import InputError
 
-MIN_VALUES = 6
-"""Smallest number of different values of the moved control."""
-
-# --- MIDI -----------------------------------------------------------------------------------------
-
-MIN_SPAN = 0.25
-"""Smallest share of its range that the moved control covers."""
+MIN_VALUES = 6  # smallest number of different values of the moved control
+MIN_SPAN = 0.25  # smallest share of its range that the moved control covers
 
 REPEATED = 3
 """Smallest number of equal consecutive steps of an endless knob; a fader never repeats a value."""
 
 MAX_HISTORY = 256
-LARGEST_STEP = 12
-"""Largest step of an endless knob, turned fast."""
+LARGEST_STEP = 12  # largest step of an endless knob, turned fast
 
 
 class Learner:
@@ -136,19 +129,10 @@ def _repeats(values: list[int]) -> int:
     return sum(a == b for a, b in pairwise(values))
 
 
-# --- OSC ------------------------------------------------------------------------------------------
-
-DEVICE = "device"
-"""Target for a device that is turned and sends its orientation."""
-
-RETURN = 0.5
-"""Smallest share of its span by which a moved control has returned from its last end."""
-
-SETTLED_S = 1.0
-"""Time without a new end after which a control is found."""
-
-LISTEN_S = 1.5
-"""Time to wait for messages of a device about its orientation."""
+DEVICE = "device"  # target for a device that is turned and sends its orientation
+RETURN = 0.5  # smallest share of its span by which a moved control has returned from its last end
+SETTLED_S = 1.0  # time without a new end after which a control is found
+LISTEN_S = 1.5  # time to wait for messages of a device about its orientation
 
 MAX_VALUES = 2
 """Maximum number of values in a control's message; longer ones are about an orientation."""
@@ -232,15 +216,12 @@ class OscLearner:
         for address, values in messages:
             if len(self._counts) < MAX_CONTROLS:
                 self._counts[address] = len(values)
-            if len(values) <= MAX_VALUES and len(self._ranges) <= MAX_CONTROLS:
-                self._add(address, values, time_s)
-
-    def _add(self, address: str, values: Sequence[Any], time_s: float) -> None:
-        for index, value in enumerate(values, 1):
-            if isinstance(value, bool | int | float) and abs(value) < 1e9:
-                number = float(value)
-                new = _ValueRange(number, time_s)
-                self._ranges.setdefault((address, index), new).add(number, time_s)
+            if len(values) > MAX_VALUES or len(self._ranges) > MAX_CONTROLS:
+                continue
+            for index, value in enumerate(values, 1):
+                if isinstance(value, bool | int | float) and abs(value) < 1e9:
+                    new = _ValueRange(float(value), time_s)
+                    self._ranges.setdefault((address, index), new).add(float(value), time_s)
 
     def found(self, time_s: float) -> OscControl | None:
         """Return the control, once it is known."""

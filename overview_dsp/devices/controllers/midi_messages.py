@@ -21,11 +21,8 @@ from overview_dsp.devices.controllers.control_messages import (
     theta2_at,
 )
 
-FINE = 32
-"""Offset from the number of a control change (below this) to the number of its fine half."""
-
-FINE_WITHIN_S = 0.005
-"""Longest time from a coarse half to its fine half."""
+FINE = 32  # offset from the number of a control change (below this) to the number of its fine half
+FINE_WITHIN_S = 0.005  # longest time from a coarse half to its fine half
 
 SOUND_OFF, NOTES_OFF = 120, 123
 BEND_MIDDLE = 8192
@@ -86,8 +83,6 @@ class MidiReader:
     def take_messages(self) -> list[str]:
         """Return no messages to the user: MIDI has none."""
         return []
-
-    # --- inside -----------------------------------------------------------------------------------
 
     def _matching(self, kind: str, number: int, channel: int) -> list[Control]:
         return [one for one in self._controls if one.matches(kind, number, channel)]

@@ -14,8 +14,7 @@ from collections.abc import Iterable
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.devices.controllers.osc_messages import encode_message
 
-REPEAT_S = 0.5
-"""Time between messages without a change."""
+REPEAT_S = 0.5  # time between messages without a change
 
 
 class OscReport:

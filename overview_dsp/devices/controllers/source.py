@@ -96,8 +96,6 @@ class ControllerSource:
         self._reported = None
         return Event(time_s, self._theta2, False) if was_holding else None
 
-    # --- inside -----------------------------------------------------------------------------------
-
     def _touch(self, name: str, theta2: float, time_s: float) -> list[Event]:
         is_new = name not in self._touches
         retouch = is_new and self.holding

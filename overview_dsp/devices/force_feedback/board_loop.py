@@ -97,20 +97,13 @@ def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
     )  # fmt: skip
 
 
-PERIOD_S = 0.002
-"""Time between frames to the board."""
-
-RESEND_S = 0.02
-"""Time after which a frame that the board doesn't confirm is sent again."""
-
+PERIOD_S = 0.002  # time between frames to the board
+RESEND_S = 0.02  # time after which a frame that the board doesn't confirm is sent again
 FADE_MS = 30
 DISK, PART, USE, ALIVE = 16, 17, 18, 19
 PART_POINTS = 32
-SHARE = 0.6
-"""Largest share of the wire's capacity for a table."""
-
-BURST = 400
-"""Largest number of bytes of a table at once."""
+SHARE = 0.6  # largest share of the wire's capacity for a table
+BURST = 400  # largest number of bytes of a table at once
 
 
 class BoardLoop:
@@ -207,14 +200,6 @@ class BoardLoop:
             self._space -= len(part)
             sent += part
         return sent
-
-    def all_frames(self, points: int) -> list[bytes]:
-        """Return all frames for a board with `points` points."""
-        assert self._surface is not None
-        self._table = board_table(self._surface, points)
-        self._table_id = self._disk_id = 1
-        parts = range(-(-points // PART_POINTS))
-        return [self._disk(), *map(self._part_of, parts), self._use()]
 
     def _disk(self) -> bytes:
         return framed(bytes((DISK, self._disk_id, self._at_start)) + self._packed)

@@ -33,9 +33,7 @@ from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
 from overview_dsp.devices.sensors.stream import Sample
 from overview_dsp.errors import InputError
 
-DECIMALS = 4
-"""Decimals of reported numbers (`monitor_decimals`) and of targets."""
-
+DECIMALS = 4  # decimals of reported numbers (`monitor_decimals`) and of targets
 TARGET_STEP = 10.0**-DECIMALS
 
 
@@ -64,44 +62,42 @@ class Commander:
         return f"{self._letter}0\n{self._letter}E0\n".encode()
 
 
-UNKNOWN_S = 0.05
-"""Delay before the first measurement."""
-
-FORGOTTEN_S = 0.5
-"""Time after which a target without a report was lost on the wire."""
-
-EASE = 0.01
-"""Weight of a delay shorter than the present estimate; a longer one counts at once."""
+UNKNOWN_S = 0.05  # delay before the first measurement
+FORGOTTEN_S = 0.5  # time after which a target without a report was lost on the wire
+EASE = 0.01  # weight of a delay shorter than the present estimate; a longer one counts at once
 
 
 class LoopDelay:
-    """Delay of the loop by the device's own reports of targets, if `measured`."""
+    """Delay of the loop by the device's own reports of targets, if `measured`.
+
+    `pending`: time and value of each target that was sent and not reported yet.
+    """
 
     def __init__(self, resolution: float) -> None:
         """Take targets as equal within `resolution`."""
         self.measured = False
         self._estimate = UNKNOWN_S
         self._resolution = resolution
-        self._pending: deque[tuple[float, float]] = deque()
+        self.pending: deque[tuple[float, float]] = deque()
         self._sent = self._applied = 0.0
 
     def sent(self, now_s: float, target: float) -> None:
         """Note that `target` was sent."""
         if abs(target - self._sent) > self._resolution:
-            self._pending.append((now_s, target))
+            self.pending.append((now_s, target))
             self._sent = target
-        while self._pending and now_s - self._pending[0][0] > FORGOTTEN_S:
-            self._pending.popleft()
+        while self.pending and now_s - self.pending[0][0] > FORGOTTEN_S:
+            self.pending.popleft()
 
     def reported(self, now_s: float, target: float) -> None:
         """Note that the device reported `target` as applied."""
         if abs(target - self._applied) <= self._resolution:
             return
         self._applied = target
-        for index, (sent_at, pending) in enumerate(self._pending):
+        for index, (sent_at, pending) in enumerate(self.pending):
             if abs(pending - target) <= self._resolution:
                 for _ in range(index + 1):
-                    self._pending.popleft()
+                    self.pending.popleft()
                 delay = now_s - sent_at
                 if not self.measured or delay > self._estimate:
                     self._estimate, self.measured = delay, True
@@ -109,28 +105,18 @@ class LoopDelay:
                     self._estimate += EASE * (delay - self._estimate)
                 return
 
-    @property
-    def has_pending(self) -> bool:
-        """True while a sent target has not been reported."""
-        return bool(self._pending)
-
     def seconds(self, now_s: float) -> float:
         """Return the time from sending a target to its report, s: about the longest recent one.
 
         It is at least the time since the oldest target without a report.
         """
-        waited = now_s - self._pending[0][0] if self._pending else 0.0
+        waited = now_s - self.pending[0][0] if self.pending else 0.0
         return max(self._estimate, waited)
 
 
-FASTEST = 150.0
-"""Highest speed of a knob by a hand, rad/s."""
-
-SLACK_S = 0.01
-"""Largest shortening of the time between two reports on the wire."""
-
-IN_A_ROW = 5
-"""Number of consistent reports after a jump that show a restart of the device."""
+FASTEST = 150.0  # highest speed of a knob by a hand, rad/s
+SLACK_S = 0.01  # largest shortening of the time between two reports on the wire
+IN_A_ROW = 5  # number of consistent reports after a jump that show a restart of the device
 
 
 class ReportCheck:
@@ -177,17 +163,13 @@ def _is_reachable(before: tuple[float, float], after: tuple[float, float]) -> bo
     return abs(after[1] - before[1]) <= FASTEST * (after[0] - before[0] + SLACK_S)
 
 
-PERIOD_S = 0.002
-"""Time between commands: 500 per second."""
+PERIOD_S = 0.002  # time between commands: 500 per second
 
 BEGIN_EVERY_S = 0.5
 """Time between attempts to start a motor without reports; boards restart when a port opens."""
 
-REPORTED_STEP = 0.6 * TARGET_STEP
-"""Largest difference between a target and its rounded report."""
-
-CREDIT_RAD = 0.5
-"""Angle over which the ceiling makes the limit of the observer's credit."""
+REPORTED_STEP = 0.6 * TARGET_STEP  # largest difference between a target and its rounded report
+CREDIT_RAD = 0.5  # angle over which the ceiling makes the limit of the observer's credit
 
 
 class MotorLoop:
@@ -274,7 +256,7 @@ class MotorLoop:
         steps = math.trunc(self.torque / (self._per_target * TARGET_STEP))
         if steps == 0 and self._needs_probe:
             # the smallest torque, against the turn, measures the delay
-            if not self._delay.has_pending:
+            if not self._delay.pending:
                 self._probe = 0 if self._probe else -round(math.copysign(1.0, self._motion.speed))
             steps = self._probe
         target = steps * TARGET_STEP

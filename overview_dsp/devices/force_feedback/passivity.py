@@ -34,11 +34,8 @@ from __future__ import annotations
 
 from overview_dsp.devices.force_feedback.motion import Motion
 
-MARGIN = 0.75
-"""Factor of rule 2: half of the torque that would oscillate."""
-
-HIGHEST_HAND_ACCELERATION = 300.0
-"""Highest acceleration of a knob by a hand, rad/s2."""
+MARGIN = 0.75  # factor of rule 2: half of the torque that would oscillate
+HIGHEST_HAND_ACCELERATION = 300.0  # highest acceleration of a knob by a hand, rad/s2
 
 
 class PassivityController:

@@ -5,8 +5,7 @@ from __future__ import annotations
 SILENT_S = 0.04
 """Time without a report after which the torque ends; step and wire need the rest of the 50 ms."""
 
-STEADY_S = 0.1
-"""Time of reports without a gap after which the motor gets torque (again)."""
+STEADY_S = 0.1  # time of reports without a gap after which the motor gets torque (again)
 
 
 class Watchdog:

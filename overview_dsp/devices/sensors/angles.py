@@ -37,14 +37,9 @@ from overview_dsp.devices.sensors.reading import (
 from overview_dsp.devices.sensors.units import GRAVITY, Vector, angle_between, rotate, unit
 from overview_dsp.units import HALF_TURN
 
-PULSE = 10.0
-"""Acceleration beyond gravity of a pulse, m/s²; a fast twist stays below 5."""
-
-PULSE_S = 0.08
-"""Duration of the ringing of one pulse."""
-
-TAP_TAP_S = 0.5
-"""Longest time between the two pulses of a tap-tap."""
+PULSE = 10.0  # acceleration beyond gravity of a pulse, m/s²; a fast twist stays below 5
+PULSE_S = 0.08  # duration of the ringing of one pulse
+TAP_TAP_S = 0.5  # longest time between the two pulses of a tap-tap
 
 
 class TapTap:
@@ -135,11 +130,8 @@ class GyroscopeCheck:
 
 
 HIGHEST_ACCELERATION = 100.0 * GRAVITY
-HIGHEST_SPEED = math.radians(5000.0)
-"""Limits of a hand's movement; a sample beyond them is wrong."""
-
-FROZEN_S = 2.0
-"""Time of identical readings after which a gyroscope counts as stopped."""
+HIGHEST_SPEED = math.radians(5000.0)  # limits of a hand's movement; a sample beyond them is wrong
+FROZEN_S = 2.0  # time of identical readings after which a gyroscope counts as stopped
 
 FEWEST, MOST = 10, 25_000
 """Number of samples of a calibration; at the maximum, the clock stands still."""
@@ -258,12 +250,8 @@ class InertialAngle:
         return AngleSample(sample.time_s, theta2, tapped, touch, not self.roll.steep)
 
     def _check_frozen(self, sample: RawSample) -> None:
-        last = self._last
-        if (
-            last is None
-            or sample.angular_velocity is None
-            or replace(sample, time_s=last.time_s) != last
-        ):
+        last, moving = self._last, sample.angular_velocity
+        if last is None or moving is None or replace(sample, time_s=last.time_s) != last:
             self._changed_at = sample.time_s
         self.frozen = sample.time_s - self._changed_at > FROZEN_S
 

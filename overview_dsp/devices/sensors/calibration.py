@@ -13,15 +13,12 @@ from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.units import Units, Vector, angle_between, unit, units_of
 from overview_dsp.errors import InputError
 
-STILL_DEG_S = 3.0
-"""Largest standard deviation of a gyroscope at rest."""
+STILL_DEG_S = 3.0  # largest standard deviation of a gyroscope at rest
 
 SLOWEST_HZ, FASTEST_HZ = 25.0, 2000.0
 IMPOSSIBLE_HZ, IMPOSSIBLE_S = 50_000.0, 0.5
 
-Rotation = tuple[Vector, Vector, Vector]
-"""Rows of a rotation."""
-
+Rotation = tuple[Vector, Vector, Vector]  # rows of a rotation
 NO_ROTATION: Rotation = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 CALIBRATING = "calibrating: keep it at rest, face up"
 

@@ -8,19 +8,15 @@ from collections.abc import Sequence
 from overview_dsp.devices.sensors.reading import STAMPS, Counters, Reading
 
 UNITS_S = {"t_us": 1e-6, "t_ms": 1e-3, "t_s": 1.0}
-WRAP = 1 << 32
-"""A clock in micro- or milliseconds wraps to 0 at this count."""
+WRAP = 1 << 32  # a clock in micro- or milliseconds wraps to 0 at this count
 
 LONGEST_GAP_S = 10.0
 """A longer step of a sensor's clock, or a step back, means that the device has restarted."""
 
 LEARNING_S = 0.5
 LEARNING_SAMPLES = 8
-LOOP_HZ = 0.5
-"""Bandwidth of the loop that removes the jitter of arrival times."""
-
-LATE_S = 0.25
-"""A delay beyond this is an interruption, not jitter."""
+LOOP_HZ = 0.5  # bandwidth of the loop that removes the jitter of arrival times
+LATE_S = 0.25  # a delay beyond this is an interruption, not jitter
 
 
 class StampClock:
@@ -63,9 +59,8 @@ class StampClock:
         if not 0.0 < seconds <= LONGEST_GAP_S:
             self._counters.clock_restarts += 1
             seconds = 0.0
-        self._time = (
-            math.nextafter(self._time, math.inf) if seconds == 0.0 else self._time + seconds
-        )
+        # a time never repeats
+        self._time = max(self._time + seconds, math.nextafter(self._time, math.inf))
         return self._time
 
 

@@ -43,9 +43,7 @@ from overview_dsp.devices.sensors.text_lines import (
 )
 from overview_dsp.devices.sensors.units import shows_gravity
 
-MAX_SHOWN = 100
-"""Maximum number of characters of a line in a message."""
-
+MAX_SHOWN = 100  # maximum number of characters of a line in a message
 _REAL_LAST = ("qx", "qy", "qz", "qw")
 _LIKELY: dict[int, tuple[tuple[str, ...], tuple[str, ...]]] = {
     1: (("roll_deg",), ("pot",)),
@@ -74,14 +72,6 @@ UNCHECKED_MESSAGE = (
 )
 
 
-def one_number_message(line: str) -> str:
-    """Return the message for lines of one number with several possible meanings."""
-    return (
-        f"lines of one number ({quote_line(line)}): degrees, an encoder's count or a "
-        "potentiometer? choose sensor=roll, sensor=encoder or sensor=potentiometer"
-    )
-
-
 def ambiguous_message(line: str) -> str:
     """Return the message for an ambiguous line: the line and its two likeliest columns."""
     cells = split_cells(line, wide=True)
@@ -90,12 +80,12 @@ def ambiguous_message(line: str) -> str:
     if not count:
         return f"lines like {quote_line(line)} have no number; check the device's speed (baud=)"
     rest = max(0, count - len(INERTIAL))
-    one, other = (
-        _toml_columns(columns, numeric)
-        for columns in _LIKELY.get(
-            count, ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1)))
-        )
+    both = _LIKELY.get(
+        count, ((*INERTIAL, *(SKIPPED,) * rest), ("t_ms", *INERTIAL, *(SKIPPED,) * (rest - 1)))
     )
+    names = (iter(columns) for columns in both)
+    listed = ([f'"{next(one) if number else SKIPPED}"' for number in numeric] for one in names)
+    one, other = (f"[{', '.join(cells)}]" for cells in listed)
     return (
         f"lines like {quote_line(line)}: which number is which? [stream] columns = {one} or "
         f"columns = {other}, for example? write it in a file for sensor=FILE.toml"
@@ -107,12 +97,6 @@ def quote_line(line: str) -> str:
     return repr(line if len(line) <= MAX_SHOWN else line[:MAX_SHOWN] + "…")
 
 
-def _toml_columns(columns: tuple[str, ...], numeric: list[bool]) -> str:
-    names = iter(columns)
-    cells = (next(names) if number else SKIPPED for number in numeric)
-    return "[" + ", ".join(f'"{cell}"' for cell in cells) + "]"
-
-
 Format = Literal[
     "frames", "json", "text", "labels", "witmotion", "teapot", "app", "dualsense", "joycon"
 ]
@@ -121,18 +105,14 @@ FRAMES = 2
 LINES = 5
 """Consecutive frames or lines that identify a format; frames have a check, lines have none."""
 
-BATCHES = 2
-"""Batches of an app, each with several samples, that identify it."""
+BATCHES = 2  # batches of an app, each with several samples, that identify it
 
 MANY_LINES = 25
 """Lines after which three numbers can't be gravity, or four numbers are a quaternion."""
 
-ENOUGH = 4096
-"""Bytes without valid data after which detection fails."""
-
+ENOUGH = 4096  # bytes without valid data after which detection fails
 LENGTH_TOLERANCE = 0.02
-FACE_UP = 0.3
-"""Largest size of the two tilt parts of a quaternion while the sensor is face up."""
+FACE_UP = 0.3  # largest size of the two tilt parts of a quaternion while the sensor is face up
 
 
 @dataclass(frozen=True)
@@ -270,8 +250,12 @@ def _detect_numbers(
 ) -> DetectedFormat | str | None:
     count = len(rows[-1])
     if count == 1:
-        degrees = "." in line and all(abs(row[0]) <= 180.0 for row in rows[-LINES:])
-        return DetectedFormat("text", ("roll_deg",)) if degrees else one_number_message(line)
+        if "." in line and all(abs(row[0]) <= 180.0 for row in rows[-LINES:]):
+            return DetectedFormat("text", ("roll_deg",))
+        return (
+            f"lines of one number ({quote_line(line)}): degrees, an encoder's count or a "
+            "potentiometer? choose sensor=roll, sensor=encoder or sensor=potentiometer"
+        )
     if count == len(INERTIAL) or (count == len(ACCELERATION) and acceleration_known):
         return DetectedFormat("text", INERTIAL[:count])
     # all rows count: a moving gyroscope may pass through the size of gravity

@@ -46,8 +46,7 @@ from collections.abc import Iterator
 from overview_dsp.devices.sensors.lines import StreamSplitter
 from overview_dsp.devices.sensors.reading import ACCELERATION, INERTIAL, Counters, Decoder, Reading
 
-LONGEST = 253
-"""Maximum payload of a frame, bytes: one code block, one byte of overhead."""
+LONGEST = 253  # maximum payload of a frame, bytes: one code block, one byte of overhead
 
 
 def encode(data: bytes) -> bytes:
@@ -90,8 +89,7 @@ def crc16(data: bytes | bytearray) -> int:
 
 
 PAYLOAD = 19
-FRAME = PAYLOAD + 1 + 3
-"""Length of a frame without its zero, bytes."""
+FRAME = PAYLOAD + 1 + 3  # length of a frame without its zero, bytes
 
 KNOB_MOTION = ("theta2_rad", "surface_rad", "torque_nm", "stretch_rad")
 """Motion of a knob with the surface on its board: angle of the knob, angle of the disk, torque of
@@ -118,15 +116,6 @@ _LAYOUTS = {
     7: (KNOB_STATE, _STATE, _WHOLE),
 }
 """Columns, packing and value of 1 count in each column, by kind."""
-
-
-def encode_frame(kind: int, sequence: int, stamp_us: int, values: tuple[int, ...]) -> bytes:
-    """Return one frame with its zero, as a device sends it; `values` as in the payload."""
-    head = (kind, sequence & 0xFFFF, stamp_us & 0xFFFFFFFF)
-    packing = _LAYOUTS[kind][1]
-    if packing is _SIX:
-        values = (*values, *(0,) * (6 - len(values)))
-    return framed(packing.pack(*head, *values))
 
 
 def framed(payload: bytes) -> bytes:

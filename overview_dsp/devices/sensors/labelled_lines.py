@@ -23,8 +23,7 @@ from overview_dsp.devices.sensors.reading import (
 )
 
 REPETITIONS = 3
-MAX_LINES = 12
-"""Maximum number of lines in a cycle."""
+MAX_LINES = 12  # maximum number of lines in a cycle
 
 _TOKEN = re.compile(
     r"(?<![A-Za-z0-9_.])(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?![A-Za-z0-9_])"
@@ -68,8 +67,7 @@ _AXES = {"acceleration": "xyz", "angular velocity": "xyz", "rotation": "xyz", "g
 _COUNTS = {"counts": 6, "raw": 6, "uniform": 6, "quaternion": 4}
 """Number of values of a quantity where it isn't three."""
 
-Slot = tuple[str, int]
-"""A quantity, and the index of one of its numbers."""
+Slot = tuple[str, int]  # a quantity, and the index of one of its numbers
 
 WITHOUT_GRAVITY = (
     "acceleration without gravity, which can't show the direction of up: let the sketch print the "

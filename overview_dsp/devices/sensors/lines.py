@@ -36,8 +36,7 @@ class StreamSplitter:
         self._omitted += max(0, len(part) - space)
 
 
-LONGEST = 512
-"""Maximum length of a line, bytes; a longer one is noise."""
+LONGEST = 512  # maximum length of a line, bytes; a longer one is noise
 
 _SIGNS = ((b"\xc2\xb0", b"deg"), (b"\xc2\xb2", b"2"))
 """The signs for degrees and squares in UTF-8, and words for them."""

@@ -24,8 +24,7 @@ HALF_WAY = 0.5
 """The gyroscope's speed between two samples is their mean. The sample's own speed (0) would lag by
 half a sample less, without a gain here (tests/devices/sensors/test_optical.py prints both)."""
 
-HIGHEST_BIAS_DEG_S = 10.0
-"""A gyroscope with a higher speed isn't at rest."""
+HIGHEST_BIAS_DEG_S = 10.0  # a gyroscope with a higher speed isn't at rest
 
 
 class Orientation(Protocol):

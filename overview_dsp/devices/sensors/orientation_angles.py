@@ -55,16 +55,13 @@ class Roll:
         return self._theta2
 
 
-LENGTH_TOLERANCE = 0.1
-"""Largest deviation of a quaternion's length from 1."""
-
+LENGTH_TOLERANCE = 0.1  # largest deviation of a quaternion's length from 1
 TWIST_DEG = 60.0
 OTHERS = 0.5
 """The first angle to turn by `TWIST_DEG` is the twist, if the others turn by less than this share
 of it."""
 
-FOLDED_DEG = 120.0
-"""A larger step between two samples means that the angles fold."""
+FOLDED_DEG = 120.0  # a larger step between two samples means that the angles fold
 
 
 def up_vector(quaternion: Sequence[float]) -> Vector | None:
@@ -160,8 +157,7 @@ class ThreeAngles:
                 f'angle {most + 1} of three is the twist (angles.twist = "{most + 1}" in '
                 "sensor=FILE.toml keeps it)"
             )
-        others_jump = all(jumped[n] for n in range(3) if n != self.twist)
-        if others_jump and not jumped[self.twist]:
+        if [n for n in range(3) if not jumped[n]] == [self.twist]:
             raise InputError(
                 f"angle {self.twist + 1}, the twist, folds back at 90 degrees and the two others "
                 "jump: turn the board by a quarter on its mount, or print its quaternion"

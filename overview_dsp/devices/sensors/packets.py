@@ -32,9 +32,7 @@ from overview_dsp.devices.sensors.reading import (
 WIT = 11
 WIT_NOTIFICATION = 20
 TEAPOT = 14
-LENGTH_TOLERANCE = 0.02
-"""Largest deviation of a quaternion's length from 1."""
-
+LENGTH_TOLERANCE = 0.02  # largest deviation of a quaternion's length from 1
 _FULL_SCALE = 32768.0
 WIT_KINDS = {
     0x51: (ACCELERATION, 16.0 / _FULL_SCALE),

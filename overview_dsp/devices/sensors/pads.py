@@ -47,9 +47,7 @@ _BIT = 1.0 / 32768.0
 _DUALSENSE_G, _DUALSENSE_DEG_S = 4.0 * _BIT, 2048.0 * _BIT
 _JOYCON_UNITS = (8.0 * _BIT,) * 3 + (2000.0 * _BIT,) * 3
 _TICKS_PER_SECOND = 3e6
-_TOLERANCE = 0.5
-"""Largest relative deviation of a pad's calibration from the nominal value."""
-
+_TOLERANCE = 0.5  # largest relative deviation of a pad's calibration from the nominal value
 _MOTION = struct.Struct("<3h3hI")
 _CALIBRATION = struct.Struct("<17h")
 _SAMPLE = struct.Struct("<3h3h")

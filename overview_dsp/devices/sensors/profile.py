@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,11 +26,8 @@ from overview_dsp.files.toml import (
     values_in,
 )
 
-DETECT = "auto"
-"""Value of a key whose setting is detected from the data."""
-
-MOTOR_COLUMNS = ("motor_target", "shaft_rad")
-"""Columns that a motor reports."""
+DETECT = "auto"  # value of a key whose setting is detected from the data
+MOTOR_COLUMNS = ("motor_target", "shaft_rad")  # columns that a motor reports
 
 SENSOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     read_parameters(Path(__file__).with_name("parameters.toml"))
@@ -66,7 +64,7 @@ class Sensor:
                 raise InputError(f"{id} = 0 is not allowed; must be any other number")
         if self.number("potentiometer.low") == self.number("potentiometer.high"):
             raise InputError("potentiometer.low equals potentiometer.high; must be its two ends")
-        if self._handedness() != 1:
+        if not self._is_right_handed():
             raise InputError(
                 f"axes.x = {self.values['axes.x']!r}, y = {self.values['axes.y']!r}, "
                 f"z = {self.values['axes.z']!r} is not a rotation; x, y and z must be three "
@@ -122,15 +120,10 @@ class Sensor:
         named = (str(self.values[f"axes.{name}"]) for name in "xyz")
         return tuple(("xyz".index(name[-1]), -1.0 if name[0] == "-" else 1.0) for name in named)
 
-    def _handedness(self) -> int:
-        order = [index for index, _ in self.axes]
-        if sorted(order) != [0, 1, 2]:
-            return 0
-        swaps = sum(a > b for at, a in enumerate(order) for b in order[at + 1 :])
-        sign = -1 if swaps % 2 else 1
-        for _, one in self.axes:
-            sign *= int(one)
-        return sign
+    def _is_right_handed(self) -> bool:
+        order, signs = zip(*self.axes, strict=True)
+        parity = 1.0 if (order[1] - order[0]) % 3 == 1 else -1.0
+        return sorted(order) == [0, 1, 2] and math.prod(signs) == parity
 
 
 SCHEMA = 2

@@ -38,13 +38,9 @@ ANGULAR_VELOCITY = ("gx", "gy", "gz")
 INERTIAL = ACCELERATION + ANGULAR_VELOCITY
 QUATERNION = ("qw", "qx", "qy", "qz")
 ANGLES = ("angle_1", "angle_2", "angle_3")
-SKIPPED = "_"
-"""Name of a column that isn't read; the only name that may occur several times."""
-
+SKIPPED = "_"  # name of a column that isn't read; the only name that may occur several times
 STAMPS = ("t_us", "t_ms", "t_s")
-
-Reading = Mapping[str, float]
-"""One sample: values by the names of `COLUMNS`; all finite."""
+Reading = Mapping[str, float]  # one sample: values by the names of `COLUMNS`; all finite
 
 
 def has(reading: Collection[str], columns: Iterable[str]) -> bool:

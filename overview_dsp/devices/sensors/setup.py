@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import statistics
 
+import numpy as np
+
 from overview_dsp.devices.sensors.orientation_angles import quaternion_of, up_vector
 from overview_dsp.devices.sensors.profile import SCHEMA, Sensor, parse_sensor
 from overview_dsp.devices.sensors.reading import (
@@ -22,28 +24,23 @@ from overview_dsp.errors import InputError
 
 TWISTS = 2
 REST_S = 1.0
-STILL_DEG = 15.0
-"""Largest turn during the rest at the start."""
+STILL_DEG = 15.0  # largest turn during the rest at the start
 
 NAMES_S = 1.5
 """Time to wait for the names of single numbers; boards of the kit print them once per second."""
 
-AWAY_DEG, BACK_DEG = 90.0, 25.0
-"""A twist turns at least so far, and returns at least so close."""
+AWAY_DEG, BACK_DEG = 90.0, 25.0  # a twist turns at least so far, and returns at least so close
 
 STRAIGHT = 0.8
 """Smallest share of one axis in a direction; with a smaller one, the device is not aligned."""
 
-SMOOTH_S = 0.05
-"""Time constant for gravity, before its direction is used."""
+SMOOTH_S = 0.05  # time constant for gravity, before its direction is used
 
 COUNTS_PER_DEG_S = (131.0, 65.5, 32.8, 16.4)
 """Counts of common gyroscopes at 1 deg/s, for ranges of 250 to 2000 deg/s."""
 
 COUNTS_TOLERANCE = 0.25
-SMALLEST_SPAN = 8.0
-"""Range that a knob's numbers must exceed."""
-
+SMALLEST_SPAN = 8.0  # range that a knob's numbers must exceed
 KNOB_COLUMNS = ("pot",)
 
 
@@ -179,12 +176,8 @@ class Setup:
             raise InputError(
                 "the sensor was tilted: no axis pointed up; put it down face up and start again"
             )
-        about = [0.0, 0.0, 0.0]
-        for _, vector in self._track:
-            b = unit(vector)
-            for n in range(3):
-                i, j = (n + 1) % 3, (n + 2) % 3
-                about[n] += abs(up[i] * b[j] - up[j] * b[i])
+        directions = [unit(vector) for _, vector in self._track]
+        about = np.abs(np.cross(up, directions)).sum(axis=0).tolist()
         x = max((n for n in range(3) if n != z), key=lambda n: about[n])
         if about[x] < STRAIGHT * math.hypot(*about):
             raise InputError(
@@ -211,11 +204,8 @@ class Setup:
         if has(reading, ANGULAR_VELOCITY):
             lines += ["", "[angular_velocity]"]
             counts = self._counts_per_deg_s()
-            lines += (
-                ["use = false"]
-                if counts is None
-                else ['unit = "deg/s"', f"scale = {1.0 / counts:.10g}"]
-            )
+            scale = [] if counts is None else ['unit = "deg/s"', f"scale = {1.0 / counts:.10g}"]
+            lines += scale or ["use = false"]
         return lines
 
     def _counts_per_deg_s(self) -> float | None:

@@ -22,8 +22,7 @@ FOLLOW_GAIN = 6.0
 of that disk's spring, plus this gain for each radian that the disk here lies behind. So both disks
 pass an event at the same time, and sound and force agree."""
 
-SHORTEST_S = 0.9e-3
-"""Events closer together than a millisecond don't change the disk's movement."""
+SHORTEST_S = 0.9e-3  # events closer together than a millisecond don't change the disk's movement
 
 
 class SensorSource:

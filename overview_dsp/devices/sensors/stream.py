@@ -36,14 +36,9 @@ class SequenceCheck:
         return True
 
 
-TIMEOUT_S = 1.5
-"""Time without valid data after which the stream is reported."""
-
-RETRY_S = 0.2
-"""Time between attempts to detect a stream that was reported."""
-
-Sample = tuple[float, Reading]
-"""Time, s, and reading."""
+TIMEOUT_S = 1.5  # time without valid data after which the stream is reported
+RETRY_S = 0.2  # time between attempts to detect a stream that was reported
+Sample = tuple[float, Reading]  # time, s, and reading
 
 
 class Stream:

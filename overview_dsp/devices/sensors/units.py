@@ -10,12 +10,8 @@ from dataclasses import dataclass
 from overview_dsp.devices.sensors.profile import DETECT, Sensor
 from overview_dsp.errors import InputError
 
-GRAVITY = 9.80665
-"""m/s²."""
-
-UNIT_TOLERANCE = 0.15
-"""Relative error of gravity at rest up to which it still identifies the unit."""
-
+GRAVITY = 9.80665  # m/s²
+UNIT_TOLERANCE = 0.15  # relative error of gravity at rest up to which it still identifies the unit
 COUNTS_PER_G = (2048.0, 4096.0, 8192.0, 16384.0)
 COUNTS_TOLERANCE = 0.05
 """Counts of an unscaled 16-bit sensor at 1 g, for ranges of 16, 8, 4 and 2 g."""
@@ -112,17 +108,12 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
             )
     elif detect:
         allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
-        near = [
-            name
-            for name in allowed
-            if abs(size * ACCELERATION_UNITS[name] / GRAVITY - 1.0) <= UNIT_TOLERANCE
-        ]
+        near = [name for name in allowed if _is_gravity(size, ACCELERATION_UNITS[name])]
         if not near:
             raise InputError(
-                f"the acceleration at rest is {size:.4g}; must be near that of "
-                "gravity, 9.81 m/s², 1 g or 1000 mg. "
-                "Hold the sensor at rest, or set acceleration.unit and acceleration.scale (g of 1 "
-                "count, for example) in a file for sensor=FILE.toml"
+                f"the acceleration at rest is {size:.4g}; must be near that of gravity, 9.81 m/s², "
+                "1 g or 1000 mg. Hold the sensor at rest, or set acceleration.unit and "
+                "acceleration.scale (g of 1 count, for example) in a file for sensor=FILE.toml"
             )
         acceleration_unit = near[0]
     gyroscope_unit = str(sensor.values["angular_velocity.unit"])
@@ -142,8 +133,11 @@ def counts_per_g(size: float) -> float | None:
     return next((n for n in COUNTS_PER_G if abs(size / n - 1.0) <= COUNTS_TOLERANCE), None)
 
 
+def _is_gravity(size: float, unit: float) -> bool:
+    return abs(size * unit / GRAVITY - 1.0) <= UNIT_TOLERANCE
+
+
 def shows_gravity(size: float) -> bool:
     """Return whether `size` is gravity in any unit, or in the counts of an unscaled sensor."""
-    units = ACCELERATION_UNITS.values()
-    near = any(abs(size * one / GRAVITY - 1.0) <= UNIT_TOLERANCE for one in units)
+    near = any(_is_gravity(size, unit) for unit in ACCELERATION_UNITS.values())
     return near or counts_per_g(size) is not None

@@ -37,14 +37,12 @@ from overview_dsp.signal.engine.simd_batch import EngineBatch
 
 RATE = 48_000
 SWEEP_S = 4.0
-SECONDS = 8.0
-"""Duration of the sound of one run of the full voice."""
+SECONDS = 8.0  # duration of the sound of one run of the full voice
 BLOCK = 64
 LANE_BLOCK = 16384
 INTERPRETED_S = 0.1
-LINKS = 2_000_000
-"""Number of dependent operations timed to find the clock rate; they take some milliseconds."""
-CHAINS = 9
+LINKS = 2_000_000  # length of a chain of dependent steps, which takes some milliseconds
+CHAINS = 9  # chains that are timed; the fastest gives the clock rate
 VOICE, DISK = "the full voice", "the disk alone"
 
 
@@ -140,7 +138,7 @@ def feed(engine: Engine, gesture: Gesture) -> None:
 
 
 def reset_and_feed(engine: Engine) -> Engine:
-    """Reset the engine, queue the control events of the timed sweep, and return it."""
+    """Reset an engine, queue the events of the measured sweep, and return the engine."""
     engine.reset()
     feed(engine, sweep(SWEEP_S))
     return engine
@@ -242,7 +240,7 @@ def interpreted() -> float:
 
 
 def clock_ghz() -> float:
-    """Return the processor's present clock rate, GHz, which depends on its load."""
+    """Return the present clock rate of the processor, GHz."""
     from overview_dsp.kernels.cycle_counter import CYCLES_PER_LINK, chain
 
     word = np.uint64(1)
@@ -252,7 +250,7 @@ def clock_ghz() -> float:
 
 
 def lines(report: Report) -> list[str]:
-    """Write the report as lines of text: a table for each group."""
+    """Return the report as lines of text, with a table for each group."""
     rounds = report.rounds
     found = [f"medians of {rounds} interleaved rounds (lowest to highest), CPU time of one core"]
     for group in dict.fromkeys(row.group for row in report.rows):
@@ -269,7 +267,7 @@ def lines(report: Report) -> list[str]:
 
 
 def cycles(rows: Sequence[Row], ghz: float) -> str:
-    """Return the engine's speeds in cycles, which do not depend on the clock rate."""
+    """Return the cycles per sample of this package's rows; the clock rate doesn't change them."""
     each = (
         f"{row.name.removeprefix('overView, ')} {1e9 * ghz / (row.speed * RATE):.0f}"
         for row in rows
@@ -279,7 +277,7 @@ def cycles(rows: Sequence[Row], ghz: float) -> str:
 
 
 def this_machine() -> str:
-    """Write a line: `AMD EPYC 7763, 2 cores, Linux, Python 3.11.7, numba 0.61.0`."""
+    """Return a description: `AMD EPYC 7763, 2 cores, Linux, Python 3.11.7, numba 0.61.0`."""
     known = Path("/proc/cpuinfo")
     text = known.read_text() if known.exists() else ""
     found = re.search(r"^model name\s*: (.+)$", text, re.MULTILINE)

@@ -29,16 +29,10 @@ Modality = Literal["touch", "sound", "both"]
 MODALITIES: tuple[Modality, ...] = ("touch", "sound", "both")
 
 SOUND_WINDOW_S = 0.004
-SOUND_FLOOR_DB = -62.0
-"""Lowest audible level."""
-
+SOUND_FLOOR_DB = -62.0  # lowest audible level
 SOUND_PROMINENCE_DB = 6.0
-
-RHYTHM_MS = 120
-"""Time in which several pulses are perceived as one pattern."""
-
-TOGETHER_MS = 40
-"""Distance from a felt pulse within which a click belongs to it."""
+RHYTHM_MS = 120  # time in which several pulses are perceived as one pattern
+TOGETHER_MS = 40  # distance from a felt pulse within which a click belongs to it
 
 TOUCH_FEATURES = (
     "level_db",

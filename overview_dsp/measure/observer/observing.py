@@ -64,17 +64,10 @@ def add_sensory_noise(
     return found
 
 
-LEARNED, HELD_OUT = 120, 40
-"""Numbers of random timelines for training and for evaluation."""
-
-DRAWS = 5
-"""Draws of the sensory noise for each stroke of the evaluation."""
-
-TRAINING_DRAWS = 2
-"""Draws of the sensory noise in the training data."""
-
-_RENDERS_PER_MODEL = 15
-"""Renders that take about as long as training and evaluating one observer."""
+LEARNED, HELD_OUT = 120, 40  # numbers of random timelines for training and for evaluation
+DRAWS = 5  # draws of the sensory noise for each stroke of the evaluation
+TRAINING_DRAWS = 2  # draws of the sensory noise in the training data
+_RENDERS_PER_MODEL = 15  # renders that take about as long as training and evaluating one observer
 
 _HELD_OUT_SEED = 1_000_000
 """Offset of the seeds of held-out timelines and movements from those of the training data."""

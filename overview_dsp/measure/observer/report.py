@@ -14,11 +14,8 @@ from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
 from overview_dsp.measure.report_base import Report
 from overview_dsp.public import counted, short
 
-LEAST_SHARE = 1.0 / 12.5
-"""Smallest share of confusions that is a warning: about 1 in 12."""
-
-LEAST_EVENTS = 12
-"""Fewest events for a warning."""
+LEAST_SHARE = 1.0 / 12.5  # smallest share of confusions that is a warning: about 1 in 12
+LEAST_EVENTS = 12  # fewest events for a warning
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -128,21 +128,15 @@ def _rounded(value: float) -> float | None:
     return round(float(value), 4) if np.isfinite(value) else None
 
 
-@dataclass(eq=False)
 class Tally:
     """Counter of an observer's answers; `group` maps each class to one of `kinds`.
 
     Classes are the preset's kinds by index. The last class is "nothing".
     """
 
-    kinds: tuple[str, ...]
-    group: IntArray
-    confusion: IntArray = field(init=False)
-    reports: IntArray = field(init=False)
-    right: IntArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        count = len(self.kinds)
+    def __init__(self, kinds: tuple[str, ...], group: IntArray) -> None:
+        self.kinds, self.group = kinds, group
+        count = len(kinds)
         self.confusion = np.zeros((count + 1, count + 1), dtype=np.int64)
         self.reports = np.zeros(count, dtype=np.int64)
         self.right = np.zeros(count, dtype=np.int64)

@@ -35,8 +35,7 @@ from overview_dsp.units import HALF_TURN
 TURN_DISTANCE = 0.01
 """Distance in the other direction at which a disk has turned back, as a share of the timeline."""
 
-TURN_CHECK_S = 0.004
-"""Time between the positions that are checked for a turn, s."""
+TURN_CHECK_S = 0.004  # time between the positions that are checked for a turn, s
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +119,7 @@ def _turns(cursor: FloatArray, step: int) -> list[int]:
 
 Movement = Literal["all", "steady", "arm", "mixed"]
 MOVEMENTS: tuple[Movement, ...] = ("all", "steady", "arm", "mixed")
-
-RECOIL_OF = "2 s"
-"""Sweep whose recoil is observed; the recoils of all sweeps are similar."""
+RECOIL_OF = "2 s"  # sweep whose recoil is observed; the recoils of all sweeps are similar
 
 STEADY: Mapping[str, Gesture] = {
     "1 s": sweep(1.0),
@@ -144,17 +141,14 @@ GESTURES: Mapping[Movement, Mapping[str, Gesture]] = {
     "arm": ARMS,
 }
 
-ARRIVAL_S = 3.0
-"""Time rendered after a release, s, in which the disk arrives."""
+ARRIVAL_S = 3.0  # time rendered after a release, s, in which the disk arrives
 
 RECOIL, MIXED = "recoil", "mixed"
 
 TOUCH_RATE, SOUND_RATE = 16_000.0, 48_000.0
 """Sample rates, Hz. The vibration is the same at both; clicks need the higher one."""
 
-_SLOWEST = 0.02
-"""Lowest pace, in timelines per second; a slower input rests."""
-
+_SLOWEST = 0.02  # lowest pace, in timelines per second; a slower input rests
 _PACE_OVER_S = 0.05
 
 

@@ -18,11 +18,8 @@ from numpy.typing import NDArray
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 
 TREES = 40
-CANDIDATES = 8
-"""Random splits that are compared at each node."""
-
-MIN_SAMPLES = 5
-"""Fewest samples on each side of a split."""
+CANDIDATES = 8  # random splits that are compared at each node
+MIN_SAMPLES = 5  # fewest samples on each side of a split
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +29,7 @@ class _Tree:
     feature: IntArray
     threshold: FloatArray
     below: IntArray
-    """Node of samples below the threshold; the next node has the others."""
+    """Number of the node for samples below the threshold; the next node has the others."""
     share: FloatArray  # (nodes, classes)
 
 
@@ -89,7 +86,7 @@ class _Grower:
     def tree(self) -> _Tree:
         """Grow one tree, depth by depth."""
         parts: list[tuple[NDArray[Any], ...]] = []
-        # of the samples that are not in a leaf: rows sorted by node, and their node at this depth
+        # samples not in a leaf yet: their rows, sorted by node, and their node at this depth
         rows = np.arange(len(self.features))
         node = np.zeros(len(self.features), dtype=np.int64)
         nodes, total = 1, 1

@@ -31,7 +31,7 @@ _BY_KIND: Mapping[str, Generator] = {
     "premature": random_heart,
     "cheer": random_crowd,
 }
-_SERIES = "highest"
+_SERIES = "highest"  # kind of the presets for series
 _SERIES_FOR: Mapping[str, Generator] = {"shares": random_share, "weather": random_weather}
 """Generator of a series by a word of `tags.usage`."""
 

@@ -20,8 +20,7 @@ from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.errors import InputError
 
 GOALS, FOULS, NEAR_MISSES, YELLOWS, REDS = 2.7, 20.0, 9.5, 3.8, 0.3
-OWN_GOAL = 1.0 / 12.0
-"""Share of the goals that are own goals."""
+OWN_GOAL = 1.0 / 12.0  # share of goals
 
 CLOSE_GOAL, CLOSE_GOAL_S = 0.15, (20.0, 115.0)
 """Share of goals that another one follows, and range of the time between both."""
@@ -58,26 +57,26 @@ def random_match(seed: int) -> Timeline:
     length = half + HALF_S + rng.uniform(*STOPPAGE_S[1])
     found: list[tuple[float, str]] = []
 
-    def anywhere(rate: float) -> list[float]:
-        times: list[float] = rng.uniform(10.0, length - 10.0, rng.poisson(rate)).tolist()
+    def random_times(mean_count: float) -> list[float]:
+        times: list[float] = rng.uniform(10.0, length - 10.0, rng.poisson(mean_count)).tolist()
         return times
 
-    for at in anywhere(GOALS):
+    for at in random_times(GOALS):
         found.append((at, "own_goal" if rng.random() < OWN_GOAL else "goal"))
         if rng.random() < CLOSE_GOAL:
             found.append((at + rng.uniform(*CLOSE_GOAL_S), "goal"))
         if rng.random() < CARD_AFTER_GOAL:
             kind = "red_card" if rng.random() < 0.1 else "yellow_card"
             found.append((at + rng.uniform(*CARD_AFTER_GOAL_S), kind))
-    found += [(at, "yellow_card") for at in anywhere(YELLOWS)]
-    found += [(at, "red_card") for at in anywhere(REDS)]
-    for at in anywhere(NEAR_MISSES):
+    found += [(at, "yellow_card") for at in random_times(YELLOWS)]
+    found += [(at, "red_card") for at in random_times(REDS)]
+    for at in random_times(NEAR_MISSES):
         found.append((at, "near_miss"))
         if rng.random() < REBOUND:
             found.append((at + rng.uniform(*REBOUND_S), "near_miss"))
     cards = [at for at, kind in found if kind.endswith("card")]
     found += [(at, "foul") for at in cards if rng.random() < FOUL_WITH_CARD]
-    found += [(at, "foul") for at in anywhere(max(0.0, FOULS - FOUL_WITH_CARD * len(cards)))]
+    found += [(at, "foul") for at in random_times(max(0.0, FOULS - FOUL_WITH_CARD * len(cards)))]
     events = [Event(at, "period") for at in (0.0, half, length)]
     events += [Event(at, kind) for at, kind in found if at < length]
     return Timeline(
@@ -89,8 +88,7 @@ def random_match(seed: int) -> Timeline:
 
 
 EVENTS_LENGTH_S = 600.0
-EVENTS = 30.0
-"""Mean number of events, about that of a match."""
+EVENTS = 30.0  # mean number of events, about that of a match
 
 CLOSE, CLOSE_S = 0.15, (1.0, 12.0)
 """Share of events that another one follows, and range of the time between both."""

@@ -27,8 +27,7 @@ EARLY = (
     ("premature_supraventricular", 0.05),
     ("fusion", 0.05),
 )
-MAX_EARLY_SHARE = 0.08
-"""Maximum share of early beats in a recording."""
+MAX_EARLY_SHARE = 0.08  # largest share of early beats
 
 MISSED, RHYTHMS, FAULTS, FLUTTER = 3.0, 2.0, 2.0, 0.35
 """Mean numbers of missed beats, rhythm changes, quality changes and flutters per recording."""
@@ -59,17 +58,17 @@ def random_heart(seed: int) -> Timeline:
     usual = usual[: np.searchsorted(np.cumsum(usual), length) + 10]
     steady = _one_of(rng, STEADY)
     early = rng.random(len(usual)) < rng.uniform(0.0, MAX_EARLY_SHARE)
-    early[:10] = False  # readers know the usual interval only from earlier beats
+    early[:10] = False  # the regular interval is known from the beats around it
     missed = np.zeros(len(usual), dtype=bool)
     missed[rng.integers(10, len(usual), rng.poisson(MISSED))] = True
     kinds = [steady] * len(usual)
     interval = usual.copy()
     for i in np.flatnonzero(early).tolist():
         kinds[i] = _one_of(rng, EARLY)
-        by = rng.uniform(0.2, 0.5)
-        interval[i] = usual[i] * (1.0 - by)
-        if i + 1 < len(usual):  # a longer interval follows an early beat
-            interval[i + 1] = usual[i + 1] * (1.0 + by)
+        share = rng.uniform(0.2, 0.5)
+        interval[i] = usual[i] * (1.0 - share)
+        if i + 1 < len(usual):  # the pause that makes up for it
+            interval[i + 1] = usual[i + 1] * (1.0 + share)
     interval[missed & ~early] *= 2.0
     time_s = np.cumsum(interval)
     time_s = time_s[time_s < length]
@@ -88,8 +87,8 @@ def _intervals(rng: np.random.Generator, length: float) -> FloatArray:
         middle, width = rng.uniform(0.0, 0.6 * count), rng.uniform(0.03, 0.12) * count
         rate *= 1.0 + rng.uniform(0.25, 0.65) * np.exp(-(((beat - middle) / width) ** 2))
     breath = 0.03 * np.sin(beat * 2.0 * np.pi / rng.uniform(4.0, 6.0))
-    wander = np.cumsum(rng.normal(0.0, 0.002, count))
-    return np.asarray(60.0 / rate * np.exp(breath + wander + rng.normal(0.0, 0.012, count)))
+    drift = np.cumsum(rng.normal(0.0, 0.002, count))
+    return np.asarray(60.0 / rate * np.exp(breath + drift + rng.normal(0.0, 0.012, count)))
 
 
 def _others(rng: np.random.Generator, length: float) -> list[Event]:
@@ -100,8 +99,8 @@ def _others(rng: np.random.Generator, length: float) -> list[Event]:
         for at in rng.uniform(0.0, length, rng.poisson(rate))
     ]
     for at in rng.uniform(0.1 * length, 0.9 * length, rng.poisson(FLUTTER)).tolist():
-        spell = min(rng.uniform(4.0, 20.0), length - at)
-        found += [Event(at, "flutter", "begins"), Event(at + spell, "flutter", "ends")]
+        duration = min(rng.uniform(4.0, 20.0), length - at)
+        found += [Event(at, "flutter", "begins"), Event(at + duration, "flutter", "ends")]
     return found
 
 

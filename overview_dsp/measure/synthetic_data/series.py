@@ -24,9 +24,7 @@ from overview_dsp.data.readers.series.series_reader import series_timeline
 from overview_dsp.data.readers.tables.memory import table_of
 from overview_dsp.data.timeline import Timeline
 
-TRADING_DAYS = 252
-"""Trading days in a year."""
-
+TRADING_DAYS = 252  # trading days per year
 _FIRST_DAY = np.datetime64("1990-01-01", "D")
 
 
@@ -89,9 +87,9 @@ def random_weather(seed: int) -> Timeline:
     count = 365 * int(rng.integers(1, 5))
     start = _FIRST_DAY + int(rng.integers(0, 12_000))
     days = start + np.arange(count)
-    of_year = (days - days.astype("datetime64[Y]")).astype(np.float64) / 365.25
+    share_of_year = (days - days.astype("datetime64[Y]")).astype(np.float64) / 365.25
     coldest = rng.normal(0.05, 0.02)
-    season = -rng.uniform(5.0, 13.0) * np.cos(2.0 * np.pi * (of_year - coldest))
+    season = -rng.uniform(5.0, 13.0) * np.cos(2.0 * np.pi * (share_of_year - coldest))
     weather = np.empty(count)
     deviation, persistence = 0.0, rng.uniform(0.6, 0.8)
     for i, kick in enumerate(rng.normal(0.0, rng.uniform(2.0, 3.5), count).tolist()):
@@ -113,8 +111,7 @@ def _timeline_of(
 
 CROWD_LENGTH_S = (180.0, 720.0)
 CHEERS_PER_MINUTE, BURSTS_PER_MINUTE = 1.1, 1.4
-_CROWD_RATE = 1000
-"""Assumed sample rate, Hz: `Steps` needs one, although no samples are generated."""
+_CROWD_RATE = 1000  # sample rate that is assumed, Hz; only the energy of each step is used
 
 
 def random_crowd(seed: int) -> Timeline:
@@ -140,9 +137,9 @@ def random_crowd(seed: int) -> Timeline:
     length = rng.uniform(*CROWD_LENGTH_S)
     count = int(length * STEPS_PER_S)
     at_s = np.arange(count) / STEPS_PER_S
-    wander = np.cumsum(rng.normal(0.0, 0.15, count))
-    # without the mean of the surrounding half minute
-    slow = wander - np.convolve(np.pad(wander, 150, mode="edge"), np.full(301, 1 / 301), "valid")
+    drift = np.cumsum(rng.normal(0.0, 0.15, count))
+    # without changes slower than half a minute
+    slow = drift - np.convolve(np.pad(drift, 150, mode="edge"), np.full(301, 1 / 301), "valid")
     above = np.zeros(count)
     for start in rng.uniform(2.0, length - 5.0, rng.poisson(CHEERS_PER_MINUTE * length / 60.0)):
         rise, hold, fall = rng.uniform(0.5, 2.5), rng.uniform(2.0, 12.0), rng.uniform(2.0, 6.0)

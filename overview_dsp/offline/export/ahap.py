@@ -34,9 +34,7 @@ from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
 from overview_dsp.offline.export.document import CHECKING, MAX_ENTRIES, Part, Seconds, descending
 
-TRANSIENTS_MS = (12, 6, 22)
-"""Assumed lengths of a transient; exports are optimised for the first."""
-
+TRANSIENTS_MS = (12, 6, 22)  # assumed lengths of a transient; exports are optimised for the first
 LONGEST_EVENT_S = 30.0
 DULLEST_HZ, SHARPEST_HZ = 65.0, 300.0
 _TOLERANCE_S = 0.0015

@@ -28,8 +28,7 @@ from overview_dsp.offline.export.document import Count, Part, Positive, Unit, va
 STEP_MS = 10
 MAX_POINTS = 16
 POINT_MS = (20, 1000)
-PART_MS = 1000
-"""Approximate length of an envelope effect; its 16 points are about 60 ms apart."""
+PART_MS = 1000  # approximate length of an envelope effect; its 16 points are about 60 ms apart
 
 
 class Waveform(Part):

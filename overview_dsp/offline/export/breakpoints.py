@@ -20,16 +20,10 @@ from overview_dsp.offline.export.clip import NOTICEABLE_DB, felt_db
 from overview_dsp.units import JUST_NOTICEABLE_DB
 
 GOOD_ENOUGH_DB = JUST_NOTICEABLE_DB / 3.0
-
-GRID_MS = 10
-"""Grid of the points: a window of the felt level."""
-
-STRIKE_WEIGHT = 4.0
-"""Weight of a window with a strike."""
-
+GRID_MS = 10  # grid of the points: a window of the felt level
+STRIKE_WEIGHT = 4.0  # weight of a window with a strike
 _LARGEST_DB = 10.0
-_PER_DB = 0.02
-"""Cost of an error of 1 dB, which selects the better of otherwise equal solutions."""
+_PER_DB = 0.02  # cost of an error of 1 dB, which selects the better of otherwise equal solutions
 
 
 def breakpoints(level: FloatArray, budget: int, required: Iterable[int] = ()) -> IntArray:

@@ -40,9 +40,7 @@ from overview_dsp.signal.engine.queues import stamp_of
 from overview_dsp.signal.engine.surface_slots import timeline_events, write_surface
 from overview_dsp.signal.surface.model import Surface
 
-LEAST_FILL = 4
-"""Number of equal columns from which on a separate run is shorter."""
-
+LEAST_FILL = 4  # number of equal columns from which on a separate run is shorter
 TABLE_COLUMNS = 2 * (layout.CELLS + 1)
 TABLES = (layout.SLOT_TABLE, layout.SLOT_SLIDING_TORQUE, layout.SLOT_PULL)
 

@@ -42,9 +42,7 @@ _ZIG = {
     "x86_64-macos": "x86_64-macos",
     "aarch64-macos": "aarch64-macos",
 }
-TARGETS = tuple(_ZIG)
-"""Names of the machines for which plugins can be compiled."""
-
+TARGETS = tuple(_ZIG)  # names of the machines for which plugins can be compiled
 _SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
 _MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 

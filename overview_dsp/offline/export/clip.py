@@ -32,15 +32,12 @@ from overview_dsp.signal.surface.fields import BASE
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S, JUST_NOTICEABLE_DB
 
-LEVELS_PER_S = 1000
-"""Resolution of haptic formats: milliseconds or coarser."""
+LEVELS_PER_S = 1000  # resolution of haptic formats: milliseconds or coarser
 
 FLOOR = 10.0 ** (-46.0 / 20.0)
 """Amplitude that counts as silence relative to full scale: one step of an 8-bit motor drive."""
 
-FELT_MS = 9
-"""Averaging time of the felt level, ms; shorter changes are imperceptible."""
-
+FELT_MS = 9  # averaging time of the felt level, ms; shorter changes are imperceptible
 MAX_CLIP_S = 600.0
 
 STANDS_OUT_DB = 12.0
@@ -51,18 +48,14 @@ HIGH, HIGH_STANDS_OUT_DB = 0.25, JUST_NOTICEABLE_DB
 """Friction relative to the surface's highest from which on an event is a strike wherever its pulse
 is perceptible."""
 
-QUIETEST = FLOOR / 32.0
-"""Lower limit of levels for the detection of pulses."""
+QUIETEST = FLOOR / 32.0  # lower limit of levels for the detection of pulses
 
 KNOCK_MS = (-4, 20)
 """Range of delays from an event's strike to its pulse's peak: a tactor with a short rise time
 reaches it 5 to 10 ms after the disk has broken loose."""
 
-ONSET_MS = 4
-"""Time from a pulse's onset to its felt peak: half the window of the felt level."""
-
-NEAR_MS = 5
-"""Longest distance of a strike from the moment at which the disk broke loose."""
+ONSET_MS = 4  # time from a pulse's onset to its felt peak: half the window of the felt level
+NEAR_MS = 5  # longest distance of a strike from the moment at which the disk broke loose
 
 SEPARATE_MS = 12
 """Least distance of strikes, to avoid overlap: the sharpest emphasis of Meta's renderer."""
@@ -74,8 +67,7 @@ foul with the felt level of the weakest goal, due to their positions in the gest
 
 DULL_HZ, SHARP_HZ = 100.0, 6400.0
 
-NOTICEABLE_DB = 2.3
-"""JND of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)."""
+NOTICEABLE_DB = 2.3  # JND of amplitude on the skin (Israr and Tan 2006: 2.2 to 2.5 dB)
 
 
 def felt_db(amplitude: FloatArray) -> FloatArray:

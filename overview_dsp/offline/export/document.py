@@ -21,9 +21,7 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed, Path, Strict, checked, named
 from overview_dsp.offline.export.clip import MAX_CLIP_S
 
-CHECKING, READING = "checking", "reading"
-"""Contexts of a validation; writing a document has none."""
-
+CHECKING, READING = "checking", "reading"  # contexts of a validation; writing a document has none
 MAX_ENTRIES = 100_000
 
 

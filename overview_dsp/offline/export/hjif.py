@@ -33,8 +33,7 @@ from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
 from overview_dsp.offline.export.document import Count, Part, Signed, descending
 
-STRIKE_MS = 12
-"""Duration of a strike's wave: three cycles of a C-2."""
+STRIKE_MS = 12  # duration of a strike's wave: three cycles of a C-2
 
 TICKS_PER_TURN = 18_000
 """Number of ticks of the friction curve: half a turn in units of 0.01 degrees."""

@@ -23,9 +23,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.offline.export.browser_memory import encode_engine
 from overview_dsp.offline.export.c_code import prepared_engine
 
-IMAGES = "images.bin"
-"""File with all images, which `bundle.c` includes."""
-
+IMAGES = "images.bin"  # file with all images, which `bundle.c` includes
 _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 
 

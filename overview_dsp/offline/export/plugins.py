@@ -84,9 +84,7 @@ def _property_list(bundle: Bundle) -> bytes:
     )
 
 
-MOST_NAMES = 64
-"""Highest number of timelines and of presets in a plugin."""
-
+MOST_NAMES = 64  # highest number of timelines and of presets in a plugin
 _SOURCES = ("bundle.h", "voice.h")
 _OWN_SOURCES = {
     "clap": ("values.h", "state.h", "clap.h", "clap.c"),

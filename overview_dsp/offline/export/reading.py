@@ -50,8 +50,7 @@ _MODELS: dict[str, type[Part]] = {
 }
 """Formats by a unique key."""
 
-MAX_FAULTS = 20
-"""Highest number of faults to list; later ones are often consequences."""
+MAX_FAULTS = 20  # highest number of faults to list; later ones are often consequences
 
 
 @dataclass(frozen=True, eq=False)

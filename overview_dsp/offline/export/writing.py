@@ -23,8 +23,7 @@ from overview_dsp.public import counted, short
 POINTS_PER_S = 50.0
 """Default number of amplitude points per second (Meta's studio has 40; fast sweeps need more)."""
 
-Played = dict[str, FloatArray]
-"""Amplitude at each millisecond on each player of a document."""
+Played = dict[str, FloatArray]  # amplitude at each millisecond on each player of a document
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-PICTURES = (".png", ".svg", ".pdf")
-"""Formats of figures by file suffix."""
+PICTURES = (".png", ".svg", ".pdf")  # formats of figures by file suffix
 
 
 def require_picture(path: str | os.PathLike[str]) -> None:

@@ -22,12 +22,8 @@ if TYPE_CHECKING:
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 GREY = "#767676"
-
-Marker = Any
-"""Marker of matplotlib: a letter, a number, or a tuple of corners, style and rotation."""
-
-Style = tuple[Marker, str, str]
-"""Marker, face colour, words."""
+Marker = Any  # marker of matplotlib: a letter, a number, or a tuple of corners, style and rotation
+Style = tuple[Marker, str, str]  # marker, face colour, words
 
 # the paper's goals are blue, its cards yellow and red
 KIND_STYLE: dict[str, Style] = {

@@ -139,14 +139,9 @@ def _label_dates(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     axes.set_xlabel(f"from {timeline.start.isoformat(' ', 'seconds')}")
 
 
-_STEPS = 600
-"""Number of positions along a curve, about one per pixel."""
-
-_CROWDED = 60
-"""Number of events from which on a kind's markers are small."""
-
-_NAMED_GAP = 0.08
-"""Width of a gap relative to the plot from which on its reason is written into it."""
+_STEPS = 600  # number of positions along a curve, about one per pixel
+_CROWDED = 60  # number of events from which on a kind's markers are small
+_NAMED_GAP = 0.08  # width of a gap relative to the plot from which on its reason is written into it
 
 
 def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figure:
@@ -294,7 +289,11 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
         mark_events(axes, x, height, style, size, **options)
         if goal:
             for event, place, level in zip(events, x.tolist(), height.tolist(), strict=True):
-                _name_goal(axes, event.label.split(" ")[0], place, level)
+                if score := event.label.split(" ")[0]:
+                    axes.annotate(
+                        score, (place, level), xytext=(0, 8), textcoords="offset points",
+                        ha="center", fontsize=8,
+                    )  # fmt: skip
     if rows and styles:
         axes.set_yticks(range(len(styles)), [words for _, _, words in styles.values()], fontsize=8)
         axes.set_ylim(-0.7, len(styles) - 0.3)
@@ -308,10 +307,3 @@ def _heights(timeline: Timeline, at: FloatArray, bottom: float) -> FloatArray:
     if not curve.is_constant:
         lost |= (at < curve.first_s) | (at > curve.last_s)
     return np.where(lost, bottom, curve.at(at))
-
-
-def _name_goal(axes: Axes, score: str, x: float, y: float) -> None:
-    if score:
-        axes.annotate(
-            score, (x, y), xytext=(0, 8), textcoords="offset points", ha="center", fontsize=8
-        )

@@ -14,8 +14,7 @@ MANY = 10
 """Number of kinds from which on each occurs once, so that a fast sweep still separates them."""
 
 PAGE_KINDS = 6
-SECONDS_EACH = 0.3
-"""Time of the sweep between two events, long enough to distinguish them."""
+SECONDS_EACH = 0.3  # time of the sweep between two events, long enough to distinguish them
 
 
 def gallery(preset: Preset) -> Timeline:

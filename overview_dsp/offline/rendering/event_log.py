@@ -24,8 +24,7 @@ from overview_dsp.signal.engine.memory_reader import Strikes
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
 """Limits of strong and medium events below the strongest one, dB; others are weak."""
 
-SHOWN_S = 1.5
-"""Longest duration of a subtitle, s."""
+SHOWN_S = 1.5  # longest duration of a subtitle, s
 
 
 @dataclass(frozen=True)
@@ -162,8 +161,7 @@ def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str])
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-MOST = 8
-"""Default number of lines for the way out and for the recoil."""
+MOST = 8  # default number of lines for the way out and for the recoil
 
 
 def transcript(

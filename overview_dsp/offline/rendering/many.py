@@ -38,17 +38,10 @@ from overview_dsp.signal.engine.simd_batch import EngineBatch
 from overview_dsp.signal.surface.cache import SurfaceCache
 from overview_dsp.signal.surface.model import Surface
 
-BLOCK = 65536
-"""Frames of each job per step: 42 MB for eight jobs with traces."""
-
-GROUP = 4 * SIMD_WIDTH
-"""Jobs per group of a thread; a free lane starts the next job of the group."""
-
-GROUP_BYTES = 2**28
-"""Highest size of a group's results; long jobs have smaller groups."""
-
-WAITING = 2
-"""Groups per thread that are rendered in advance, which bounds the memory."""
+BLOCK = 65536  # frames of each job per step: 42 MB for eight jobs with traces
+GROUP = 4 * SIMD_WIDTH  # jobs per group of a thread; a free lane starts the next job of the group
+GROUP_BYTES = 2**28  # highest size of a group's results; long jobs have smaller groups
+WAITING = 2  # groups per thread that are rendered in advance, which bounds the memory
 
 
 @dataclass(frozen=True)
@@ -172,8 +165,7 @@ def render_jobs(
         yield RenderJob(timeline, preset, gesture, validation.whole(seed, "a seed"))
 
 
-JobOutcome = RenderedJob[Trace | None] | Exception
-"""Rendered job, or its error."""
+JobOutcome = RenderedJob[Trace | None] | Exception  # rendered job, or its error
 
 
 @dataclass(eq=False)

@@ -17,9 +17,7 @@ from overview_dsp.arrays import FloatArray, SampleArray
 WIDTH, ROW = 720, 70
 _POINTS = 700
 _STYLE = 'fill="none" stroke="{}" stroke-width="1"'
-
-Row = tuple[str, FloatArray, str]
-"""A curve: label, values of the frames, and colour."""
+Row = tuple[str, FloatArray, str]  # a curve: label, values of the frames, and colour
 
 
 def result_page(

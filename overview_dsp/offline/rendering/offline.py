@@ -40,8 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-AnyTimeline = Timeline | TimelineData
-"""A Timeline, or an argument of `load_timeline`."""
+AnyTimeline = Timeline | TimelineData  # a Timeline, or an argument of `load_timeline`
 
 AnyPreset = Preset | str | os.PathLike[str] | None
 """A Preset, name or path; None selects one that fits the data."""

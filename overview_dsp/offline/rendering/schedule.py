@@ -16,11 +16,8 @@ from overview_dsp.signal.surface.model import Surface
 
 LONGEST_TAIL_S = 30.0
 MAX_TAIL_S = 24 * 3600.0
-FED_AHEAD = 4000
-"""Highest number of pending control events; the engine's ring holds 4096."""
-
-REST_S = 0.05
-"""Time for which the disk must be at its rest position and both channels zero, s."""
+FED_AHEAD = 4000  # highest number of pending control events; the engine's ring holds 4096
+REST_S = 0.05  # time for which the disk must be at its rest position and both channels zero, s
 
 Tail = Literal["rest", "none"] | float
 

@@ -74,9 +74,7 @@ class StemWriter(contextlib.ExitStack):
             writer.finish()
 
 
-CEILING_DBFS = -1.0
-"""Highest sample after normalisation."""
-
+CEILING_DBFS = -1.0  # highest sample after normalisation
 _ROUNDS = 8
 
 QUIETEST_LUFS, LOUDEST_LUFS = -60.0, 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -58,14 +59,7 @@ def describe(actuator: Actuator) -> str:
     ]
     if actuator.gain_db:
         lines.append(f"Calibrated: {actuator.gain_db:+.1f} dB.")
-    return "\n".join([*lines, "", *remarks(actuator)])
-
-
-def remarks(actuator: Actuator) -> list[str]:
-    """Return the comment at the top of the file: sources and assumptions."""
-    found = []
-    for line in read_text(Path(actuator.source)).splitlines():
-        if not line.startswith("#"):
-            break
-        found.append(line.lstrip("#").strip())
-    return found
+    file_lines = read_text(Path(actuator.source)).splitlines()
+    # its first comment has the sources and assumptions
+    remarks = itertools.takewhile(lambda line: line.startswith("#"), file_lines)
+    return "\n".join([*lines, "", *(line.lstrip("#").strip() for line in remarks)])

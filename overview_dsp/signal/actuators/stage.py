@@ -15,15 +15,11 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
 from overview_dsp.kernels.device.derive_actuator import SKIN_HZ, derive_actuator
 from overview_dsp.public import counted
-from overview_dsp.signal.actuators.model import LOWEST_Q, Actuator
-from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.signal.actuators.model import LOWEST_Q, Actuator, pacinian_db
 from overview_dsp.units import gain_to_db
 
-FAINT_DB = -12.0
-"""Level of a carrier, relative to the resonance, below which a warning is shown."""
-
-HIGHEST_PART = 0.45
-"""Highest resonance frequency relative to the sample rate."""
+FAINT_DB = -12.0  # level of a carrier, relative to the resonance, below which a warning is shown
+HIGHEST_PART = 0.45  # highest resonance frequency relative to the sample rate
 
 
 def warn_of_carrier(actuator: Actuator, frequency_hz: float) -> None:

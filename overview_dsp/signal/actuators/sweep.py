@@ -11,9 +11,7 @@ from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.decibels import gain_of_db
 
-EDGE_S = 0.01
-"""Duration of the fade-in and fade-out of a test signal."""
-
+EDGE_S = 0.01  # duration of the fade-in and fade-out of a test signal
 LOWEST_HZ = 1.0
 HIGHEST_PART = 0.45
 MAX_SECONDS = 600.0

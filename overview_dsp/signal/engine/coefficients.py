@@ -19,8 +19,7 @@ from overview_dsp.kernels.compiling import is_compiled
 from overview_dsp.kernels.derive import CARRIER_LIMIT, derive
 from overview_dsp.kernels.precompiled import is_outdated
 
-_CHOSEN = {"disk.release": "return"}
-"""Choice that is stored as 1, for parameters with two choices."""
+_CHOSEN = {"disk.release": "return"}  # choice that is stored as 1, for parameters with two choices
 
 _COLUMN_OF = {
     id: column

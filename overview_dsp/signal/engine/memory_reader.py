@@ -42,8 +42,7 @@ APPLIED_EVENT = np.dtype(
     [("sample", np.int64), ("source", np.int64), ("theta2", np.float64), ("touching", np.bool_)]
 )
 
-LOG_FIRST_S = 2e-4
-"""Delay between an event in the log and the update of the input's state, s."""
+LOG_FIRST_S = 2e-4  # delay between an event in the log and the update of the input's state, s
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,7 @@ from overview_dsp.signal.surface.model import Surface
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
 
-MOST = 256
-"""Number of surfaces remembered; older strikes are attributed to the base surface."""
+MOST = 256  # number of surfaces remembered; older strikes are attributed to the base surface
 
 STEEP = 0.2
 """Change of friction between neighbouring cells, relative to the base surface, that is steep."""

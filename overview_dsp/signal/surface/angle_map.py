@@ -32,17 +32,13 @@ from overview_dsp.design.presets.model import Preset
 BETWEEN = frozenset(("touch", "shot"))
 """Event kinds that are not separated but widen their interval."""
 
-MIN_ROOM = 0.3
-"""Least width of an interval relative to that without touches and shots."""
-
-FILL = BETWEEN | frozenset(TICKS)
-"""Event kinds that are not separated."""
+MIN_ROOM = 0.3  # least width of an interval relative to that without touches and shots
+FILL = BETWEEN | frozenset(TICKS)  # event kinds that are not separated
 
 SHARE = "surface.angle_map"
 """Parameter of the preset: least interval between two events relative to the mean interval."""
 
-BISECTIONS = 60
-"""Bisection steps for the factor of the wide intervals, to float64 precision."""
+BISECTIONS = 60  # bisection steps for the factor of the wide intervals, to float64 precision
 
 
 @dataclass(frozen=True, eq=False)

@@ -102,7 +102,8 @@ def build_base_surface(
         friction[missing] = ribbed * (ground + (top if made_of != "none" else 0.0))
         known[missing] = 0.0
     if timeline.known_until_s is not None:
-        heavy = number("surface.friction") * heaviness(number("surface.intensity_gain"))
+        heaviness = OVER_THE_CURVE * (1.0 + number("surface.intensity_gain"))
+        heavy = number("surface.friction") * heaviness
         begun = rise(float(angle_map.position_of(timeline.known_until_s)), cells)
         friction += begun * (heavy - friction)
         friction[begun == 1.0] = heavy  # exact, so that an unchanged future is not sent to pages
@@ -156,11 +157,6 @@ def _detents(course: FloatArray, pull: float, period: float, loud: FloatArray) -
     means = np.bincount(number, loud) / np.bincount(number)
     centres = (np.arange(len(means)) + 0.5) * period
     return pull / steepest * course * np.interp(positions, centres, means)
-
-
-def heaviness(intensity_gain: float) -> float:
-    """Return the friction of the future, relative to the base surface, for this intensity_gain."""
-    return OVER_THE_CURVE * (1.0 + intensity_gain)
 
 
 def rise(now: float, cells: int) -> FloatArray:

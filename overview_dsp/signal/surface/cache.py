@@ -15,9 +15,7 @@ from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
-MOST = 32
-"""Default number of surfaces in the cache, of one to two megabytes each."""
-
+MOST = 32  # default number of surfaces in the cache, of one to two megabytes each
 _OF_SURFACE = tuple(id for id, known in PARAMETERS.items() if known.surface)
 
 

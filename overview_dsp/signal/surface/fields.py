@@ -32,9 +32,7 @@ from overview_dsp.design.presets.model import EventKind, Preset
 from overview_dsp.errors import warn
 from overview_dsp.signal.surface.profiles import Points, profile, reach
 
-BASE = -1
-"""Owner of positions with the bristles of the base surface."""
-
+BASE = -1  # owner of positions with the bristles of the base surface
 DETENT_MODELS = ("detent", "end_stop")
 _FINE = 4096
 

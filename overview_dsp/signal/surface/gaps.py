@@ -33,8 +33,7 @@ from overview_dsp.units import clock_text
 GROOVE = 0.1
 """Friction at the bottom of a groove relative to the base surface, low enough not to be felt."""
 
-MIN_GAP_CELLS = 4.0
-"""Least width of a gap; narrower ones would fall between the table's points."""
+MIN_GAP_CELLS = 4.0  # least width of a gap; narrower ones would fall between the table's points
 
 
 def ribs(

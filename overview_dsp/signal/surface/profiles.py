@@ -27,12 +27,8 @@ import numpy as np
 
 from overview_dsp.arrays import FloatArray
 
-AT_A_TIME = 1 << 17
-"""Number of profile points computed at once."""
-
-SPAN_LEVEL = 0.1
-"""Part of its height above which a position lies in a profile's span."""
-
+AT_A_TIME = 1 << 17  # number of profile points computed at once
+SPAN_LEVEL = 0.1  # part of its height above which a position lies in a profile's span
 _RISE = 15.0 / 8.0  # so that rise/2 + fall/2 is one width at half height
 _FALL = 1.0 / 8.0
 

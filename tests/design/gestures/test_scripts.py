@@ -13,7 +13,7 @@ PLACES = st.floats(0.0, 1.0)
 
 
 @given(st.floats(1e-3, 20.0), PLACES, PLACES)
-def test_a_sweep_moves_steadily_from_one_place_to_the_other_and_lets_go(seconds, start, end):
+def test_a_sweep_moves_steadily_from_start_to_end_and_releases(seconds, start, end):
     gesture = ov.sweep(seconds, start, end)
     assert gesture.touching[:-1].all()
     assert not gesture.touching[-1]
@@ -36,7 +36,7 @@ def test_a_moving_hand_gives_at_least_a_hundred_control_events_a_second(seconds)
 
 
 @given(PLACES, st.floats(1e-3, 100.0))
-def test_a_tap_is_one_step_held_and_let_go(position, hold):
+def test_a_tap_is_one_step_a_hold_and_a_release(position, hold):
     gesture = ov.tap(position, hold)
     assert gesture.time_s.tolist() == [0.0, hold]
     assert gesture.theta2.tolist() == [position * math.pi] * 2
@@ -49,7 +49,7 @@ def test_a_tap_without_a_time_is_released_at_once():
     assert ov.parse_gesture("tap:0.8").duration_s == 0.05
 
 
-def test_a_tap_is_the_same_step_wherever_the_hand_was_before():
+def test_a_tap_after_another_gesture_is_the_same_step():
     before = ov.sweep(0.1, 0.3, 0.9) + ov.pause(0.1)
     joined = before + ov.tap(0.5, 0.2)
     assert np.array_equal(joined.theta2[-2:], ov.tap(0.5, 0.2).theta2)
@@ -81,7 +81,7 @@ def test_a_flick_is_the_same_movement_in_a_fraction_of_a_second():
 
 
 @given(PLACES, st.floats(0.001, 0.2), st.sampled_from([0.5, 1.0, 2.0, 5.0]))
-def test_scrubbing_moves_back_and_forth_over_a_place(position, width, hz):
+def test_scrubbing_moves_back_and_forth_over_a_position(position, width, hz):
     gesture = ov.scrub(position, width, hz, seconds=4.0)
     place = gesture.theta2 / math.pi
     wave = (gesture.time_s >= 1.2 - 1e-9) & gesture.touching
@@ -100,7 +100,7 @@ def test_scrubbing_moves_back_and_forth_over_a_place(position, width, hz):
     assert gesture.duration_s == pytest.approx(5.2)
 
 
-def test_a_rest_is_nothing_for_a_while():
+def test_a_pause_has_no_events():
     gesture = ov.pause(2.5)
     assert len(gesture.time_s) == 0
     assert gesture.duration_s == 2.5
@@ -131,7 +131,7 @@ def test_a_rest_is_nothing_for_a_while():
         (lambda: ov.pause(math.nan), "rest"),
     ],
 )
-def test_a_movement_out_of_range_is_one_line_with_the_range(make, words):
+def test_a_movement_out_of_range_is_an_error_of_one_line_with_the_range(make, words):
     with pytest.raises(ov.InputError, match=words) as error:
         make()
     assert "\n" not in str(error.value)
@@ -160,7 +160,7 @@ def test_joined_gestures_follow_one_another():
         ({"duration_s": math.inf}, "out of range"),
     ],
 )
-def test_a_gesture_that_cannot_be_is_one_line(changes, words):
+def test_an_invalid_gesture_is_an_error_of_one_line(changes, words):
     good = {
         "time_s": [0.0, 1.0, 1.0],
         "theta2": [0.0, 1.0, 1.0],

@@ -66,7 +66,7 @@ def test_a_take_may_have_any_name(tmp_path, monkeypatch):
         *("tap:0.5:1:2", "take.txt", "x" * 5000, "tap:0.5;"),
     ],
 )
-def test_what_is_no_gesture_is_one_line_that_names_the_part(spec):
+def test_what_is_no_gesture_is_an_error_of_one_line_that_names_the_part(spec):
     with pytest.raises(ov.InputError) as error:
         ov.parse_gesture(spec)
     assert "\n" not in str(error.value)
@@ -77,7 +77,7 @@ def test_what_is_no_gesture_is_one_line_that_names_the_part(spec):
 
 
 @pytest.mark.parametrize("spec", ["no.csv", "x" * 5000 + ".csv", "a\0b.csv", "rest:1+no.csv"])
-def test_a_take_that_is_not_there_is_one_line(spec):
+def test_a_take_that_is_not_there_is_an_error_of_one_line(spec):
     with pytest.raises(ov.InputError, match="can't be read") as error:
         ov.parse_gesture(spec)
     assert "\n" not in str(error.value)

@@ -125,7 +125,7 @@ def test_pi_as_others_print_it_is_pi(tmp_path):
         (HEADER.encode() + b"0,0.5,1\n\xe9", None, "UTF-8"),
     ],
 )
-def test_a_bad_take_is_one_line_that_names_file_and_line(text, line, words, tmp_path):
+def test_a_bad_take_is_an_error_of_one_line_that_names_file_and_line(text, line, words, tmp_path):
     with pytest.raises(ov.InputError) as error:
         load(tmp_path, text)
     message = str(error.value)

@@ -46,12 +46,12 @@ CLOSE = {"level_db": 0.2, "event_free_db": 0.2, "contrast_db": 0.2, "click_db": 
 CLOSE_RATIO = 0.05
 
 
-def test_every_character_that_was_asked_for_is_there():
+def test_there_is_a_preset_for_every_required_character():
     assert set(ASKED.values()) <= set(NAMES)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_each_says_what_it_is_like_and_for(name):
+def test_the_header_and_tags_of_each_preset_describe_its_feel_and_purpose(name):
     preset = ov.load_preset(name)
     scales = preset.tags.energy, preset.tags.roughness, preset.tags.tempo, preset.tags.pleasantness
     assert all(scale is not None for scale in scales)
@@ -62,7 +62,7 @@ def test_each_says_what_it_is_like_and_for(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_two_kinds_feel_alike_and_none_is_masked_or_merged_from_1_to_6_seconds(name):
+def test_all_kinds_differ_and_none_is_masked_or_merged_in_sweeps_of_1_to_6_seconds(name):
     preset = ov.load_preset(name)
     report = feel_report(preset, pages(preset), SWEEPS, RATE)
     for seconds in SWEEPS:
@@ -138,7 +138,7 @@ def changed(draw):
 
 @pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")
 @given(changed(), st.floats(0.05, 1.0))
-def test_no_parameter_takes_a_preset_over_its_ceiling_or_out_of_numbers(preset, seconds):
+def test_no_parameter_makes_a_preset_exceed_its_ceiling_or_give_nan(preset, seconds):
     timeline = ov.Timeline(
         "", 10.0, tuple(ov.Event(0.5 + i / 2.0, kind) for i, kind in enumerate(preset.kinds))
     )

@@ -116,7 +116,7 @@ def test_presets_are_listed_by_use_and_by_scale():
 
 
 @pytest.mark.parametrize("tag", ["energy=9", "size=3", "energy<", "<3"])
-def test_a_tag_that_is_none_is_one_line(tag):
+def test_a_tag_that_is_none_is_an_error_of_one_line(tag):
     done = overview("presets", "list", "--tag", tag)
     assert done.code == 2
     assert done.errors[0].startswith(f"error: --tag {tag!r} is not valid; allowed: a use")

@@ -136,7 +136,7 @@ def test_tags_and_authors_are_kept(write):
         ("schema = 9\n" + BASE.split("\n", 1)[1], ("schema = 9 is not known", "1 to 4")),
     ],
 )
-def test_a_fault_is_one_line_that_names_the_file_it_stands_in(write, text, words):
+def test_a_fault_is_an_error_of_one_line_that_names_the_file_it_stands_in(write, text, words):
     refused(write(text), *words)
 
 

@@ -70,12 +70,12 @@ def test_a_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path):
     assert ov.load_preset(path) == ov.load_preset("football")
 
 
-def test_a_misspelt_name_is_one_line_with_the_nearest_one():
+def test_a_misspelt_name_is_an_error_of_one_line_with_the_nearest_one():
     refused("footbal", "'footbal'", "did you mean 'football'")
 
 
 @pytest.mark.parametrize("name", ["", "a\0b", "a\0b.toml", "x" * 5000, "x" * 5000 + ".toml", "."])
-def test_a_name_that_is_no_name_is_one_line(name):
+def test_a_name_that_is_no_name_is_an_error_of_one_line(name):
     refused(name)
 
 
@@ -91,7 +91,7 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path):
     refused(tmp_path / "p.toml", "p.toml")
 
 
-def test_a_file_that_is_too_long_or_no_text_is_one_line(tmp_path):
+def test_a_file_that_is_too_long_or_no_text_is_an_error_of_one_line(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(b"#" * 1_000_001)
     refused(path, "mine.toml", "1,000,000 bytes")

@@ -60,7 +60,7 @@ WRONG = [math.nan, math.inf, -math.inf, "5", True, None, [1.0], 10**400, -(10**5
 
 @pytest.mark.parametrize("known", NUMBERS.values(), ids=NUMBERS)
 @pytest.mark.parametrize("value", WRONG, ids=lambda value: str(type(value).__name__))
-def test_what_is_not_a_finite_number_is_one_line_with_the_range(known, value):
+def test_what_is_not_a_finite_number_is_an_error_of_one_line_with_the_range(known, value):
     with pytest.raises(ov.InputError) as error:
         known.check(value)
     assert known.key in one_line(error)
@@ -84,7 +84,7 @@ def test_an_integer_becomes_a_float():
     assert isinstance(checked, float)
 
 
-def test_an_unknown_name_is_one_line_that_knows_a_near_one():
+def test_an_unknown_name_is_an_error_of_one_line_that_knows_a_near_one():
     with pytest.raises(ov.InputError, match=r"tactor\.gain_dB.*did you mean 'tactor\.gain_db'"):
         parameter("tactor.gain_dB")
 

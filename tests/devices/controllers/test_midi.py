@@ -50,7 +50,7 @@ def angles(moves):
     return [move.theta2 for move in moves]
 
 
-def test_a_pitch_bend_is_a_wrist_middle_to_either_end():
+def test_a_pitch_bend_turns_from_the_middle_to_either_end():
     moves = read(MidiReader(), *(bend(value) for value in (8192, 12288, 16383, 4096, 0)))
     assert angles(moves) == pytest.approx(
         [0.0, math.pi / 2, math.pi, math.pi / 2, math.pi], abs=1e-3
@@ -63,7 +63,7 @@ def test_a_control_change_has_7_bits():
     assert angles(moves) == pytest.approx([0.0, math.pi * 64 / 127, math.pi])
 
 
-def test_where_its_fine_half_is_seen_it_has_14_bits_and_no_step_between_the_halves():
+def test_with_its_fine_half_a_control_change_has_14_bits_without_a_step_between_the_halves():
     reader = MidiReader()
     read(reader, change(1, 0), change(33, 0))
     seen = []
@@ -77,7 +77,7 @@ def test_where_its_fine_half_is_seen_it_has_14_bits_and_no_step_between_the_halv
     assert min(steps) > 0.0
 
 
-def test_a_coarse_half_without_its_fine_one_is_taken_after_5_ms():
+def test_a_coarse_half_without_a_fine_half_is_used_after_5_ms():
     reader = MidiReader()
     read(reader, change(1, 10), change(33, 5))
     assert read(reader, change(1, 64), at=1.0) == []
@@ -86,7 +86,7 @@ def test_a_coarse_half_without_its_fine_one_is_taken_after_5_ms():
     assert reader.tick(2.0) == []
 
 
-def test_a_control_32_above_that_is_one_of_its_own_stays_so():
+def test_an_assigned_control_32_above_is_not_taken_for_a_fine_half():
     reader = MidiReader((Control("cc", 1), Control("cc", 33, to="tactor.gain_db")))
     assert read(reader, change(1, 127), change(33, 127)) == [
         AngleChanged("cc 1/0", math.pi), ScaleParameter("tactor.gain_db", 1.0)
@@ -94,7 +94,7 @@ def test_a_control_32_above_that_is_one_of_its_own_stays_so():
     assert read(reader, change(1, 0))[0].theta2 == 0.0
 
 
-def test_keys_tap_across_the_timeline_and_hold_until_let_go():
+def test_keys_tap_across_the_timeline_until_they_are_released():
     moves = read(MidiReader(), (0x90, 36, 100), (0x90, 66, 1), (0x80, 36, 0), (0x90, 66, 0))
     assert moves == [
         TouchStarted("key 1/36", 0.0),
@@ -105,11 +105,11 @@ def test_keys_tap_across_the_timeline_and_hold_until_let_go():
     assert read(MidiReader(), (0x90, 97, 100)) == []
 
 
-def test_all_notes_off_lets_everything_go():
+def test_all_notes_off_releases_every_touch():
     assert read(MidiReader(), change(123, 0), change(120, 0)) == [TouchEnded(), TouchEnded()]
 
 
-def test_a_pedal_is_a_touch_and_the_wheel_then_a_finger():
+def test_with_a_pedal_as_the_touch_the_wheel_moves_the_touch():
     reader = MidiReader((Control("bend"), Control("cc", 64, to=TOUCH)))
     moves = read(reader, change(64, 0), bend(16383), change(64, 127), bend(8192), change(64, 0))
     assert [type(move) for move in moves] == [TouchEnded, TouchStarted, TouchStarted, TouchEnded]
@@ -117,21 +117,21 @@ def test_a_pedal_is_a_touch_and_the_wheel_then_a_finger():
     assert moves[2].theta2 == 0.0
 
 
-def test_ends_turn_a_control_round_or_make_it_finer():
+def test_low_and_high_reverse_a_control_and_narrow_its_range():
     reader = MidiReader((Control("cc", 7, low=0.6, high=0.4),))
     assert angles(read(reader, change(7, 0), change(7, 127))) == pytest.approx(
         [0.6 * math.pi, 0.4 * math.pi]
     )
 
 
-def test_a_channel_hears_only_its_own():
+def test_a_control_with_a_channel_ignores_other_channels():
     reader = MidiReader((Control("cc", 7, channel=3),))
     assert read(reader, change(7, 1)) == []
     assert len(read(reader, change(7, 1, channel=3))) == 1
     assert reader.counters.unknown == 1
 
 
-def test_what_is_no_message_is_counted_and_clocks_are_nothing():
+def test_invalid_messages_are_counted_and_clock_messages_are_ignored():
     reader = MidiReader()
     assert read(reader, (), (5, 5), (0x90, 60), (0x90, 200, 1), (0xB0, 1, 2, 3)) == []
     assert reader.counters.rejected == 5
@@ -140,7 +140,7 @@ def test_what_is_no_message_is_counted_and_clocks_are_nothing():
 
 
 @given(st.lists(st.binary(max_size=5), max_size=30))
-def test_no_bytes_break_it_and_every_angle_is_on_the_timeline(messages):
+def test_any_bytes_give_angles_on_the_timeline_without_an_exception(messages):
     reader = MidiReader()
     for n, one in enumerate(messages):
         for move in (*reader.read(one, 0.01 * n), *reader.tick(0.01 * n)):
@@ -171,7 +171,7 @@ high = 0.5
 """
 
 
-def test_a_file_says_what_controls_do_and_is_written_as_it_is_read(tmp_path):
+def test_a_map_file_assigns_controls_and_is_written_as_it_was_read(tmp_path):
     controls = parse_map(WHOLE, "my.toml")
     assert controls == (
         Control("cc", 7, channel=2, to="tactor.gain_db", low=-24.0, high=0.0),
@@ -205,7 +205,7 @@ def test_a_file_says_what_controls_do_and_is_written_as_it_is_read(tmp_path):
         ('control = "bend"\nto = "theta2"', 'control = "keys 48-72"\nto = "taps"', ("twice",)),
     ],
 )
-def test_a_file_that_is_wrong_is_one_line_that_says_where(before, after, words):
+def test_a_wrong_map_file_is_an_error_of_one_line_with_its_location(before, after, words):
     assert before in WHOLE
     with pytest.raises(ov.InputError) as caught:
         parse_map(WHOLE.replace(before, after, 1), "my.toml")
@@ -216,7 +216,7 @@ def test_a_file_that_is_wrong_is_one_line_that_says_where(before, after, words):
 
 
 @given(st.text(max_size=80))
-def test_no_text_breaks_it(text):
+def test_any_text_is_read_or_gives_an_input_error(text):
     with contextlib.suppress(ov.InputError):
         parse_map(text, "x")
 
@@ -233,7 +233,7 @@ def learned(to, *messages):
     return None
 
 
-def test_the_control_that_is_moved_is_learnt_and_not_the_one_that_trembles():
+def test_the_moved_control_is_learnt_and_not_a_trembling_one():
     trembling = [change(5, 60 + n % 3) for n in range(40)]
     moved = [change(7, 3 * n, channel=2) for n in range(40)]
     mixed = [one for pair in zip(trembling, moved, strict=True) for one in pair]
@@ -241,7 +241,7 @@ def test_the_control_that_is_moved_is_learnt_and_not_the_one_that_trembles():
     assert learned("theta2", *trembling) is None
 
 
-def test_of_a_fine_control_the_coarse_half_is_learnt():
+def test_the_coarse_half_of_a_fine_control_is_learnt():
     sent = []
     for value in range(0, 16384, 16):
         sent += [change(1, value >> 7), change(33, value & 0x7F)]
@@ -259,7 +259,7 @@ def test_a_wheel_a_pedal_a_key_and_a_range_of_keys_are_learnt():
 
 
 @given(st.lists(st.binary(max_size=4), max_size=40), st.sampled_from(["theta2", TOUCH, TAPS]))
-def test_what_is_learnt_can_be_written(messages, to):
+def test_a_learnt_control_can_be_written(messages, to):
     found = learned(to, *messages)
     if found is not None:
         assert parse_map(write_map((found,)), "x") == (found,)
@@ -272,9 +272,7 @@ SAID = {"twos": (1, 127), "offset": (65, 63), "signed": (1, 65)}
 
 @pytest.mark.parametrize("reverse", [False, True])
 @pytest.mark.parametrize("relative", SAID)
-def test_a_knob_without_ends_is_learnt_by_a_turn_to_the_right_and_one_to_the_left(
-    relative, reverse
-):
+def test_an_endless_knob_is_learnt_from_a_turn_to_the_right_and_one_to_the_left(relative, reverse):
     right, left = SAID[relative][::-1] if reverse else SAID[relative]
     trembling = [change(5, 60 + n % 3) for n in range(12)]
     sent = [*trembling, *8 * [change(20, right)], *8 * [change(20, left)]]
@@ -287,13 +285,13 @@ def test_a_knob_without_ends_is_learnt_by_a_turn_to_the_right_and_one_to_the_lef
     assert angles(moves)[-1] == pytest.approx(math.pi / 3)
 
 
-def test_a_knob_turned_fast_says_larger_steps_and_is_none_with_ends():
+def test_larger_steps_of_a_fast_endless_knob_are_not_taken_for_a_control_with_ends():
     steps = [1, 1, 2, 3, 5, 4, 2, 2, 1, 1, 1]
     sent = [change(20, one) for one in steps] + [change(20, 128 - one) for one in steps]
     assert learned("theta2", *sent) == Control("cc", 20, channel=1, relative="twos")
 
 
-def test_it_stays_at_its_ends_and_comes_back_at_once():
+def test_an_endless_knob_stops_at_the_ends_and_returns_at_once():
     reader = MidiReader((Control("cc", 20, relative="twos", steps=10.0),))
     moves = read(reader, *25 * [change(20, 1)], change(20, 126), *25 * [change(20, 127)])
     assert angles(moves)[24] == math.pi
@@ -301,7 +299,7 @@ def test_it_stays_at_its_ends_and_comes_back_at_once():
     assert angles(moves)[-1] == 0.0
 
 
-def test_a_parameter_goes_on_by_steps_of_its_way():
+def test_an_endless_knob_changes_a_parameter_by_steps_of_its_range():
     reader = MidiReader((Control("cc", 20, to="tactor.gain_db", relative="signed", steps=20.0),))
     assert read(reader, change(20, 2), change(20, 66)) == [
         StepParameter("tactor.gain_db", 0.1), StepParameter("tactor.gain_db", -0.1)
@@ -314,7 +312,7 @@ def test_a_parameter_goes_on_by_steps_of_its_way():
      ('relative = "twos"\nsteps = 0', "steps"),
      ('relative = "twos"\nreverse = 1', "true or false")],
 )  # fmt: skip
-def test_a_relative_control_that_cannot_be_is_one_line(line, word):
+def test_an_invalid_relative_control_is_an_error_of_one_line(line, word):
     text = f'schema = 1\n[[control]]\ncontrol = "cc 1"\nto = "theta2"\n{line}\n'
     with pytest.raises(ov.InputError, match=word):
         parse_map(text, "x")

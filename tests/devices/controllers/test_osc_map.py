@@ -195,7 +195,7 @@ def test_a_list_is_written_as_it_is_read(tmp_path):
         ('"/q"', '"*/fader1"', ("twice",)),
     ],
 )
-def test_a_list_that_is_wrong_is_one_line_that_says_where(before, after, words):
+def test_a_list_that_is_wrong_is_an_error_of_one_line_that_says_where(before, after, words):
     assert before in WHOLE
     with pytest.raises(ov.InputError) as caught:
         parse_osc_map(WHOLE.replace(before, after, 1), "my.toml")
@@ -205,7 +205,7 @@ def test_a_list_that_is_wrong_is_one_line_that_says_where(before, after, words):
 
 
 @given(st.text(max_size=80))
-def test_no_text_breaks_it(text):
+def test_any_text_is_read_or_gives_an_input_error(text):
     with contextlib.suppress(ov.InputError):
         parse_osc_map(text, "x")
 

@@ -25,7 +25,7 @@ def dialled(preset, part, pick_up, id=GAIN):
     return value, preset if value is None else preset.with_changes({id: value})
 
 
-def test_a_control_acts_from_where_it_has_met_the_parameter(football):
+def test_a_control_acts_once_it_has_reached_the_parameter(football):
     known, _ = find_parameter(football, GAIN)
     preset = football.with_changes({GAIN: known.low + 0.5 * (known.high - known.low)})
     pick_up = SoftTakeover()
@@ -58,7 +58,7 @@ def test_it_never_jumps_by_more_than_the_control_was_moved(parts, start):
         before = part
 
 
-def test_both_ends_are_reached_evenly_by_ratio_or_by_choice(football):
+def test_a_control_reaches_both_ends_of_linear_log_and_choice_parameters(football):
     for id in (GAIN, "tactor.frequency_hz", "kinds.goal.height"):
         known, _ = find_parameter(football, id)
         assert scaled_value(known, ScaleParameter(id, 0.0)) == pytest.approx(known.low)
@@ -80,12 +80,12 @@ def test_both_ends_are_reached_evenly_by_ratio_or_by_choice(football):
         (Control("cc", 1, to=GAIN, high=1000.0), ("cc 1", GAIN, "range")),
     ],
 )
-def test_a_control_of_no_parameter_or_beyond_its_range_is_refused(football, control, words):
+def test_a_control_without_a_parameter_or_beyond_its_range_is_refused(football, control, words):
     with pytest.raises(ov.InputError) as caught:
         require_parameters((control,), football)
     for word in words:
         assert word in str(caught.value)
 
 
-def test_good_controls_are_let_through(football):
+def test_valid_controls_are_accepted(football):
     require_parameters((Control("bend"), Control("cc", 7, to="kinds.goal.height")), football)

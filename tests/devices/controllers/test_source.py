@@ -36,7 +36,7 @@ def turned(name, *points):
     return [(float(t), AngleChanged(name, float(a))) for t, a in zip(times, angles, strict=True)]
 
 
-def test_a_fader_takes_hold_where_the_disk_is_goes_over_and_lets_go_at_rest():
+def test_a_fader_touches_at_the_disk_moves_it_and_releases_at_rest():
     moves = [(0.0, AngleChanged("fader", 1.0)), (0.1, AngleChanged("fader", 2.0))]
     moves += [(1.0, AngleChanged("fader", 0.0))]
     events = played(ControllerSource(RULES), moves, 2.0, place=0.4)
@@ -49,13 +49,13 @@ def test_a_fader_takes_hold_where_the_disk_is_goes_over_and_lets_go_at_rest():
     assert events[-1].time_s == pytest.approx(1.0 + RULES.rest_s, abs=0.02)
 
 
-def test_a_fader_that_lies_still_says_nothing_and_holds_on():
+def test_a_fader_at_rest_sends_no_events_and_keeps_its_touch():
     events = played(ControllerSource(RULES), turned("fader", (0, 0), (0.5, 2.0)), 30.0)
     assert events[-1].touching
     assert events[-1].time_s < 1.0
 
 
-def test_a_finger_is_a_step_wherever_the_disk_was():
+def test_a_touch_is_a_step_from_any_disk_angle():
     hand = ControllerSource(RULES)
     events = played(
         hand,
@@ -69,7 +69,7 @@ def test_a_finger_is_a_step_wherever_the_disk_was():
     assert not hand.holding
 
 
-def test_each_key_is_a_step_of_its_own_and_the_last_that_is_down_holds():
+def test_each_key_is_a_step_and_the_last_pressed_key_holds_the_disk():
     hand = ControllerSource(RULES)
     moves = [
         (0.1, TouchStarted("a", 1.0)),
@@ -83,13 +83,13 @@ def test_each_key_is_a_step_of_its_own_and_the_last_that_is_down_holds():
     ]  # fmt: skip
 
 
-def test_a_key_that_was_not_the_last_lets_go_unfelt():
+def test_releasing_an_earlier_key_has_no_effect():
     moves = [(0.1, TouchStarted("a", 1.0)), (0.2, TouchStarted("b", 2.0)), (0.3, TouchEnded("a"))]
     events = played(ControllerSource(RULES), moves, 0.5)
     assert [event.theta2 for event in events] == [1.0, 2.0]
 
 
-def test_two_faders_change_over_without_a_jump():
+def test_a_second_fader_takes_over_without_a_jump():
     moves = [*turned("a", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
     hand = ControllerSource(RULES)
     events = played(hand, moves, 3.0)
@@ -103,7 +103,7 @@ def test_two_faders_change_over_without_a_jump():
     assert back[-1].theta2 == 2.8
 
 
-def test_a_wheel_that_springs_back_takes_nothing_over():
+def test_a_wheel_that_springs_back_does_not_take_over():
     moves = [*turned("wheel", (0, 0), (0.5, 2.5)), *turned("b", (1, 0.0), (2, 1.0))]
     hand = ControllerSource(RULES)
     before = played(hand, moves, 3.0)
@@ -118,7 +118,7 @@ def test_a_wheel_that_springs_back_takes_nothing_over():
     assert hand.holding
 
 
-def test_under_a_finger_a_fader_follows_and_joins_when_the_finger_lets_go():
+def test_during_a_touch_a_fader_follows_and_takes_over_at_the_release():
     moves = [
         *turned("a", (0, 0), (0.5, 2.0)),
         (1.0, TouchStarted("f", 0.5)),
@@ -155,7 +155,7 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
     assert events[-1].theta2 == pytest.approx(1.49, abs=0.02)
 
 
-def test_who_begins_to_say_touches_is_no_fader_any_more():
+def test_a_control_that_sends_touches_is_no_longer_treated_as_a_fader():
     hand = ControllerSource(RULES)
     events = played(
         hand, [*turned("theta2", (0, 0), (0.5, 2)), (1.0, TouchStarted("theta2", 1.0))], 2.0
@@ -167,7 +167,7 @@ def test_who_begins_to_say_touches_is_no_fader_any_more():
     assert not hand.holding
 
 
-def test_a_lost_controller_lets_go_of_all():
+def test_a_lost_controller_releases_all_touches():
     hand = ControllerSource(RULES)
     assert hand.release(0.0) is None
     played(hand, [*turned("a", (0, 0), (0.5, 2)), (0.6, TouchStarted("f", 1.0))], 1.0)
@@ -189,7 +189,7 @@ MOVES = st.one_of(
 @example([(AngleChanged("a", 0.0), None, False), (AngleChanged("a", 1.0), None, False),
           (TouchEnded("a"), None, False), (AngleChanged("a", 0.0), None, False)])  # fmt: skip
 @given(st.lists(st.tuples(MOVES, st.one_of(st.none(), ANGLES), st.booleans()), max_size=60))
-def test_whatever_comes_events_are_whole_and_everything_can_be_let_go(course):
+def test_any_messages_give_valid_events_and_every_touch_can_be_released(course):
     hand = ControllerSource(RULES)
     touching = False
     for n, (move, elsewhere, yields) in enumerate(course):

@@ -21,6 +21,7 @@ from overview_dsp.devices.force_feedback.board_loop import (
 from overview_dsp.devices.sensors.frames import FrameDecoder, framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
+from tests.devices.force_feedback.board_frames import all_frames
 from tests.devices.force_feedback.simulation import ROOT
 from tests.profiles import share
 
@@ -41,7 +42,7 @@ def surface(match, football):
     return ov.build_surface(match, football)
 
 
-def test_what_a_crossing_costs_is_kept_however_few_the_points(surface):
+def test_the_energy_of_a_crossing_is_kept_with_few_points(surface):
     whole = np.trapezoid(surface.friction) / (len(surface.friction) - 1)
     for count in (8193, POINTS, 65):
         table = board_table(surface, count)
@@ -63,17 +64,17 @@ def given_to(motor, frames):
 def everything(surface, football, points=POINTS):
     loop = BoardLoop(SENSOR, 1_000_000)
     loop.render(surface, football.values)
-    return loop.all_frames(points)
+    return all_frames(loop, points)
 
 
-def test_a_board_has_what_it_was_given(surface, football):
+def test_a_board_has_the_table_that_was_sent(surface, football):
     motor = simulated_board.BoardMotor(points=POINTS)
     state = given_to(motor, everything(surface, football))[-1]
     assert (state["knob_points"], state["knob_hz"]) == (POINTS, 4000)
     assert (state["knob_table"], state["knob_disk"], state["knob_rejected"]) == (1, 1, 0)
 
 
-def test_a_part_that_is_missing_is_asked_for_and_the_table_isnt_used(surface, football):
+def test_a_missing_part_is_reported_and_the_table_is_not_used(surface, football):
     frames = everything(surface, football)
     del frames[7]  # after the disk six parts
     motor = simulated_board.BoardMotor(points=POINTS)
@@ -83,7 +84,7 @@ def test_a_part_that_is_missing_is_asked_for_and_the_table_isnt_used(surface, fo
 
 @settings(max_examples=share(0.25))
 @given(st.integers(0, 34), st.integers(0, 600), st.integers(1, 0xFFFF), st.booleans())
-def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which, bit, burst, cut):
+def test_a_damaged_frame_is_refused_without_effect(surface, football, which, bit, burst, cut):
     """A burst of up to 16 bits anywhere, or a lost byte."""
     frames = everything(surface, football)
     frame = bytearray(frames[which])
@@ -101,7 +102,7 @@ def test_a_damaged_frame_is_refused_and_changes_nothing(surface, football, which
     assert (state["knob_table"], state["knob_disk"]) != (1, 1)
 
 
-def test_the_host_gives_its_table_over_a_wire_that_loses_a_third(surface, football):
+def test_a_table_arrives_over_a_line_that_loses_a_third_of_the_frames(surface, football):
     course = knob_session.simulate(
         surface, football, SENSOR, lambda t: 0.0, 0.05, delay_s=0.02, loss=0.3
     )
@@ -141,7 +142,7 @@ def test_a_surface_that_changes_is_crossfaded_to(surface, football, match):
     ("steps", "hertz", "degrees", "about"),
     [(4000, 5.0, 11.0, 1.5), (1000, 20.0, 8.0, 0.0), (1000, 15.0, 11.0, math.pi)],
 )
-def test_a_jiggling_hand_is_given_nothing(match, football, steps, hertz, degrees, about):
+def test_a_shaking_hand_gains_no_energy(match, football, steps, hertz, degrees, about):
     """About the middle, and in and out of the stiff ends of a slow board."""
     if steps == 1000:
         # the board's core has the clutch of 0.1.0, which at 1 kHz gives energy where shaft 2 is as
@@ -154,7 +155,7 @@ def test_a_jiggling_hand_is_given_nothing(match, football, steps, hertz, degrees
     assert np.abs(course.torque).max() > 2e-3  # and it is felt
 
 
-def test_a_goal_is_a_knock_and_the_wire_is_not_in_it(surface, football):
+def test_a_goal_is_a_knock_without_the_delay_of_the_serial_line(surface, football):
     here, far = (
         knob_session.simulate(surface, football, SENSOR, knob_session.glide(2.0), 2.3, delay_s)
         for delay_s in (0.0, 0.02)
@@ -182,7 +183,7 @@ def test_the_ends_hold(surface, football):
     assert course.torque[still].min() > 5e-3
 
 
-def test_a_host_that_is_killed_leaves_no_torque_after_40_ms(surface, football):
+def test_the_torque_ends_40_ms_after_the_host_is_killed(surface, football):
     course = knob_session.simulate(
         surface, football, SENSOR, knob_session.glide(3.0), 1.2, 0.0, 0.0, killed_at=1.0
     )
@@ -190,7 +191,7 @@ def test_a_host_that_is_killed_leaves_no_torque_after_40_ms(surface, football):
     assert not course.torque[course.time > 1.0 + PERIOD_S + 0.04].any()
 
 
-def test_a_board_that_was_told_nothing_gives_no_torque():
+def test_a_board_without_a_table_gives_no_torque():
     motor = simulated_board.BoardMotor()
     for _ in range(2000):
         motor.loop(b"")
@@ -200,7 +201,7 @@ def test_a_board_that_was_told_nothing_gives_no_torque():
 
 
 @pytest.mark.parametrize("reverse", [False, True])
-def test_the_torque_is_against_the_turn_either_way_round(surface, football, reverse):
+def test_the_torque_opposes_the_turn_in_both_directions(surface, football, reverse):
     sensor = SENSOR.with_defaults({"motor.reverse": True}) if reverse else SENSOR
     way = -1.0 if reverse else 1.0
     course = knob_session.simulate(
@@ -211,7 +212,7 @@ def test_the_torque_is_against_the_turn_either_way_round(surface, football, reve
     assert course.disk[-1] > 0.2
 
 
-def test_nothing_is_sent_too_often(surface, football):
+def test_frames_are_sent_at_a_limited_rate(surface, football):
     """One word each 2 ms; a disk or a table that the board has isn't sent again."""
     loop = BoardLoop(SENSOR, 1_000_000)
     loop.render(surface, football.values)

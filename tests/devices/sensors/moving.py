@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from overview_dsp.devices.sensors.frames import encode_frame
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touch_detection import TouchRules
+from tests.devices.sensors.encoding import encode_frame
 
 G = 9.80665
 RULES = TouchRules(True, True, math.radians(4.0), math.radians(6.0), 0.2, 0.15)

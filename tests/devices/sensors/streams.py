@@ -6,7 +6,7 @@ import itertools
 
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.frames import encode_frame
+from tests.devices.sensors.encoding import encode_frame
 
 int16 = st.integers(-32768, 32767)
 int32 = st.integers(-(1 << 31), (1 << 31) - 1)

@@ -45,7 +45,7 @@ def test_json_is_never_taken_for_labelled_lines(count):
 
 
 @pytest.mark.parametrize("line", ["512", "0", "-3", "300.5", "1,2", "1,2,3,4", "1,2,3,4,5,6,7"])
-def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
+def test_an_ambiguous_stream_is_an_error_of_one_line_that_asks_for_a_profile(line):
     said = detect(lines(line))
     assert isinstance(said, str)
     assert "sensor=" in said
@@ -54,11 +54,11 @@ def test_what_could_be_several_things_asks_for_a_sensor_in_one_line(line):
 
 
 @pytest.mark.parametrize("data", [b"", b"1,2,3\n1,2,3\n", lines("0.1,0.2", 3), frame_stream(1)[0]])
-def test_too_little_is_not_detected_yet(data):
+def test_too_few_bytes_are_not_detected_yet(data):
     assert detect(data) is None
 
 
-def test_noise_is_reported_as_such_with_what_to_try():
+def test_noise_is_reported_with_a_remedy():
     said = detect(b"\xf3\x00\x81\xff" * (ENOUGH // 4))
     assert isinstance(said, str)
     assert "baud=" in said
@@ -76,6 +76,6 @@ def test_missing_samples_are_counted_over_the_wrap_and_repeated_ones_dropped():
     assert (counters.lost, counters.repeated) == (3, 2)
 
 
-def test_a_device_that_begins_again_has_lost_nothing():
+def test_a_restarted_device_has_no_lost_samples():
     assert numbered(40_000, 0, 1)[1].lost in (25_535, 0)
     assert numbered(1000, 0, 1)[1].lost == 0

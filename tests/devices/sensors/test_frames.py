@@ -12,9 +12,9 @@ from overview_dsp.devices.sensors.frames import (
     FrameDecoder,
     crc16,
     decode_frame,
-    encode_frame,
 )
 from overview_dsp.devices.sensors.reading import Counters
+from tests.devices.sensors.encoding import encode_frame
 from tests.devices.sensors.streams import (
     cut,
     damages,

@@ -79,7 +79,7 @@ def followed(kind, reports):
 
 
 @pytest.mark.parametrize("radio", [False, True], ids=["USB", "Bluetooth"])
-def test_a_dualsense_is_followed_like_a_wrist(radio):
+def test_a_dualsense_gives_the_twist_of_the_wrist(radio):
     pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
     reports = [(0.0, UNITS), *((s.n / RATE, dualsense(s, radio)) for s in STATES)]
     off, one = followed("dualsense", reports)
@@ -90,7 +90,7 @@ def test_a_dualsense_is_followed_like_a_wrist(radio):
 
 
 @pytest.mark.parametrize(("kind", "right"), [("joycon", False), ("joycon-right", True)])
-def test_a_joy_con_is_followed_whichever_half_it_is(kind, right):
+def test_either_joy_con_gives_the_twist_of_the_wrist(kind, right):
     pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
     threes = [STATES[n : n + 3] for n in range(0, len(STATES) - 3, 3)]
     off, one = followed(kind, [(t[-1].n / RATE, joycon(t, right)) for t in threes])
@@ -105,7 +105,7 @@ def decoded(reports, where=(), decoder=DualSenseDecoder):
     return [dict(r) for piece in cut(data, list(where)) for r in one.feed(piece)], counters
 
 
-def test_a_pads_own_units_are_used_and_nonsense_in_their_place_is_not():
+def test_a_valid_calibration_of_a_pad_is_used_and_an_invalid_one_is_not():
     units = dualsense_units(UNITS)
     assert units.deg_s[0] == pytest.approx(1080 / 17680)
     assert units.g[2] == pytest.approx(2 / 16300)
@@ -120,7 +120,7 @@ def test_a_pads_own_units_are_used_and_nonsense_in_their_place_is_not():
 
 @given(st.integers(0, 599), st.lists(st.tuples(st.integers(0, 77), st.integers(1, 255)),
                                      min_size=1, max_size=4))  # fmt: skip
-def test_of_a_damaged_report_by_radio_nothing_is_accepted(n, changes):
+def test_a_damaged_bluetooth_report_is_rejected_completely(n, changes):
     good = dualsense(STATES[n], radio=True)
     bad = bytearray(good)
     for at, by in changes:
@@ -133,7 +133,7 @@ def test_of_a_damaged_report_by_radio_nothing_is_accepted(n, changes):
 
 
 @given(st.lists(st.binary(min_size=1, max_size=255), max_size=8), places)
-def test_no_report_breaks_a_decoder_and_every_number_is_finite(reports, where):
+def test_any_report_gives_finite_numbers_without_an_exception(reports, where):
     for decoder in (DualSenseDecoder, JoyConDecoder):
         readings, counters = decoded(reports, where, decoder)
         assert all(math.isfinite(value) for one in readings for value in one.values())
@@ -142,7 +142,7 @@ def test_no_report_breaks_a_decoder_and_every_number_is_finite(reports, where):
 
 
 @given(places)
-def test_cuts_change_nothing(where):
+def test_the_split_of_the_stream_has_no_effect(where):
     reports = [UNITS, *(dualsense(s, s.n % 2 == 0) for s in STATES[:30])]
     whole, _ = decoded(reports)
     assert decoded(reports, where)[0] == whole

@@ -33,7 +33,7 @@ def test_nothing_jumps_where_the_angle_changes_sign():
     assert max(theta2) > math.radians(179.5)
 
 
-def test_over_the_top_the_place_is_held_and_joined_without_a_jump():
+def test_beyond_vertical_theta2_is_held_and_continues_without_a_jump():
     one = Roll()
     path = []
     for pitch in [
@@ -49,7 +49,7 @@ def test_over_the_top_the_place_is_held_and_joined_without_a_jump():
 
 
 @given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)), max_size=60))
-def test_theta2_stays_in_its_range_whatever_is_up(ups):
+def test_theta2_stays_in_its_range_for_every_direction_of_gravity(ups):
     one = Roll()
     for vector in ups:
         assert 0.0 <= one.step(0.01, vector) <= math.pi
@@ -67,7 +67,7 @@ def test_a_twist_is_followed_at_every_rate(rate, wrist):
     assert np.abs(error).max() < 5.0
 
 
-def test_gravity_alone_is_enough_for_a_calm_hand():
+def test_acceleration_alone_is_enough_for_a_slow_hand():
     rate = 100.0
     roll = course(rate, (0, 0), (2, 0), (4, 180), (5, 180), (7, 0), (8, 0))
     acceleration, _ = turning(roll, rate, noise=1.0)
@@ -91,7 +91,7 @@ def test_at_rest_the_roll_drifts_less_than_a_degree_in_a_minute(bias_deg_s):
     assert resting[-1] == pytest.approx(60.0, abs=1.0)
 
 
-def test_missing_samples_cost_little():
+def test_missing_samples_cause_small_errors_only():
     rate = 200.0
     roll = course(rate, (0, 0), (2, 0), (4, 150), (6, 20))
     pieces = frames(*turning(roll, rate), rate)
@@ -117,7 +117,7 @@ def test_units_are_detected_by_gravity(unit, scale):
     assert any(unit in said for said in one.take_messages())
 
 
-def test_a_clock_of_another_unit_is_said_in_one_line():
+def test_a_clock_of_another_unit_is_reported_in_one_line():
     rows = [[n, 0.0, 0.0, 9.81] for n in range(4000)]
     one = hand(columns=("t_s", "ax", "ay", "az"))
     events, _ = fed(one, lines(rows), 100.0)
@@ -126,7 +126,7 @@ def test_a_clock_of_another_unit_is_said_in_one_line():
     assert "t_us" in said
 
 
-def test_gravity_of_no_unit_is_said_in_one_line_and_nothing_moves():
+def test_gravity_of_no_known_unit_is_reported_in_one_line_and_gives_no_events():
     one = hand()
     events, _ = fed(one, lines([[10.0, -20.0, 12000.0]] * 300), 100.0)
     assert events == []
@@ -155,7 +155,7 @@ def test_raw_numbers_are_read_with_a_scale_and_turned_axes():
     assert math.degrees(turns[-1].theta2) == pytest.approx(120.0, abs=0.5)
 
 
-def test_how_it_lies_at_the_start_is_face_up_unless_it_is_far_from_it():
+def test_the_attitude_at_the_start_is_face_up_unless_it_is_far_from_the_z_axis():
     rate = 100.0
     for start, level, ends in ((8.0, 20.0, 82.0), (8.0, 0.0, 90.0), (35.0, 20.0, 90.0)):
         roll = course(rate, (0, start), (2, start), (3, 90), (4, 90))
@@ -167,7 +167,7 @@ def test_how_it_lies_at_the_start_is_face_up_unless_it_is_far_from_it():
         assert ("from face up" in said) == (level > 0.0 and start > level)
 
 
-def test_a_sensor_that_stops_is_said_once_and_lets_go():
+def test_a_sensor_that_stops_is_reported_once_and_releases():
     rate = 100.0
     roll = course(rate, (0, 0), (2, 0), (3, 90), (5, 90))
     pieces = frames(*turning(roll, rate, noise=1.0), rate)

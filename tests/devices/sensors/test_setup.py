@@ -58,7 +58,7 @@ def mounted(v, kind: str):
 
 @pytest.mark.parametrize("kind", ["straight", "side", "upright", "over"])
 @pytest.mark.parametrize("turns", [True, False])
-def test_however_a_sensor_is_mounted_two_twists_find_its_axes(kind, turns):
+def test_two_twists_find_the_axes_of_a_sensor_in_any_mounting(kind, turns):
     parts = [*mounted(A, kind), *(mounted(W, kind) if turns else ())]
     pieces = rows(*parts)
     assert theta2_deg(run_setup(pieces), pieces) == pytest.approx(120.0, abs=1.0 if turns else 3.0)
@@ -75,7 +75,7 @@ def test_the_range_of_a_bare_gyroscope_is_found_by_turning(per_degree):
     assert theta2_deg(text, pieces) == pytest.approx(120.0, abs=1.0)
 
 
-def test_of_three_angles_the_file_names_the_twist():
+def test_the_written_profile_names_the_twist_among_three_angles():
     shaken = np.sin(np.arange(len(ROLL)))
     pieces = [b"Orientation: " + row for row in rows(90 + shaken, np.degrees(ROLL), 0.5 * shaken)]
     text = run_setup(pieces)
@@ -92,7 +92,7 @@ def test_a_quaternions_axes_are_found():
 
 
 @pytest.mark.parametrize("ends", [(30.0, 4000.0), (1010.0, 12.0)])
-def test_a_potentiometers_ends_are_found_either_way(ends):
+def test_the_ends_of_a_potentiometer_are_found_in_either_direction(ends):
     low, high = ends
     values = np.rint(low + (high - low) * np.degrees(ROLL) / 170.0)
     pieces = rows(values)
@@ -101,13 +101,13 @@ def test_a_potentiometers_ends_are_found_either_way(ends):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_encoders_counts_are_found_either_way(sign):
+def test_the_counts_of_an_encoder_are_found_in_either_direction(sign):
     values = np.rint(sign * 80.0 * np.degrees(ROLL) / 170.0)
     pieces = [b'{"count": %d}\n' % value for value in values]
     assert theta2_deg(run_setup(pieces), pieces) == pytest.approx(127.0, abs=3.0)
 
 
-def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_between():
+def test_a_knob_that_names_its_column_once_a_second_is_detected_between_the_names():
     """As the kit's boards do: an encoder isn't taken for a potentiometer."""
     pieces = rows(np.rint(40.0 * np.degrees(ROLL) / 170.0))
     for second in range(50, len(pieces), 100):
@@ -117,7 +117,7 @@ def test_a_knob_that_says_its_name_once_a_second_is_that_though_it_is_heard_in_b
     assert "potentiometer" not in text
 
 
-def test_each_sort_is_asked_for_what_its_hand_can_do():
+def test_the_instruction_fits_each_type_of_sensor():
     for values, words in ((np.degrees(ROLL), "from one end to the other"), (A, "face down")):
         one = Setup()
         assert one.instruction == "keep it at rest: a sensor face up, a knob at one end"
@@ -126,7 +126,7 @@ def test_each_sort_is_asked_for_what_its_hand_can_do():
         assert one.instruction == f"now turn it {words} and back, 2 times"
 
 
-def test_what_is_turned_at_the_start_is_waited_for():
+def test_setup_waits_while_the_sensor_turns_at_the_start():
     """It was picked up and laid down: what it rests on then is face up."""
     moved = course(RATE, (0, 60), (0.8, 130), (1.5, 0), (4, 0), (4.8, 170), (5.2, 170), (6, 0),
                    (6.5, 0), (7.3, 170), (7.7, 170), (8.5, 0), (9.5, 0), (10.3, 120))  # fmt: skip
@@ -145,7 +145,7 @@ def test_a_tilted_rest_or_turn_is_reported_in_one_line():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a pseudo-terminal")
-def test_the_command_watches_a_port_and_writes_a_file_that_is_read(tmp_path):
+def test_the_command_reads_a_port_and_writes_a_profile_that_loads(tmp_path):
     import tty
 
     ours, theirs = os.openpty()
@@ -165,7 +165,7 @@ def test_the_command_watches_a_port_and_writes_a_file_that_is_read(tmp_path):
     os.close(ours)
 
 
-def test_a_port_that_is_not_there_is_one_line(tmp_path):
+def test_a_missing_port_is_an_error_of_one_line(tmp_path):
     outcome = overview("sensor", "setup", tmp_path / "none", "-o", tmp_path / "mine.toml")
     assert outcome.code == 2
     assert "no such port" in outcome.err

@@ -71,13 +71,13 @@ def test_a_shape_is_followed_or_refused_with_its_reason_and_its_line_within_2_s(
     assert result.damaged == 0
 
 
-def test_there_are_sixty_and_the_documents_table_is_theirs():
+def test_there_are_sixty_shapes_and_the_documented_table_lists_them():
     assert len({shape.source for shape in SHAPES}) == len(SHAPES) >= 60
     page = PAGE.read_text(encoding="utf-8")
     assert written(page) == page, "run python -m tests.devices.sensors.shapes"
 
 
-def test_a_refusal_shows_the_line_as_received_and_two_files_of_which_each_is_read():
+def test_a_refusal_shows_the_received_line_and_two_profiles_that_each_read_it():
     shape = next(one for one in SHAPES if one.source.startswith("a clock and six"))
     (_, refused), *_ = played(shape).messages
     lines = [data.decode().strip() for data, _ in sent(shape)]
@@ -92,7 +92,7 @@ def test_a_refusal_shows_the_line_as_received_and_two_files_of_which_each_is_rea
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])
-def test_of_three_angles_the_one_that_turns_is_the_twist(place):
+def test_the_angle_that_changes_most_is_the_twist(place):
     one = hand()
     for state in STATES:
         line = "ypr\t" + "\t".join(f"{angle:.2f}" for angle in ypr(state, place)) + "\n"
@@ -101,7 +101,7 @@ def test_of_three_angles_the_one_that_turns_is_the_twist(place):
     assert any(f"angle {place + 1} of three" in said for said in one.take_messages())
 
 
-def test_a_twist_that_folds_at_90_degrees_is_said():
+def test_a_twist_angle_that_folds_at_90_degrees_is_reported():
     one = hand(angles__twist="2")
     for n in range(200):
         angle = float(n)
@@ -153,7 +153,7 @@ def test_a_teapot_without_its_marks_or_of_another_length_is_never_accepted(noise
 
 
 @given(damages, places)
-def test_harmed_packets_of_witmotion_give_only_readings_that_were_sent(harms, where):
+def test_damaged_witmotion_packets_give_only_readings_that_were_sent(harms, where):
     whole = [tuple(one.items()) for one in decoded(lambda c: WitDecoder(c, SIX), WIT, [])[0]]
     assert len(whole) == 40
     bytes_sent = [harm for harm in harms if harm[0] in ("drop", "repeat")]
@@ -164,7 +164,7 @@ def test_harmed_packets_of_witmotion_give_only_readings_that_were_sent(harms, wh
 
 
 @given(damages, places)
-def test_harmed_teapots_are_finite_and_the_same_however_split(harms, where):
+def test_damaged_teapot_packets_give_finite_readings_independent_of_the_split(harms, where):
     data = harm(TEAPOTS, harms)
     got, counters = decoded(TeapotDecoder, data, where)
     assert got == decoded(TeapotDecoder, data, [])[0]
@@ -177,7 +177,9 @@ ROUND = cycle_from_shapes(find_cycle(LABELLED.splitlines() * 3)[0])
 
 
 @given(damages, places)
-def test_harmed_labelled_lines_give_whole_and_finite_readings_however_split(harms, where):
+def test_damaged_labelled_lines_give_complete_finite_readings_independent_of_the_split(
+    harms, where
+):
     assert isinstance(ROUND, LineCycle)
     data = harm(("\n" + LABELLED * 30).encode(), harms)
 
@@ -192,7 +194,7 @@ def test_harmed_labelled_lines_give_whole_and_finite_readings_however_split(harm
 
 
 @given(st.text(alphabet="aAgGxXyYzZwq:=,. \t-#/0189e", max_size=60))
-def test_any_line_has_a_shape_and_raises_nothing(line):
+def test_every_line_has_a_shape_without_an_exception(line):
     shapes, _ = find_cycle([line] * 3)
     if shapes:
         found = cycle_from_shapes(shapes, "angles")
@@ -221,7 +223,7 @@ def test_any_json_gives_finite_readings_or_none(said, key):
 
 
 @given(damages, places, st.booleans())
-def test_harmed_batches_are_finite_and_the_same_however_split(harms, where, phone):
+def test_damaged_batches_give_finite_readings_independent_of_the_split(harms, where, phone):
     make = (lambda s: logger(s, ("gyroscope", "totalacceleration"))) if phone else phyphox
     data = harm(b"\n" + b"".join(map(make, STATES[1:8])), harms)
     got, _ = decoded(DetectedFormat("app").decoder, data, where)

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.devices.sensors.clock import WRAP
-from overview_dsp.devices.sensors.frames import encode_frame
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
 from overview_dsp.devices.sensors.touch_detection import TouchRules
 from overview_dsp.installation import install_command
+from tests.devices.sensors.encoding import encode_frame
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning
 from tests.devices.sensors.streams import cut, damages, harm, places
 

@@ -118,12 +118,12 @@ def test_the_modality_both_has_felt_onsets_with_clicks_and_heard_onsets():
     assert alone["level_db"] == pytest.approx(QUIET_DB, abs=1.0)
 
 
-def test_nothing_is_noticed_in_silence():
+def test_silence_has_no_onsets():
     for found in stroke_features(np.zeros((RATE, 2), np.float32), RATE).values():
         assert found.features.shape == (0, len(found.names))
 
 
-def test_the_pace_of_the_hand_is_a_feature_where_it_is_given():
+def test_a_given_pace_is_a_feature():
     pace = np.linspace(-3.0, 0.0, int(SECONDS * 1000))
     found = stroke_features(signal([(0.5, -20.0, 60.0)]), RATE, ["touch"], pace)["touch"]
     assert found.names == (*TOUCH_FEATURES, "pace")

@@ -51,14 +51,14 @@ def alike():
     return observed(preset_of(low=(60.0, 0.15, 500.0), high=(60.0, 0.15, 2000.0)), movement="mixed")
 
 
-def test_kinds_that_feel_different_are_told_apart_by_touch(unlike):
+def test_kinds_that_feel_different_are_distinguished_by_touch(unlike):
     recall = unlike.sets[0].strokes["mixed"]["touch"].kinds
     assert recall.recall[recall.kinds.index("hard")] > 0.85
     confused = recall.confusion[recall.kinds.index("soft"), recall.kinds.index("hard")]
     assert confused < 0.1 * recall.events[recall.kinds.index("soft")]
 
 
-def test_kinds_that_feel_the_same_are_not_told_apart_by_touch_but_by_their_clicks(alike):
+def test_kinds_that_feel_the_same_are_distinguished_by_their_clicks_only(alike):
     assert balanced(alike, "mixed", "touch") < 0.6
     assert balanced(alike, "mixed", "sound") > 0.75
     assert balanced(alike, "mixed", "both") > 0.75
@@ -75,7 +75,7 @@ def test_warnings_name_the_confused_kinds(alike):
     assert not any("is taken for a high" in one and "(by both" in one for one in lines)
 
 
-def test_every_stroke_is_asked_about_on_the_given_timelines_too():
+def test_every_stroke_is_evaluated_on_the_given_timelines_too():
     preset = preset_of(hard=(150.0, 0.15, 900.0), soft=(6.0, 0.3, 900.0))
     given = [ov.measure.random_events(["hard", "soft"], seed) for seed in (901, 902)]
     report = observed(preset, timelines=given, modalities=["touch"], learned=2, held_out=2)
@@ -177,7 +177,7 @@ def warnings(strokes):
     return ObserverReport("football", "steady", 120, (found,)).warnings()
 
 
-def test_warnings_say_how_often_what_is_taken_for_what_and_where():
+def test_warnings_name_the_share_of_each_confusion_and_its_strokes():
     one_in_twelve = scores([[24, 0, 0], [2, 22, 0], [0, 0, 0]])
     one_in_four = scores([[24, 0, 0], [6, 18, 0], [0, 0, 0]])
     assert warnings({"2 s": one_in_twelve, "recoil": one_in_four}) == [
@@ -185,14 +185,14 @@ def test_warnings_say_how_often_what_is_taken_for_what_and_where():
     ]
 
 
-def test_warnings_say_what_goes_unnoticed_and_what_mostly_does():
+def test_warnings_name_kinds_that_are_unnoticed_sometimes_and_mostly():
     assert warnings({"tap": scores([[9, 0, 3], [0, 5, 15], [0, 0, 0]])}) == [
         "1 goal in 4 is unnoticed in the tap (by touch, random timelines)",
         "3 cards in 4 are unnoticed in the tap (by touch, random timelines)",
     ]
 
 
-def test_nothing_is_said_of_what_is_rare_or_of_too_few_events():
+def test_rare_confusions_and_few_events_give_no_warning():
     assert warnings({"tap": scores([[95, 5, 0], [0, 100, 0], [0, 0, 0]])}) == []
     assert warnings({"tap": scores([[5, 5, 0], [0, 100, 0], [0, 0, 0]])}) == []
     # ten events, five times each

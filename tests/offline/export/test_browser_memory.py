@@ -69,7 +69,7 @@ def test_an_engine_comes_back_column_by_column(match, football):
     assert len(data) < 600_000  # of 17 MB: what a phone must load
 
 
-def test_a_change_holds_what_an_engine_would_receive(match, football):
+def test_a_change_has_the_values_that_an_engine_would_receive(match, football):
     made = engine(match, football, hands=False)
     before = made.preset
     made.set_preset(preset_of("stadium"), sample_time=4_711)

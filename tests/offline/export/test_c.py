@@ -356,7 +356,7 @@ def test_an_image_that_would_lead_elsewhere_is_refused(match, library, column, v
     assert not memory.any()
 
 
-def test_what_can_not_be_is_refused_and_changes_nothing(folders, library):
+def test_invalid_values_are_refused_without_effect(folders, library):
     import ctypes
 
     voice = ctypes.CDLL(str(library))

@@ -185,7 +185,7 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("name", DAMAGE)
-def test_every_kind_of_damage_is_told_in_a_line(documents, tmp_path, name):
+def test_every_type_of_damage_is_reported_in_one_line(documents, tmp_path, name):
     assert len(DAMAGE) >= 31
     suffix, damage = DAMAGE[name]
     document = copy.deepcopy(documents[suffix])
@@ -208,13 +208,13 @@ def test_every_kind_of_damage_is_told_in_a_line(documents, tmp_path, name):
         ("<vibration-effect>", '<!DOCTYPE x [<!ENTITY a "b">]><vibration-effect>'),
     ],
 )
-def test_damage_of_androids_xml_is_told(written, tmp_path, before, after):
+def test_damaged_android_xml_is_reported(written, tmp_path, before, after):
     path = tmp_path / "clip.xml"
     path.write_text(written["xml"].read_text().replace(before, after))
     assert ov.export.check_clip(path)
 
 
-def test_what_is_no_clip_is_said(tmp_path):
+def test_a_file_that_is_no_clip_is_reported(tmp_path):
     path = tmp_path / "clip.json"
     path.write_text('{"a": 1}')
     assert "must be AHAP" in ov.export.check_clip(path)[0]

@@ -161,7 +161,7 @@ def test_more_points_are_nearer(match, football, tmp_path):
     assert errors[0] > errors[1] > errors[2]
 
 
-def test_what_cannot_be_exported_is_one_line(match, football, tmp_path):
+def test_an_invalid_export_is_an_error_of_one_line(match, football, tmp_path):
     still = ov.render(match, football, ov.pause(0.5))
     with pytest.raises(InputError, match="the gesture has no vibration"):
         export(still, "ahap", tmp_path / "x.ahap")

@@ -168,7 +168,7 @@ def test_a_damaged_image_is_refused(bundle, host, timelines, presets, tmp_path):
         assert "no instance" in started(host, copy, which, "probe", fails=True)
 
 
-def test_what_it_says_of_itself_is_valid(bundle):
+def test_the_description_of_the_plugin_is_valid(bundle):
     if not shutil.which("lv2_validate") or not shutil.which("sord_validate"):
         pytest.skip("needs lv2_validate: apt-get install lv2-dev sordi")
     done = subprocess.run(

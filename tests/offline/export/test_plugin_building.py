@@ -90,7 +90,7 @@ def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
             assert np.array_equal(heard, expected), (second, name)
 
 
-def test_what_can_not_be_built_is_one_line(match, football, tmp_path, monkeypatch):
+def test_an_invalid_plugin_is_an_error_of_one_line(match, football, tmp_path, monkeypatch):
     build = ov.export.build_plugin
     with pytest.raises(InputError, match="to is 'au'; must be clap or lv2 or vst3"):
         build(match, football, "au", tmp_path)

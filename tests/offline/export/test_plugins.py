@@ -91,7 +91,7 @@ def test_no_block_size_changes_a_bit(match, presets, host, play, block):
     assert np.array_equal(play(score(), block=block, frames=20_000)[0], expected)
 
 
-def test_a_hosts_floats_are_the_values_that_it_was_told(match, presets, host, play):
+def test_parameters_that_a_host_sets_as_floats_have_the_exact_values(match, presets, host, play):
     own = [(id, presets["viscous"].values[id]) for id in parameter_ids()]
     own = [(id, value) for id, value in own if isinstance(value, float)]
     said = [np.float32(normal(*one)) if host.to == "vst3" else one[1] for one in own]
@@ -297,7 +297,7 @@ def test_markers_of_a_render_are_where_the_plugin_strikes(match, presets, play):
     assert np.abs(heard - rendered.samples[:rate]).max() < 1e-5
 
 
-def test_the_host_is_told_every_parameter(host, presets):
+def test_the_host_lists_every_parameter(host, presets):
     lines = [line.split("\t") for line in host.run("list").splitlines()]
     kind = {"clap": "org.overview-dsp.match", "vst3": "Instrument|Synth"}[host.to]
     assert lines[:3] == [[kind, "Match!"], ["output", "Click", "1"], ["output", "Tactor", "1"]]

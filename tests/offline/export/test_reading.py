@@ -86,7 +86,7 @@ def test_curve_times_count_from_the_curve_and_intensity_multiplies(tmp_path):
     assert level[1500] == pytest.approx(0.16)
 
 
-def test_a_clip_becomes_a_course_that_the_hand_plays(tmp_path, match, football):
+def test_a_clip_becomes_a_friction_profile(tmp_path, match, football):
     rising = read_clip(
         write(tmp_path, continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)])))
     )
@@ -159,13 +159,13 @@ GOOD = continuous((0.0, 1.0, 1.0), curve=(0.0, [(0.0, 0.0), (1.0, 1.0)]))
         ),
     ],
 )
-def test_a_broken_clip_is_one_line(tmp_path, document, words):
+def test_a_broken_clip_is_an_error_of_one_line(tmp_path, document, words):
     with pytest.raises(InputError, match=words) as caught:
         read_clip(write(tmp_path, document))
     assert "\n" not in str(caught.value)
 
 
-def test_a_reader_takes_what_a_player_does_without_and_a_check_names_it(tmp_path):
+def test_a_reader_accepts_missing_keys_that_players_do_not_need_and_a_check_names_them(tmp_path):
     lenient = continuous((0.0, 1.0, 0.8))
     event = lenient["Pattern"][0]["Event"]
     event["EventParameters"].append({"ParameterID": "Warmth", "ParameterValue": 9.0})
@@ -197,7 +197,7 @@ def test_a_reader_takes_what_a_player_does_without_and_a_check_names_it(tmp_path
         ({"Value": 1.0}, "unknown key Pattern[0].Event.EventParameters[0].Value"),
     ],
 )
-def test_a_check_says_where_the_fault_is(tmp_path, damage, fault):
+def test_a_check_names_the_location_of_a_fault(tmp_path, damage, fault):
     document = continuous((0.0, 1.0, 1.0))
     document["Pattern"][0]["Event"]["EventParameters"][0] |= damage
     (line,) = ov.export.check_clip(write(tmp_path, document))

@@ -228,7 +228,7 @@ def test_the_finger_is_drawn_beside_a_clutch_that_slips():
     ],
     ids=["no events", "no touch", "no movement"],
 )
-def test_a_gesture_on_which_nothing_happens_can_be_drawn(timeline, gesture, recwarn, tmp_path):
+def test_a_gesture_without_events_can_be_drawn(timeline, gesture, recwarn, tmp_path):
     result = ov.render(timeline, preset_with(), gesture, 8000)
     save_figure(plot_strokes([("nothing", result)], timeline, "nothing"), tmp_path / "a")
     assert not recwarn.list
@@ -241,7 +241,7 @@ def test_a_timeline_without_events_or_without_a_curve_can_be_drawn(recwarn):
 
 
 @pytest.mark.parametrize("stem", ["no/a", "file/a"])
-def test_a_picture_that_cannot_be_written_is_one_line(tmp_path, stem):
+def test_a_picture_that_cannot_be_written_is_an_error_of_one_line(tmp_path, stem):
     (tmp_path / "file").write_text("")
     with pytest.raises(ov.InputError, match="can't be written") as error:
         save_figure(plot_timeline(timeline_of()), tmp_path / stem)

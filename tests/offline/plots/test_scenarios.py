@@ -85,7 +85,7 @@ def test_the_preset_knows_every_kind_of_the_share(year, series):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_guides_commands_do_what_they_say(command, tmp_path, monkeypatch):
+def test_the_commands_of_the_guide_work(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     program, *arguments = shlex.split(command)
     assert program == "overview"

@@ -28,7 +28,7 @@ def passed(result, match):
     return passed_events(result.strikes, match)
 
 
-def test_every_event_that_was_passed_is_told_when_and_how_hard(result, match, passed):
+def test_every_passed_event_is_listed_with_time_and_level(result, match, passed):
     strikes = result.strikes.of_events()
     assert [one.time_s for one in passed] == strikes.time_s.tolist()
     assert [one.event for one in passed] == [match.events[i] for i in strikes.event]
@@ -93,7 +93,7 @@ def test_words_of_a_label_cannot_break_a_file(match, tmp_path):
     assert "<" not in body[3]
 
 
-def test_another_suffix_is_one_line(passed, tmp_path):
+def test_another_suffix_is_an_error_of_one_line(passed, tmp_path):
     with pytest.raises(InputError, match=r"a\.srt: a transcript must be \.txt, \.json, \.vtt"):
         save_transcript(passed, tmp_path / "a.srt")
 
@@ -163,7 +163,7 @@ def test_render_writes_transcripts_cues_and_stems(tmp_path, monkeypatch):
     assert set(np.unique(curves[:, 1])) == {0.0, 1.0}
 
 
-def test_export_says_what_happened_too(tmp_path, monkeypatch):
+def test_export_writes_a_transcript_too(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = overview(
         *("export", MATCH, "--gesture", "sweep:0.5", "--to", "haptic", "-o", "a.haptic"),
@@ -211,7 +211,9 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
         (("--stems", "--transcript", "nowhere/a.txt"), "nowhere"),
     ],
 )
-def test_what_cannot_be_written_is_one_line_before_any_work(tmp_path, monkeypatch, options, words):
+def test_what_cannot_be_written_is_an_error_of_one_line_before_any_work(
+    tmp_path, monkeypatch, options, words
+):
     monkeypatch.chdir(tmp_path)
     done = overview("render", MATCH, *SHORT, *options)
     assert done.code == 2

@@ -102,7 +102,7 @@ def test_combinations_come_with_seeds_fastest():
     assert found[6].timeline is TIMELINES[1]
 
 
-def test_voices_are_taken_as_results_are_asked_for():
+def test_jobs_are_read_as_results_are_requested():
     taken = []
 
     def endless():
@@ -146,7 +146,7 @@ def test_results_keep_no_engine_alive():
     assert not [one for one in references if one() is not None]
 
 
-def test_a_voice_that_cannot_be_is_an_error_at_its_turn():
+def test_an_invalid_job_is_an_error_at_its_turn():
     good = ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1])
     bad = replace(good, preset=preset_with(tactor__frequency_hz=900.0))
     results = ov.render_many([good, bad, good], 1000, tail="none", threads=1)
@@ -156,7 +156,7 @@ def test_a_voice_that_cannot_be_is_an_error_at_its_turn():
     assert next(ok).sample_rate == 1000.0
 
 
-def test_a_take_whose_change_cannot_be_made_leaves_its_neighbours_alone():
+def test_a_take_with_an_invalid_change_does_not_affect_other_jobs():
     good = ov.RenderJob(TIMELINES[1], PRESETS[1], GESTURES[1])
     change = Change(0.05, {"set": {"tactor.frequency_hz": 900.0}})
     bad = replace(good, gesture=replace(GESTURES[1], changes=(change,)))
@@ -173,7 +173,7 @@ def test_a_take_whose_change_cannot_be_made_leaves_its_neighbours_alone():
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, "2"])
-def test_a_number_of_threads_that_is_none_is_refused_at_once(threads):
+def test_an_invalid_number_of_threads_is_refused_at_once(threads):
     with pytest.raises(ov.InputError, match="threads"):
         ov.render_many([], threads=threads)
     with pytest.raises(ov.InputError, match="tail"):
@@ -244,7 +244,7 @@ def test_many_events_at_once_are_those_given_one_by_one():
     np.testing.assert_array_equal(out, expected)
 
 
-def test_more_events_than_a_ring_holds_are_refused_and_none_is_taken():
+def test_more_events_than_the_queue_holds_are_refused_completely():
     engine = ov.Engine(preset_with(), TIMELINES[1])
     engine.prepare(RATE, 100)
     count = 4097

@@ -20,7 +20,7 @@ def result(match, football):
     return ov.render(match, football, ov.tap(0.5, 0.3), sample_rate=8000)
 
 
-def test_the_player_holds_the_samples(result):
+def test_the_player_has_the_samples(result):
     data = re.search(r'src="data:audio/flac;base64,([^"]+)"', result._repr_html_())
     samples, rate = soundfile.read(io.BytesIO(base64.b64decode(data[1])), dtype="float32")
     assert rate == 8000
@@ -40,7 +40,7 @@ def test_the_picture_has_a_curve_a_row_with_its_extremes(result):
         assert 0.0 <= min(heights) < max(heights) <= 296.0
 
 
-def test_nothing_is_fetched_and_names_are_only_text(match, football):
+def test_the_page_loads_no_resources_and_names_are_escaped(match, football):
     named = replace(match, title='<img src="http://x"> & co')
     page = ov.render(named, football, ov.tap(0.5, 0.1), tail="none")._repr_html_()
     assert "<img" not in page

@@ -133,7 +133,7 @@ def test_a_gesture_that_ends_at_rest_is_rendered_to_its_end():
     assert len(result.samples) == round((8.1 + schedule.REST_S) * RATE)
 
 
-def test_a_disk_that_takes_for_ever_is_left_after_thirty_seconds():
+def test_a_disk_that_does_not_settle_ends_the_render_after_thirty_seconds():
     slow = PRESET.with_values(disk__k1=1e-5, surface__friction=0.05)
     gesture = ov.tap(0.8, 0.1)
     result = ov.render(TIMELINE, slow, gesture, 2000, trace=False)
@@ -149,7 +149,7 @@ def test_an_empty_gesture_is_an_empty_result():
 
 
 @pytest.mark.parametrize("tail", [-1.0, math.nan, math.inf, 1e9, "soon", "", True])
-def test_a_bad_tail_is_one_line_with_the_range(tail):
+def test_a_bad_tail_is_an_error_of_one_line_with_the_range(tail):
     with pytest.raises(ov.InputError, match=r"rest, none or seconds from 0 to 86400"):
         ov.render(TIMELINE, PRESET, GESTURE, RATE, tail=tail)
     if isinstance(tail, str):
@@ -193,7 +193,7 @@ def test_a_take_denser_than_the_engines_ring_loses_no_event(monkeypatch):
     assert equal(result, ov.render(TIMELINE, PRESET, gesture, RATE))
 
 
-def test_ten_thousand_events_at_one_moment_lose_none(monkeypatch):
+def test_ten_thousand_events_at_one_time_are_all_applied(monkeypatch):
     times = np.concatenate([np.full(10_000, 0.1), [0.2]])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -285,7 +285,7 @@ def test_a_disk_that_fills_up_with_the_last_bytes_leaves_neither_file(
     assert os.listdir(tmp_path) == []
 
 
-def test_a_failing_reader_of_the_progress_leaves_no_file(tmp_path):
+def test_an_exception_in_the_progress_callback_leaves_no_file(tmp_path):
     def stop(part: float) -> None:
         raise KeyboardInterrupt
 
@@ -315,7 +315,7 @@ def test_a_failing_reader_of_the_progress_leaves_no_file(tmp_path):
         ("a.htk", "a.npz", RATE, "rest"),
     ],
 )
-def test_if_one_of_two_files_cannot_be_neither_is(tmp_path, path, trace, rate, tail):
+def test_if_one_of_two_files_cannot_be_written_neither_is(tmp_path, path, trace, rate, tail):
     with pytest.raises(ov.InputError):
         ov.render_to_file(
             TIMELINE,

@@ -93,7 +93,7 @@ def test_an_event_just_before_the_end_is_waited_for():
     assert 1.0 < result.strikes.time_s[0] < engaged < 1.0 + ARRIVAL_S
 
 
-def test_events_that_the_hand_went_over_and_the_disk_never_met_are_named():
+def test_events_that_the_input_passed_and_the_disk_did_not_reach_are_named():
     timeline = timeline_of(10.0, 50.0, 80.0, 95.0)
     met = ov.render(timeline, plain_preset(), ov.sweep(0.5), RATE)
     assert met.unreached == ()

@@ -34,7 +34,7 @@ def read(path) -> np.ndarray:
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
 @settings(max_examples=share(0.6))
 @given(st.lists(TABLES, max_size=4))
-def test_a_trace_comes_back_bit_for_bit_however_it_was_cut(tmp_path_factory, suffix, tables):
+def test_a_trace_file_is_bit_identical_for_any_block_size(tmp_path_factory, suffix, tables):
     path = tmp_path_factory.getbasetemp() / f"trace{suffix}"
     with TraceWriter(path) as trace:
         for table in tables:
@@ -50,13 +50,13 @@ def test_the_columns_are_the_contracts():
 
 
 @pytest.mark.parametrize("name", ["a.txt", "a", "a.npy", "a.csv.gz"])
-def test_another_suffix_is_one_line(tmp_path, name):
+def test_another_suffix_is_an_error_of_one_line(tmp_path, name):
     with pytest.raises(ov.InputError, match=r"a trace must be \.npz or \.csv"):
         TraceWriter(tmp_path / name)
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
-def test_a_place_that_cannot_be_is_one_line(tmp_path, suffix):
+def test_an_invalid_path_is_an_error_of_one_line(tmp_path, suffix):
     (tmp_path / "file").write_text("")
     (tmp_path / f"folder{suffix}").mkdir()
     for name in (f"no/a{suffix}", f"file/a{suffix}", f"folder{suffix}"):
@@ -69,7 +69,7 @@ def test_a_place_that_cannot_be_is_one_line(tmp_path, suffix):
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
-def test_a_trace_that_is_not_finished_leaves_what_was_there(tmp_path, suffix, error):
+def test_an_unfinished_trace_leaves_the_existing_file(tmp_path, suffix, error):
     path = tmp_path / f"a{suffix}"
     path.write_text("old")
 

@@ -86,12 +86,12 @@ def test_a_render_until_rest_ends_after_the_drive_has(match, football):
         (np.zeros((8, 2), dtype=np.float32), -1, "channel -1 is not one of 2"),
     ],
 )
-def test_what_a_stage_cannot_drive_is_one_line(samples, channel, words):
+def test_what_a_stage_cannot_drive_is_an_error_of_one_line(samples, channel, words):
     with pytest.raises(ov.InputError, match=words):
         ActuatorStage(load_actuator("c2"), 48_000).process(samples, channel)
 
 
 @pytest.mark.parametrize("rate", [0.1, -48_000.0, float("nan"), float("inf")])
-def test_a_rate_that_cannot_be_is_one_line(rate):
+def test_a_rate_that_cannot_be_is_an_error_of_one_line(rate):
     with pytest.raises(ov.InputError, match="needs a sample rate above 556 Hz"):
         ActuatorStage(load_actuator("c2"), rate)

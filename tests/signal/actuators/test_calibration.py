@@ -35,7 +35,7 @@ def test_who_needs_more_gets_so_much_more():
 
 
 @pytest.mark.parametrize("threshold", [-70.1, -9.9, float("nan"), float("inf")])
-def test_a_threshold_that_no_gain_makes_up_for_is_one_line(threshold, kept):
+def test_a_threshold_that_no_gain_makes_up_for_is_an_error_of_one_line(threshold, kept):
     with pytest.raises(ov.InputError, match=r"dB; must be -70 to -10 dB"):
         save_threshold(C2, threshold)
     assert not kept.exists()
@@ -76,7 +76,7 @@ def test_a_loud_calibration_stays_within_the_rating():
     "text", ["[]", "{", '{"c2": 3}', '{"c2": {"gain_db": "6"}}', '{"c2": {"gain_db": 31}}',
              '{"c2": {"gain_db": NaN}}', '{"c2": {"gain_db": true}}', "\xff"],
 )  # fmt: skip
-def test_a_damaged_file_is_one_line_that_names_it(kept, text):
+def test_a_damaged_file_is_an_error_of_one_line_that_names_it(kept, text):
     kept.parent.mkdir()
     kept.write_bytes(text.encode("latin-1"))
     with pytest.raises(ov.InputError, match=r"actuators\.json: .*delete") as error:

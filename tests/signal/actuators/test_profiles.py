@@ -140,7 +140,7 @@ def test_every_number_is_held_to_its_range_and_named_with_its_line(id):
         ("[resonance]", "[[resonance]]", ("resonance = ", "must be a table: [resonance]")),
     ],
 )  # fmt: skip
-def test_a_mistake_in_a_file_is_one_line_that_names_it(old, new, words):
+def test_a_mistake_in_a_file_is_an_error_of_one_line_that_names_it(old, new, words):
     assert old in C2
     if "drive = 3" in new:
         refused(C2.replace(old, new, 1))
@@ -149,7 +149,7 @@ def test_a_mistake_in_a_file_is_one_line_that_names_it(old, new, words):
 
 
 @given(st.binary(max_size=300) | st.text(max_size=200).map(str.encode))
-def test_garbage_is_one_line(tmp_path_factory, garbage):
+def test_garbage_is_an_error_of_one_line(tmp_path_factory, garbage):
     path = tmp_path_factory.mktemp("a") / "mine.toml"
     path.write_bytes(garbage)
     with pytest.raises(ov.InputError) as error:
@@ -180,7 +180,7 @@ def test_own_actuators_are_found_by_name_and_a_bundled_name_stays_the_bundleds(
         ("", "no actuator is called ''"),
     ],
 )
-def test_an_actuator_that_is_not_there_is_one_line(name, words):
+def test_an_actuator_that_is_not_there_is_an_error_of_one_line(name, words):
     with pytest.raises(ov.InputError) as error:
         load_actuator(name)
     assert words in str(error.value)

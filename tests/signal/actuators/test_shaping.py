@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.signal.actuators.library import actuator_names, load_actuator
-from overview_dsp.signal.actuators.model import Actuator
-from overview_dsp.signal.actuators.sensitivity import pacinian_db
+from overview_dsp.signal.actuators.model import Actuator, pacinian_db
 from overview_dsp.signal.actuators.stage import ActuatorStage
 from tests.signal.actuators.driving import (
     RATE,

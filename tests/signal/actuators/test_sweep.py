@@ -47,6 +47,6 @@ def test_a_sweep_finds_an_actuators_resonance_and_width():
         ((20.0, 100.0, 1.0, 3.0), "level is 3 dB; must be -80 to 0 dB"),
     ],
 )
-def test_a_sweep_that_cannot_be_is_one_line(given, words):
+def test_a_sweep_that_cannot_be_is_an_error_of_one_line(given, words):
     with pytest.raises(ov.InputError, match=words):
         log_sweep(*given, RATE)

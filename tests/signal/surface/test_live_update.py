@@ -29,7 +29,7 @@ def surface(*arguments, **keywords):
     st.floats(0.0, 1.0),
     st.lists(st.tuples(st.integers(1500, 3000), st.sampled_from(["goal", "foul"])), max_size=4),
 )
-def test_up_to_the_place_it_is_the_old_one_and_beyond_the_new(place, came):
+def test_a_joined_surface_is_the_old_one_up_to_the_disk_and_the_new_one_beyond(place, came):
     old, new = surface(BEFORE), surface([*BEFORE, *came], now=3000.0)
     one = join_surfaces(old, new, place)
     if one is None:  # what came begins before the place, and so may not come there
@@ -57,5 +57,5 @@ def test_up_to_the_place_it_is_the_old_one_and_beyond_the_new(place, came):
         build_surface(match(BEFORE), ov.load_preset("creaking-door")),
     ],
 )
-def test_what_is_behind_keeps_all_of_it_away(other):
+def test_surfaces_that_differ_behind_the_disk_are_not_joined(other):
     assert join_surfaces(surface(BEFORE), other, 0.2) is None

@@ -17,7 +17,7 @@ EVENTS = st.lists(st.tuples(st.floats(0.0, 65_536.0), st.integers(0, 5)), min_si
 
 
 @given(EVENTS, st.integers(1, 50))
-def test_the_strongest_of_each_stretch_is_kept_and_stands_for_the_others(events, most):
+def test_the_strongest_event_of_each_interval_is_kept_for_the_others(events, most):
     place = np.array([at for at, _ in events])
     release = np.array([strength for _, strength in events], dtype=np.float64)
     kept, stands_for = thin_events(place, release, most)
@@ -39,13 +39,13 @@ def test_events_in_cells_of_their_own_are_all_kept():
     assert list(stands_for) == [3, 0, 1, 2]
 
 
-def test_of_many_as_strong_at_one_place_the_first_is_kept():
+def test_of_equally_strong_events_at_one_position_the_first_is_kept():
     kept, stands_for = thin_events(np.tile([3.5, 1.5, 2.5], 100), np.ones(300), 3)
     assert list(kept) == [1, 2, 0]
     assert list(stands_for) == [2, 0, 1] * 100
 
 
-def test_a_hundred_thousand_events_are_felt_and_the_merging_is_said():
+def test_a_hundred_thousand_events_are_rendered_with_a_warning_about_merging():
     preset = preset_with(height=2.0, width=0.03)
     timeline = timeline_of(*np.linspace(0.0, 100.0, 100_000))
     with pytest.warns(OverviewWarning, match="the surface keeps 163[0-9]* of 100000 events"):

@@ -12,7 +12,7 @@ import json
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,10 +100,7 @@ def measure_load(
         _sweep_for(engine, SETTLE_S)
         began, first = counter_edge(stream, block_size)
         before = stream.meters.callbacks
-        if loaded:
-            with load():
-                _sweep_for(engine, seconds)
-        else:
+        with load() if loaded else nullcontext():
             _sweep_for(engine, seconds)
         ended, last = counter_edge(stream, block_size)
         meters = stream.meters

@@ -21,9 +21,7 @@ from pathlib import Path
 from overview_dsp.errors import InputError, OverviewError
 
 BLOCK = 64
-SIZE = (100, 30)
-"""Columns and rows of the terminal."""
-
+SIZE = (100, 30)  # columns and rows of the terminal
 SCREEN_TEXT = b"DSP load"
 STARTS_WITHIN_S = 60.0
 ENDS_WITHIN_S = 6.0

@@ -31,8 +31,7 @@ BLOCKS = (64, 128, 256, 512, 1024)
 START_WITHIN_S = 120.0
 """Time allowed for a run besides its window: import, a first compile, PortAudio's start."""
 
-SESSIONS = ((False, False), (True, False), (True, True))
-"""Measured sessions: whether they have a screen, and whether keys move the finger."""
+SESSIONS = ((False, False), (True, False), (True, True))  # pairs: with a screen, moving
 
 SHORTEST_S = 3.0
 """Shortest window of a session, as the system counts processor time in units of 10 ms."""
