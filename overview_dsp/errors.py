@@ -163,7 +163,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"; known: {', '.join(names)}" if len(names) <= 16 else ""
 
 
-def shown(value: object) -> str:
+def quoted(value: object) -> str:
     """Return any value as a short text in one line, for an error message."""
     if isinstance(value, Real) and not isinstance(value, Rational):
         value = float(value)  # also of numpy, whose repr has a type

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 KIND_MAX_LENGTH = 64  # maximum length of an event kind, characters
 
@@ -27,7 +27,7 @@ _KIND = re.compile(r"[a-z0-9_]+", re.ASCII)
 
 
 @contextlib.contextmanager
-def located(location: str) -> Iterator[None]:
+def prefix_errors(location: str) -> Iterator[None]:
     """Prefix the message of any InputError raised inside with a location and its punctuation."""
     try:
         yield
@@ -51,7 +51,7 @@ def number(value: object, what: str, hint: str = "give a finite number") -> floa
     if type(value) is float and math.isfinite(value):
         return value  # the usual case
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        raise InputError(f"{what} is {shown(value)}, not a number; {hint}")
+        raise InputError(f"{what} is {quoted(value)}, not a number; {hint}")
     try:
         result = float(value)
     except OverflowError:
@@ -72,12 +72,12 @@ def positive(value: object, what: str, hint: str = "give a finite number above 0
 def text(value: object, what: str) -> str:
     """Return `value` if it is text that can be encoded as UTF-8; InputError otherwise."""
     if not isinstance(value, str):
-        raise InputError(f"{what} is {shown(value)}, not text; give a string")
+        raise InputError(f"{what} is {quoted(value)}, not text; give a string")
     try:
         value.encode()
     except UnicodeEncodeError as error:
         raise InputError(
-            f"{what} has a lone surrogate at position {error.start}: {shown(value)}; "
+            f"{what} has a lone surrogate at position {error.start}: {quoted(value)}; "
             "must be valid Unicode text"
         ) from error
     return value
@@ -90,7 +90,7 @@ def kind(value: object, what: str = "kind") -> str:
     tried = re.sub(r"[^a-z0-9]+", "_", value.lower()).strip("_") if isinstance(value, str) else ""
     example = tried[:KIND_MAX_LENGTH] or "goal"
     raise InputError(
-        f"{what} is {shown(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 "
+        f"{what} is {quoted(value)}; a kind is 1 to {KIND_MAX_LENGTH} characters of a-z, 0-9 "
         f"and _; try '{example}'"
     )
 
@@ -100,7 +100,9 @@ def moment(value: object, duration_s: float, what: str = "start") -> None:
     if value is None:
         return
     if not isinstance(value, datetime):
-        raise InputError(f"{what} is {shown(value)}, not a date and time; give one or leave it out")
+        raise InputError(
+            f"{what} is {quoted(value)}, not a date and time; give one or leave it out"
+        )
     try:
         value + timedelta(seconds=duration_s)
     except OverflowError as error:
@@ -124,21 +126,21 @@ def until(value: object, duration_s: float) -> float | None:
 def instance(value: object, kind: type[T], what: str, hint: str) -> T:
     """Return `value` if it is an instance of `kind`; InputError with the hint otherwise."""
     if not isinstance(value, kind):
-        raise InputError(f"{what} is {shown(value)}, not a {kind.__name__}; {hint}")
+        raise InputError(f"{what} is {quoted(value)}, not a {kind.__name__}; {hint}")
     return value
 
 
 def instances(values: object, kind: type[T], what: str, hint: str) -> list[T]:
     """Return instances of `kind` as a list; InputError names the first other value."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-        raise InputError(f"{what} is {shown(values)}; give a list, and {hint}")
+        raise InputError(f"{what} is {quoted(values)}; give a list, and {hint}")
     return [instance(value, kind, f"{what}[{i}]", hint) for i, value in enumerate(values)]
 
 
 def real(value: object, what: str) -> float:
     """Return a number as a float; NaN and infinities are allowed, for a later range check."""
     if not isinstance(value, int | float | np.integer | np.floating):
-        raise InputError(f"{what} is {shown(value)}, not a number; give one")
+        raise InputError(f"{what} is {quoted(value)}, not a number; give one")
     try:
         return float(value)
     except OverflowError:  # an int with hundreds of digits
@@ -148,17 +150,17 @@ def real(value: object, what: str) -> float:
 def whole(value: object, what: str, least: int | None = None, most: int | None = None) -> int:
     """Return a whole number as an int; InputError for another type, or out of range."""
     if not isinstance(value, int | np.integer):
-        raise InputError(f"{what} is {shown(value)}; give a whole number")
+        raise InputError(f"{what} is {quoted(value)}; give a whole number")
     if (least is not None and value < least) or (most is not None and value > most):
         up = "up" if most is None else f"to {most}"
-        raise InputError(f"{what} is {shown(value)}; must be a whole number from {least} {up}")
+        raise InputError(f"{what} is {quoted(value)}; must be a whole number from {least} {up}")
     return int(value)
 
 
 def path(value: object, what: str) -> Path:
     """Return a path; InputError if `value` isn't a path."""
     if not isinstance(value, str | os.PathLike):
-        raise InputError(f"{what} is {shown(value)}; give a path")
+        raise InputError(f"{what} is {quoted(value)}; give a path")
     return Path(value)
 
 
@@ -169,7 +171,7 @@ def numbers(value: object, what: str) -> NDArray[np.float64]:
     except ValueError:  # rows of different lengths
         found = np.array(None)
     if not (found.dtype.kind in "biuf" or found.size == 0):
-        raise InputError(f"{what} is {shown(value)}; give numbers")
+        raise InputError(f"{what} is {quoted(value)}; give numbers")
     return found.astype(np.float64)
 
 

@@ -42,7 +42,7 @@ from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
 from overview_dsp.design.presets.library import best_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.schema import Allowed, Path, Strict, checked
 from overview_dsp.files.sound import check_sound
 from overview_dsp.files.toml import SUFFIX, line_of, parse_toml
@@ -233,7 +233,7 @@ def _timelines(
         options = dict(entry) if isinstance(entry, dict) else {}
         name = options.pop("file", None) if isinstance(entry, dict) else entry
         if not isinstance(name, str):
-            raise InputError(f"{shown(entry)} has no file; add file = ...")
+            raise InputError(f"{quoted(entry)} has no file; add file = ...")
         texts = (
             f"{key}={' to '.join(map(str, value)) if isinstance(value, list) else value}"
             for key, value in options.items()
@@ -278,7 +278,7 @@ def _timeline(file: JobsTable, name: str, options: Mapping[str, Any]) -> Timelin
     if window is None:
         return timeline
     if not isinstance(window, list) or len(window) != 2:
-        raise InputError(f"{name}: window = {shown(window)}; must be a list of start and end")
+        raise InputError(f"{name}: window = {quoted(window)}; must be a list of start and end")
     return timeline.window(*window_of(timeline, str(window[0]), str(window[1])))
 
 
@@ -309,7 +309,7 @@ def _parameters(
         try:
             values = _range(given) if isinstance(given, dict) else given
             if not isinstance(values, list) or not values:
-                raise InputError(f"{shown(given)}; must be a list of values, or {_RANGE}")
+                raise InputError(f"{quoted(given)}; must be a list of values, or {_RANGE}")
             for value in values:
                 for preset in presets.values():
                     preset.with_value(id, value)
@@ -335,7 +335,7 @@ def _range(table: dict[str, Any]) -> list[float]:
     if not isinstance(found, Range):
         raise InputError(f"{found[0].message}; must be {_RANGE}, with 2 to {MAX_STEPS:,} steps")
     if found.scale == "log" and not (found.first > 0.0 and found.last > 0.0):
-        raise InputError(f"{shown(table)}; must be {_RANGE}")
+        raise InputError(f"{quoted(table)}; must be {_RANGE}")
     return found.values()
 
 

@@ -15,7 +15,7 @@ from overview_dsp.cli.common import show, write_text
 from overview_dsp.cli.options.declaring import GENERAL, JSON, option
 from overview_dsp.errors import InputError
 from overview_dsp.live.ports.port import WAIT_S, Port
-from overview_dsp.validation import located
+from overview_dsp.validation import prefix_errors
 
 Learned = TypeVar("Learned")
 
@@ -75,7 +75,7 @@ def listen(
             if printed != prompt():
                 printed = prompt()
                 click.echo(f"{port.name}: {printed}", err=True)
-            with located(f"{port.name}: "):
+            with prefix_errors(f"{port.name}: "):
                 found = decode(port.receive(WAIT_S), time.monotonic())
             if found is not None:
                 return found

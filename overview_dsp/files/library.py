@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.toml import SUFFIX
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -67,7 +67,7 @@ class Library:
             what = "is a folder" if os.path.isdir(path) else "no such file"
             raise InputError(f"{path}: {what}; give {self.one}'s {SUFFIX} file or a name")
         raise InputError(
-            f"no {self.one.split()[-1]} is called {shown(text)}"
+            f"no {self.one.split()[-1]} is called {quoted(text)}"
             f"{did_you_mean(text, (*self.bundled, *self.user))} (or give the path of a .toml file)"
         )
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeVar, get_args
 import pydantic
 from pydantic_core import PydanticCustomError, core_schema
 
-from overview_dsp.errors import did_you_mean, shown
+from overview_dsp.errors import did_you_mean, quoted
 
 Path = tuple[str | int, ...]  # keys and list indices that lead to a value
 
@@ -85,7 +85,7 @@ def checked(
 def _message(model: Any, path: Path, error: Mapping[str, Any], name: str) -> str:
     how = _HOW.get(error["type"])
     if how is not None:
-        message = f"{name} = {shown(error['input'])} {how}"
+        message = f"{name} = {quoted(error['input'])} {how}"
         allowed = error["msg"].removeprefix("Input should be ")
         # pydantic's own text for a type names Python classes
         return message if allowed.startswith("a valid ") else f"{message}; must be {allowed}"

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 
 SUFFIX = ".toml"
 MAX_BYTES = 1_000_000
@@ -61,13 +61,13 @@ def check_head(
     if "schema" not in data:
         raise InputError(f"schema is missing; must be {schema}")
     if data["schema"] != schema or isinstance(data["schema"], bool):
-        raise InputError(f"schema = {shown(data['schema'])}; must be {schema}")
+        raise InputError(f"schema = {quoted(data['schema'])}; must be {schema}")
     for key in TEXTS:
         if key not in data:
             if needs_texts:
                 raise InputError(f"{key} is missing; must be text in quotes")
         elif not isinstance(data[key], str):
-            raise InputError(f"{key} = {shown(data[key])}; must be text in quotes")
+            raise InputError(f"{key} = {quoted(data[key])}; must be text in quotes")
 
 
 def sections_of(ids: Iterable[str]) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ def values_in(data: Mapping[str, Any], ids: Collection[str]) -> dict[str, Any]:
     for section in sections_of(ids):
         table = data.get(section, {})
         if not isinstance(table, dict):
-            raise InputError(f"{section} = {shown(table)}; must be a table: [{section}]")
+            raise InputError(f"{section} = {quoted(table)}; must be a table: [{section}]")
         known = [id.partition(".")[2] for id in ids if id.startswith(f"{section}.")]
         require_known(table, known, f"{section}.")
         values.update({f"{section}.{key}": value for key, value in table.items()})

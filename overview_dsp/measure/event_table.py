@@ -31,7 +31,7 @@ from overview_dsp.arrays import BoolArray, FloatArray, IntArray, SampleArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.perceived_level import (
     AFTER_MS,
@@ -256,7 +256,7 @@ def felt_events(
     """
     if not isinstance(gestures, Mapping):
         raise InputError(
-            f"gestures is {shown(gestures)}; give them by name: {{'fast': ov.sweep(1.0)}}"
+            f"gestures is {quoted(gestures)}; give them by name: {{'fast': ov.sweep(1.0)}}"
         )
     validation.instances(gestures.values(), Gesture, "gestures", "ov.sweep makes one")
     timelines = validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one")

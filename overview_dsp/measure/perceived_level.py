@@ -25,7 +25,7 @@ import numpy as np
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.design.gestures import Gesture, sweep, tap
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.units import FELT_WINDOW_S
 
@@ -259,7 +259,7 @@ def event_levels(
     """
     validation.instance(surface, Surface, "surface", "ov.build_surface makes one")
     if not isinstance(columns, Mapping) or not {"engaged", "cursor"} <= set(columns):
-        raise InputError(f"columns is {shown(columns)}; give a render's trace")
+        raise InputError(f"columns is {quoted(columns)}; give a render's trace")
     validation.equally_long(
         "the trace's engaged and tactor", columns["engaged"], validation.floats(tactor, "tactor")
     )

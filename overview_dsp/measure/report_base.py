@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, ClassVar, TypeVar
 
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 
 T = TypeVar("T")
 
@@ -84,7 +84,7 @@ def entry_named(name: str, by_name: Mapping[str, T], what: str) -> T:
     """Return the entry of that name; InputError with the nearest name if there is none."""
     if not isinstance(name, str) or name not in by_name:
         hint = did_you_mean(str(name), by_name)
-        raise InputError(f"no {what} of the report is entry_named {shown(name)}{hint}")
+        raise InputError(f"no {what} of the report is entry_named {quoted(name)}{hint}")
     return by_name[name]
 
 

@@ -22,7 +22,7 @@ from overview_dsp.cli.extensions import (
     read_grid,
     read_text,
 )
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_studies import file_model
 from overview_studies.counterbalancing import MAX_FULL_CONDITIONS, rows_of
 from overview_studies.file_model import Factor, Level, StudyFile, SyntheticTimelines
@@ -187,7 +187,7 @@ def _checked(data: dict[str, Any]) -> StudyFile:
             raise InputError(f"{name}: unknown key{near}{more}") from None
         if fault["type"] == "missing":
             raise InputError(f"{name} is missing{more}") from None
-        raise InputError(f"{name} = {shown(fault['input'])}: {_reason(fault)}{more}") from None
+        raise InputError(f"{name} = {quoted(fault['input'])}: {_reason(fault)}{more}") from None
 
 
 def _reason(fault: Any) -> str:
@@ -266,7 +266,7 @@ def _check_factors(design: Design) -> None:
         for level in factor.levels:
             if known and level not in known:
                 near = did_you_mean(str(level), map(str, known))
-                raise InputError(f"{key}: {shown(level)} is not a level of {name}{near}")
+                raise InputError(f"{key}: {quoted(level)} is not a level of {name}{near}")
         if not known and _factor_role(factor) == "mixed":
             raise InputError(
                 f"{key}: cannot change between trials; allowed: mapping, channel, input or a "
@@ -321,7 +321,7 @@ def _check_task(design: Design) -> None:
     if needs and task.standard not in levels:
         near = did_you_mean(str(task.standard), map(str, levels))
         raise InputError(
-            f"task.standard = {shown(task.standard)} is not a level of {task.vary}{near}"
+            f"task.standard = {quoted(task.standard)} is not a level of {task.vary}{near}"
         )
 
 

@@ -86,15 +86,15 @@ class Window:
             There are both options, or an invalid one, which the message names.
         """
         from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
-        from overview_dsp.validation import located
+        from overview_dsp.validation import prefix_errors
 
         if self.window and self.zoom_to is not None:
             raise InputError("--window and --zoom-to exclude each other; remove one")
         if self.window:
-            with located("--window: "):
+            with prefix_errors("--window: "):
                 return window_of(timeline, *self.window)
         if self.zoom_to is not None:
-            with located("--zoom-to: "):
+            with prefix_errors("--zoom-to: "):
                 return zoom_window(timeline, self.zoom_to)
         return None
 

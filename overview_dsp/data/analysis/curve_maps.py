@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.data.timeline.time_parsing import length_s
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAPS = ("level", "change", "activity", "volatility")
 """Mappings of a series, in addition to the names of its columns."""
@@ -75,7 +75,7 @@ class Map:
             found.check()
             return found
         raise InputError(
-            f"map is {shown(option)}; must be {', '.join(MAPS)}, count or a column of the table"
+            f"map is {quoted(option)}; must be {', '.join(MAPS)}, count or a column of the table"
         )
 
     def check(self) -> None:
@@ -83,7 +83,7 @@ class Map:
         if self.name in ("change", "activity"):
             if self.argument not in ("", "percent", "difference"):
                 raise InputError(
-                    f"map {self.name}:{shown(self.argument)}: give {self.name}:percent or "
+                    f"map {self.name}:{quoted(self.argument)}: give {self.name}:percent or "
                     f"{self.name}:difference"
                 )
         elif self.name == "volatility":
@@ -102,7 +102,7 @@ class Map:
         seconds = span_s(self.argument)
         if seconds is None:
             raise InputError(
-                f"map volatility:{shown(self.argument)}: give a window as samples (2 or "
+                f"map volatility:{quoted(self.argument)}: give a window as samples (2 or "
                 "more: volatility:20) or as a time (volatility:30d; s, min, h, d, w, y)"
             )
         return seconds, True

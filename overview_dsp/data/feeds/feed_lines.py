@@ -29,7 +29,7 @@ from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 VERSION = 1
 HEADER = "overview_feed"
@@ -161,7 +161,7 @@ def parse_line(line: bytes | str) -> tuple[str, dict[str, Any]]:
     unknown = document.keys() - {key} - allowed
     if unknown:
         raise InputError(
-            f"{_start(line)}: unknown key {shown(min(unknown))} in a line with {key}; allowed: "
+            f"{_start(line)}: unknown key {quoted(min(unknown))} in a line with {key}; allowed: "
             f"{', '.join(sorted(allowed)) or 'no further key'}"
         )
     return key, document
@@ -169,7 +169,7 @@ def parse_line(line: bytes | str) -> tuple[str, dict[str, Any]]:
 
 def _start(line: bytes | str) -> str:
     text = line.decode("utf-8", "replace") if isinstance(line, bytes) else line
-    return shown(text.strip()[:60])
+    return quoted(text.strip()[:60])
 
 
 def apply_parsed(live: LiveTimeline, key: str, line: Mapping[str, Any]) -> None:
@@ -203,14 +203,14 @@ def apply_parsed(live: LiveTimeline, key: str, line: Mapping[str, Any]) -> None:
 def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:
     if isinstance(version, bool) or version != VERSION:
         raise InputError(
-            f"{HEADER} is {shown(version)}; must be {VERSION}, the version this program reads"
+            f"{HEADER} is {quoted(version)}; must be {VERSION}, the version this program reads"
         )
     start = line.get("start")
     if start is not None:
         try:
             start = datetime.fromisoformat(validation.text(start, "start"))
         except ValueError:
-            raise InputError(f"start is {shown(start)}; must be a date in ISO 8601") from None
+            raise InputError(f"start is {quoted(start)}; must be a date in ISO 8601") from None
     percentiles = line.get("percentiles")
     if percentiles is not None:
         percentiles = tuple(_pair(percentiles, "percentiles"))
@@ -227,7 +227,7 @@ def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) 
 def _description(line: Mapping[str, Any]) -> dict[str, Any]:
     notes = line.get("notes")
     if notes is not None and not isinstance(notes, list):
-        raise InputError(f"notes is {shown(notes)}; must be a list of strings")
+        raise InputError(f"notes is {quoted(notes)}; must be a list of strings")
     return {"title": _text(line, "title"), "provenance": _text(line, "provenance"), "notes": notes}
 
 
@@ -239,11 +239,11 @@ def _text(line: Mapping[str, Any], key: str) -> str | None:
 def event_of(value: object) -> Event:
     """Return the Event of a feed's object; InputError if a key is unknown or missing."""
     if not isinstance(value, dict):
-        raise InputError(f"the event is {shown(value)}; must be a JSON object {{...}}")
+        raise InputError(f"the event is {quoted(value)}; must be a JSON object {{...}}")
     unknown = value.keys() - _EVENT_KEYS
     if unknown:
         raise InputError(
-            f"the event has the unknown key {shown(min(unknown))}; allowed: time_s, kind, label, "
+            f"the event has the unknown key {quoted(min(unknown))}; allowed: time_s, kind, label, "
             "weight"
         )
     for key in ("time_s", "kind"):
@@ -259,7 +259,7 @@ def _as_text(id_: object) -> object:
 
 def _pair(value: object, name: str) -> list[float]:
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{name} is {shown(value)}; must be a list of two numbers")
+        raise InputError(f"{name} is {quoted(value)}; must be a list of two numbers")
     return [validation.number(one, name) for one in value]
 
 

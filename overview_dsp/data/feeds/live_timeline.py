@@ -34,7 +34,7 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.public import counted, short
 from overview_dsp.units import clock_text
 
@@ -247,7 +247,7 @@ class LiveTimeline:
         {'foul': 1}
         """
         if not isinstance(event, Event | str):
-            raise InputError(f"event is {shown(event)}; must be an Event or an id")
+            raise InputError(f"event is {quoted(event)}; must be an Event or an id")
         with self._lock:
             effect = self._buffer.retract(event)
             if effect is None:
@@ -683,7 +683,7 @@ def _in_range(value: object, name: str, hint: str, low: float, high: float) -> f
 
 def _checked_event(value: object, parameter: str) -> Event:
     if not isinstance(value, Event):
-        raise InputError(f"{parameter} contains {shown(value)}; each item must be an Event")
+        raise InputError(f"{parameter} contains {quoted(value)}; each item must be an Event")
     _checked_time(value.time_s, "time_s")
     return value
 
@@ -698,7 +698,7 @@ def _checked_sample(value: object) -> tuple[float, float]:
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError(f"a sample is {shown(value)}; must be a time in s and a value")
+        raise InputError(f"a sample is {quoted(value)}; must be a time in s and a value")
     hint = f"must be finite, -{MAX_VALUE:g} to {MAX_VALUE:g}"
     level = _in_range(value[1], "a sample's value", hint, -MAX_VALUE, MAX_VALUE)
     return _checked_time(value[0], "a sample's time"), level
@@ -715,5 +715,5 @@ def _checked_expectation(value: object) -> float | None:
 
 def _checked_layout(value: Layout) -> Layout:
     if value not in LAYOUTS:
-        raise InputError(f"layout is {shown(value)}; must be one of {', '.join(LAYOUTS)}")
+        raise InputError(f"layout is {quoted(value)}; must be one of {', '.join(LAYOUTS)}")
     return value

@@ -33,7 +33,7 @@ from overview_dsp.data.readers import native
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.intensity import Intensity
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 EXCITEMENT = "excitement"
 _SCALAR_FIELDS = ("title", "duration_s", "known_until_s", "provenance")
@@ -180,6 +180,6 @@ def announcement_change(event: Event) -> dict[str, Any]:
 def announcement_of(pattern: Mapping[str, Any]) -> Timeline:
     """Return the announcement of an event's kind and weight; InputError if it is invalid."""
     if not isinstance(pattern, Mapping) or pattern.keys() != {"kind", "weight"}:
-        raise InputError(f"pattern is {shown(pattern)}; must have the keys kind and weight")
+        raise InputError(f"pattern is {quoted(pattern)}; must have the keys kind and weight")
     event = event_of({"time_s": EVENT_POSITION, **pattern})
     return Timeline("something is new", 1.0, (event,))

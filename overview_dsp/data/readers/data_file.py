@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
 """Maximum size of a streamed text file, unless `max_mb` is set."""
@@ -257,7 +257,7 @@ def parse_json(text: str, where: str) -> object:
         if len(table) != len(pairs):
             keys = [key for key, _ in pairs]
             twice = next(key for key in keys if keys.count(key) > 1)
-            raise InputError(f"{where}: the key {shown(twice)} is given twice; remove one")
+            raise InputError(f"{where}: the key {quoted(twice)} is given twice; remove one")
         return table
 
     try:

@@ -19,7 +19,7 @@ from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.logs import is_log
 from overview_dsp.data.readers.tables.table import Columns, Head, listed
 from overview_dsp.data.readers.tables.time_column import detected_format
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 _PACKED = {
     b"PK\x03\x04": "a spreadsheet or an archive: save the sheet as CSV",
@@ -140,7 +140,7 @@ def _lacking(columns: Columns, head: Head) -> str:
 
 
 def _column(columns: Columns, i: int) -> str:
-    return f"column {shown(columns[i].header)}"
+    return f"column {quoted(columns[i].header)}"
 
 
 def _is_numeric(cells: Sequence[object]) -> bool:

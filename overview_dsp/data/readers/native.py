@@ -41,7 +41,7 @@ from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import atomic_file
 
 VERSION = 1
@@ -70,7 +70,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a native file (without options); InputError names the file and the location."""
     document = source.json  # its errors include the file
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(document, source.stem)
 
 
@@ -96,7 +96,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
     version = top[_KEY]
     if isinstance(version, bool) or version != VERSION:
         raise InputError(
-            f"{_KEY} is {shown(version)}; this program reads version {VERSION}: "
+            f"{_KEY} is {quoted(version)}; this program reads version {VERSION}: "
             "update it, or write the file in that version"
         )
     duration_s = validation.positive(
@@ -213,8 +213,8 @@ def _rules(value: object, timeline: Timeline) -> WindowRules:
     table = _object(value, "series", _SERIES_KEYS, required=("per_cent",))
     per_cent = table.pop("per_cent")
     if not isinstance(per_cent, bool):
-        raise InputError(f"series.per_cent is {shown(per_cent)}; give true or false")
-    with validation.located("series: "):
+        raise InputError(f"series.per_cent is {quoted(per_cent)}; give true or false")
+    with validation.prefix_errors("series: "):
         curve = _intensity(table) if table else timeline.intensity
         if curve is None:
             raise InputError("there is no intensity; give time_s and value")
@@ -235,11 +235,11 @@ def _object(
     value: object, location: str, known: tuple[str, ...], required: tuple[str, ...]
 ) -> dict[str, Any]:
     if not isinstance(value, dict):
-        raise InputError(f"{location} is {shown(value)}, not an object {{...}}")
+        raise InputError(f"{location} is {quoted(value)}, not an object {{...}}")
     for key in value:
         if key not in known:
             raise InputError(
-                f"{location} has an unknown key {shown(key)}; known are {', '.join(known)}"
+                f"{location} has an unknown key {quoted(key)}; known are {', '.join(known)}"
             )
     for key in required:
         if key not in value:
@@ -249,7 +249,7 @@ def _object(
 
 def _list(value: object, location: str) -> list[Any]:
     if not isinstance(value, list):
-        raise InputError(f"{location} is {shown(value)}, not a list [...]")
+        raise InputError(f"{location} is {quoted(value)}, not a list [...]")
     return value
 
 
@@ -270,7 +270,7 @@ def _moment(value: object) -> datetime:
         return datetime.fromisoformat(text)
     except ValueError as error:
         raise InputError(
-            f"start is {shown(value)}, not a date and time; write it as ISO 8601, such as "
+            f"start is {quoted(value)}, not a date and time; write it as ISO 8601, such as "
             "2012-09-19T09:30:00"
         ) from error
 

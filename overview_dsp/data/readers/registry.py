@@ -43,7 +43,7 @@ from overview_dsp.data.readers.tables.memory import (
 )
 from overview_dsp.data.readers.tables.table import ColumnTable, Table
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, OverviewWarning, shown
+from overview_dsp.errors import InputError, OverviewWarning, quoted
 
 BUNDLED: dict[str, str] = {
     "world-cup-final-2018": "world_cup_final_2018.json",
@@ -211,7 +211,7 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
             raise InputError(
                 f"{source.where}: {candidate.name}: has no columns for group (--group)"
             )
-        with validation.located(f"{source.where}: "):
+        with validation.prefix_errors(f"{source.where}: "):
             table = candidate.open_table(source)
         _refuse_options(chosen, f"{source.where}: {candidate.name}", candidate.options | LIMITS)
         return _each(table, group, lambda match: candidate.read(source, match), chosen)
@@ -271,7 +271,7 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
                     f"{where}: {table.rows} rows, at most {MAX_ROWS} are allowed; split them"
                 )
             return found.read(written(table.rows) if table.rows > most else source, options)
-    with validation.located(f"{where}: "):
+    with validation.prefix_errors(f"{where}: "):
         return series_reader.series_timeline(table, options)
 
 
@@ -285,7 +285,7 @@ def _is_sound(times: object, options: LoadOptions) -> bool:
 def _require_table(data: object, what: str) -> None:
     if not is_table(data):
         hint = "; give list(...) of it" if hasattr(data, "__next__") else ""
-        raise InputError(f"{shown(data)} is {what}{hint}")
+        raise InputError(f"{quoted(data)} is {what}{hint}")
 
 
 def _format_of(source: DataFile) -> Format:
@@ -330,7 +330,7 @@ def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
     """Load a bundled timeline; InputError lists their names."""
     if name not in BUNDLED:
         raise InputError(
-            f"no bundled timeline is called {shown(name)}; there is {_bundled_names()}"
+            f"no bundled timeline is called {quoted(name)}; there is {_bundled_names()}"
         )
     data = (resources.files("overview_dsp.data.readers") / "bundled" / BUNDLED[name]).read_bytes()
     return native.decode(parse_json(decode_text(data, name), name), name)
@@ -355,7 +355,7 @@ def _checked(options: LoadOptions) -> LoadOptions:
         elif name != "max_depth":
             checked[name] = validation.text(value, name)
         elif type(value) is not int or not 1 <= value <= DEEPEST:
-            raise InputError(f"max_depth is {shown(value)}; give a whole number, 1 to {DEEPEST}")
+            raise InputError(f"max_depth is {quoted(value)}; give a whole number, 1 to {DEEPEST}")
     return replace(options, **checked)
 
 
@@ -373,9 +373,9 @@ def _described(source: DataFile) -> str:
         return "a text file of blanks only"
     if not source.looks_like_json:
         first = source.head_text.strip().splitlines()[0]
-        return f"text that begins {shown(first)}"
+        return f"text that begins {quoted(first)}"
     document = source.json
     if isinstance(document, dict):
-        keys = ", ".join(shown(key) for key in list(document)[:6])
+        keys = ", ".join(quoted(key) for key in list(document)[:6])
         return f"a JSON object with the keys {keys or '(none)'}"
     return f"a JSON list of {len(document) if isinstance(document, list) else 0} entries"

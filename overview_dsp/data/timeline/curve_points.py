@@ -12,7 +12,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from overview_dsp import validation
 from overview_dsp.data.timeline.minmax_pyramid import Level, Values, build_pyramid
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_VALUE = 1e300
 """Maximum magnitude of a value, so that differences stay finite."""
@@ -59,7 +59,7 @@ def checked_percentiles(value: object) -> tuple[float, float]:
     """Return a pair of percentiles; InputError for other values."""
     hint = "give two percentiles, 0 <= low < high <= 100"
     if not isinstance(value, tuple | list) or len(value) != 2:
-        raise InputError(f"intensity.percentiles is {shown(value)}; {hint}")
+        raise InputError(f"intensity.percentiles is {quoted(value)}; {hint}")
     low, high = (validation.number(edge, "intensity.percentiles", hint) for edge in value)
     if not 0.0 <= low < high <= 100.0:
         raise InputError(f"intensity.percentiles is ({low!r}, {high!r}); {hint}")

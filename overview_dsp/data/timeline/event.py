@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 
 from overview_dsp import validation
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 KIND = "rhythm"
 """Kind of events whose labels contain a rhythm code."""
@@ -142,7 +142,7 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
         An event is after the end, or has the same time, kind and label as another.
     """
     if not isinstance(events, tuple | list) or not all(isinstance(e, Event) for e in events):
-        raise InputError(f"events is {shown(events)}; give a tuple of Event")
+        raise InputError(f"events is {quoted(events)}; give a tuple of Event")
     ordered: tuple[Event, ...] = tuple(sorted(events, key=lambda event: event.time_s))
     if ordered and ordered[-1].time_s > duration_s:
         late = ordered[-1]
@@ -155,7 +155,7 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
         key = (event.time_s, event.kind, event.label)
         if key in seen:
             raise InputError(
-                f"the {event.kind} at {event.time_s!r} s with label {shown(event.label)} "
+                f"the {event.kind} at {event.time_s!r} s with label {quoted(event.label)} "
                 "is repeated; remove one, or give them different labels"
             )
         seen.add(key)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 Gaps = tuple[tuple[float, float], ...]
 """Spans (start_s, end_s), sorted, not overlapping."""
@@ -24,11 +24,11 @@ def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
     """
     hint = "a gap is (start_s, end_s) with 0 <= start < end <= duration"
     if not isinstance(gaps, tuple | list):
-        raise InputError(f"gaps is {shown(gaps)}, not a list; {hint}")
+        raise InputError(f"gaps is {quoted(gaps)}, not a list; {hint}")
     pairs: list[tuple[float, float]] = []
     for i, gap in enumerate(gaps):
         if not isinstance(gap, tuple | list) or len(gap) != 2:
-            raise InputError(f"gaps[{i}] is {shown(gap)}, not a pair; {hint}")
+            raise InputError(f"gaps[{i}] is {quoted(gap)}, not a pair; {hint}")
         start, end = (
             validation.number(edge, f"gaps[{i}][{j}]", hint) for j, edge in enumerate(gap)
         )
@@ -65,7 +65,7 @@ def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
     """
     hint = 'give one text per gap, "" if it is unknown'
     if not isinstance(reasons, tuple | list):
-        raise InputError(f"gap_reasons is {shown(reasons)}, not a list; {hint}")
+        raise InputError(f"gap_reasons is {quoted(reasons)}, not a list; {hint}")
     texts = [validation.text(reason, f"gap_reasons[{i}]") for i, reason in enumerate(reasons)]
     if not any(texts):
         return ()

@@ -22,7 +22,7 @@ from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.notebook import timeline_page
 from overview_dsp.data.timeline.ticks import Half, halves_of, window_ticks
 from overview_dsp.data.timeline.window_events import Rules, ranks, window_events
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.public import counted, dataframe, plot_with, short
 from overview_dsp.units import clock_text, span_text
 
@@ -115,7 +115,7 @@ class Timeline:
         validation.moment(self.start, duration_s)
         object.__setattr__(self, "known_until_s", validation.until(self.known_until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
-        with validation.located("details: "):
+        with validation.prefix_errors("details: "):
             object.__setattr__(self, "details", sorted_events(self.details, duration_s))
         gaps = sorted_gaps(self.gaps, duration_s)
         object.__setattr__(self, "gap_reasons", sorted_reasons(self.gap_reasons, self.gaps))
@@ -178,11 +178,11 @@ class Timeline:
         found = [event for event in self.events if event.kind == kind]
         if not found:
             there = ", ".join(self.kinds()) or "no events at all"
-            raise InputError(f"the timeline has no event of kind {shown(kind)}; it has {there}")
+            raise InputError(f"the timeline has no event of kind {quoted(kind)}; it has {there}")
         number = validation.whole(number, "number")
         if not 1 <= number <= len(found):
             raise InputError(
-                f"there is no {kind} number {shown(number)}; the timeline has {len(found)}: "
+                f"there is no {kind} number {quoted(number)}; the timeline has {len(found)}: "
                 f"give 1 to {len(found)}"
             )
         return found[number - 1]
@@ -480,7 +480,7 @@ class Timeline:
         True
         """
         if part not in ("events", "curve"):
-            raise InputError(f"part is {shown(part)}; give 'events' or 'curve'")
+            raise InputError(f"part is {quoted(part)}; give 'events' or 'curve'")
         columns: dict[str, Any]
         if part == "events":
             names = ("time_s", "kind", "label", "weight")

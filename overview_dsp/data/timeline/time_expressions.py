@@ -28,7 +28,7 @@ from datetime import UTC, datetime, timedelta
 from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import length_s
-from overview_dsp.errors import InputError, OverviewWarning, shown
+from overview_dsp.errors import InputError, OverviewWarning, quoted
 
 HINT = (
     "give seconds (90.5), m:ss, h:mm:ss, 15min, 6h, 3d or 2w after the start, a date "
@@ -71,7 +71,7 @@ def parse_time_expression(text: str, timeline: Timeline) -> float:
     moment = _parsed(text, timeline)
     limited = _limited(text, moment, timeline)
     if not 0.0 <= limited <= timeline.duration_s:
-        raise InputError(f"{shown(text)} lies outside the timeline; {_reach(timeline)}")
+        raise InputError(f"{quoted(text)} lies outside the timeline; {_reach(timeline)}")
     return limited
 
 
@@ -89,7 +89,7 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     )
     if first >= last and any(moment.is_limited for moment in moments):
         raise InputError(
-            f"the window from {shown(start)} to {shown(end)} is empty or outside "
+            f"the window from {quoted(start)} to {quoted(end)} is empty or outside "
             f"the timeline; {_reach(timeline)}"
         )
     timeline.require_window(first, last)
@@ -112,7 +112,7 @@ def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     width = length_s(width_text) if width_text else timeline.duration_s / ZOOM_PART
     if found is None or width is None or not width > 0.0:
         raise InputError(
-            f"{shown(text)} is not an event; give kind:number (goal:1, event:3) and, "
+            f"{quoted(text)} is not an event; give kind:number (goal:1, event:3) and, "
             "if you like, how long a window (goal:1:90, goal:1:5min)"
         )
     return Zoom.whole(timeline).around(_event_s(found, timeline), width).window
@@ -133,7 +133,7 @@ def _parsed(text: str, timeline: Timeline) -> _Moment:
     date = time_parsing.moment(written, "iso", "month names", "quarters, months or weeks")
     if date is not None:
         return _Moment(_calendar_s(date, timeline, text), True)
-    raise InputError(f"{shown(text)} is not a moment; {HINT}")
+    raise InputError(f"{quoted(text)} is not a moment; {HINT}")
 
 
 def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
@@ -147,7 +147,7 @@ def _after(found: re.Match[str], timeline: Timeline, text: str) -> _Moment:
     offset = length_s(found["offset"])
     if offset is None:
         raise InputError(
-            f"{shown(text)}: {shown(found['offset'])} is not a length; give seconds, "
+            f"{quoted(text)}: {quoted(found['offset'])} is not a length; give seconds, "
             "m:ss, h:mm:ss, 15min, 6h, 3d or 2w"
         )
     return _Moment(base + offset if found["sign"] == "+" else base - offset, True)
@@ -169,12 +169,12 @@ def _calendar_s(date: time_parsing.Moment, timeline: Timeline, text: str) -> flo
     start = timeline.start
     if start is None:
         raise InputError(
-            f"{shown(text)} is a date, and the timeline has no calendar; give seconds, "
+            f"{quoted(text)} is a date, and the timeline has no calendar; give seconds, "
             "m:ss or an event"
         )
     if start.tzinfo is None and date.offset_min is not None:
         raise InputError(
-            f"{shown(text)} names a time zone, and the timeline's calendar has none; leave it out"
+            f"{quoted(text)} names a time zone, and the timeline's calendar has none; leave it out"
         )
     try:
         moment = _EPOCH + timedelta(microseconds=date.ns // 1000)
@@ -183,7 +183,7 @@ def _calendar_s(date: time_parsing.Moment, timeline: Timeline, text: str) -> flo
             # subtracted in UTC: within one zone Python ignores its clock changes
             moment, start = moment.replace(tzinfo=zone).astimezone(UTC), start.astimezone(UTC)
     except OverflowError as error:
-        raise InputError(f"{shown(text)} lies outside the calendar") from error
+        raise InputError(f"{quoted(text)} lies outside the calendar") from error
     return (moment - start) / timedelta(seconds=1)
 
 

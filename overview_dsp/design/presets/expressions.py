@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 
 MAX_LENGTH = 200
 _NAME = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
@@ -33,7 +33,7 @@ def is_expression(value: object) -> bool:
 def evaluate(text: str, variables: Mapping[str, float]) -> float:
     """Return the value of an expression; InputError if it has none."""
     if len(text) > MAX_LENGTH:
-        raise InputError(f"{shown(text)} is too long; must be at most {MAX_LENGTH} characters")
+        raise InputError(f"{quoted(text)} is too long; must be at most {MAX_LENGTH} characters")
     for name in _NAME.findall(text):
         if name not in variables:
             hint = did_you_mean(name, variables) if variables else "; [variables] is empty"
@@ -43,14 +43,14 @@ def evaluate(text: str, variables: Mapping[str, float]) -> float:
         value = _value(tree.body, {f"_{name}": number for name, number in variables.items()})
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError(
-            f"{shown(text)} is not an expression; allowed: numbers, $names, + - * / and brackets"
+            f"{quoted(text)} is not an expression; allowed: numbers, $names, + - * / and brackets"
         ) from None
     except (ZeroDivisionError, OverflowError):
         raise InputError(
-            f"{shown(text)} has no value: it divides by zero or is too large"
+            f"{quoted(text)} has no value: it divides by zero or is too large"
         ) from None
     if not math.isfinite(value):
-        raise InputError(f"{shown(text)} has no value: it is too large")
+        raise InputError(f"{quoted(text)} has no value: it is too large")
     return value
 
 

@@ -17,7 +17,7 @@ from overview_dsp import validation
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS, PARAMETERS
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.kernels.layout import MAX_KINDS
 
 MAX_STEPS = 1000
@@ -53,7 +53,7 @@ def morph(first: Preset, second: Preset, steps: int) -> list[Preset]:
     validation.instance(first, Preset, "first", "ov.load_preset gives one")
     validation.instance(second, Preset, "second", "ov.load_preset gives one")
     if not 2 <= validation.whole(steps, "steps") <= MAX_STEPS:
-        raise InputError(f"steps is {shown(steps)}; must be 2 to {MAX_STEPS}")
+        raise InputError(f"steps is {quoted(steps)}; must be 2 to {MAX_STEPS}")
     names = tuple(dict.fromkeys((*first.kinds, *second.kinds)))
     if len(names) > MAX_KINDS:
         raise InputError(f"both have {len(names)} kinds together; must be at most {MAX_KINDS}")

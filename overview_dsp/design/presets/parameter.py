@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 Value = float | bool | str
 
@@ -102,11 +102,13 @@ class Parameter:
                 or value not in self.choices
             ):
                 raise InputError(
-                    f"{self.id} = {shown(value)} is not allowed; allowed: {self.allowed}"
+                    f"{self.id} = {quoted(value)} is not allowed; allowed: {self.allowed}"
                 )
             return value
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{self.id} = {shown(value)} is not a number; allowed: {self.allowed}")
+            raise InputError(
+                f"{self.id} = {quoted(value)} is not a number; allowed: {self.allowed}"
+            )
         try:
             number = float(value)
         except OverflowError:

@@ -8,7 +8,7 @@ from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 from overview_dsp.design.presets.validation import migrate_kind, migrate_values
 from overview_dsp.errors import InputError
-from overview_dsp.validation import located
+from overview_dsp.validation import prefix_errors
 
 
 def preset_to_dict(preset: Preset) -> dict[str, Any]:
@@ -66,7 +66,7 @@ def _kind_of(name: str, data: dict[str, Any]) -> EventKind:
     data = migrate_kind(data)
     # keys of other versions are ignored
     known = (*KIND_PARAMETERS, "points", "aliases")
-    with located(f"kinds.{name}: "):
+    with prefix_errors(f"kinds.{name}: "):
         modes: Any = [
             {key: known.check(mode[key]) for key, known in MODE_PARAMETERS.items()}
             for mode in data["modes"]

@@ -43,7 +43,7 @@ from overview_dsp.design.presets.parameters import (
     MODE_PARAMETERS,
     SECTIONS,
 )
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, named
 from overview_dsp.files.toml import line_of, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
@@ -132,7 +132,7 @@ def read_layers(source: str, text: str, find: Find) -> list[Layer]:
     while (base := layers[-1].data.get("extends")) is not None:
         here = layers[-1]
         if not isinstance(base, str):
-            raise InputError(f"{here.source}: extends = {shown(base)}; must be a preset's name")
+            raise InputError(f"{here.source}: extends = {quoted(base)}; must be a preset's name")
         if len(layers) == MAX_LAYERS:
             raise InputError(f"{source}: more than {MAX_LAYERS} presets extend each other")
         try:
@@ -269,7 +269,7 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     variables = data.get("variables", {})
     if not isinstance(variables, dict):
         location = _location(layers, ("variables",))
-        raise InputError(f"{location}: variables = {shown(variables)}; must be a table of numbers")
+        raise InputError(f"{location}: variables = {quoted(variables)}; must be a table of numbers")
     numbers = {key: float(number) for key, number in variables.items() if _is_number(number)}
     found: Any
     try:
@@ -279,7 +279,7 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     if isinstance(found, list):
         path, words = found[0]
         if path == ("schema",) and "schema" in data:
-            version = shown(data["schema"])
+            version = quoted(data["schema"])
             words = f"schema = {version} is not known; this version reads schema = 1 to {SCHEMA}"
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
         raise InputError(f"{_location(layers, path)}: {words}{more}")

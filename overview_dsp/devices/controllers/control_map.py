@@ -46,10 +46,10 @@ from pydantic import Field
 
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGLES, ANGULAR_VELOCITY, QUATERNION
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.schema import Allowed, Strict, checked
 from overview_dsp.files.toml import parse_toml, read_text, require_known
-from overview_dsp.validation import located
+from overview_dsp.validation import prefix_errors
 
 SCHEMA = 1
 
@@ -232,7 +232,7 @@ def control_named(name: str) -> Control:
             return Control(kind, number)
     if keys and int(keys[1]) < int(keys[2]) <= 127:
         return Control("keys", int(keys[1]), int(keys[2]))
-    raise InputError(f"control = {shown(name)} is unknown; must be {_FORMS}")
+    raise InputError(f"control = {quoted(name)} is unknown; must be {_FORMS}")
 
 
 def load_map(path: str | os.PathLike[str]) -> tuple[Control, ...]:
@@ -277,15 +277,15 @@ def _read(
     """Return the controls in a file's text, each made from its table by `make`."""
     data = parse_toml(text, source)
     controls: dict[tuple[str, int], AnyControl] = {}
-    with located(f"{source}: "):
+    with prefix_errors(f"{source}: "):
         require_known(data, ("schema", "control"))
         if data.get("schema") != SCHEMA or isinstance(data["schema"], bool):
-            raise InputError(f"schema = {shown(data.get('schema'))}; must be {SCHEMA}")
+            raise InputError(f"schema = {quoted(data.get('schema'))}; must be {SCHEMA}")
         entries = data.get("control", [])
         if not isinstance(entries, list) or not entries:
             raise InputError("the file defines no control; add a [[control]] table")
         for number, entry in enumerate(entries, 1):
-            with located(f"control {number}: "):
+            with prefix_errors(f"control {number}: "):
                 found = checked(model, entry)
                 if isinstance(found, list):
                     raise InputError(found[0].message)
@@ -315,14 +315,14 @@ def _midi_control(entry: _MidiEntry) -> Control:
 def _osc_control(entry: _OscEntry) -> OscControl:
     address, sends, to = entry.address, entry.sends, entry.to
     if not address.startswith(("/", "*")) or len(address) < 2 or not address.isprintable():
-        raise InputError(f"address = {shown(address)}; must begin with / or *")
+        raise InputError(f"address = {quoted(address)}; must begin with / or *")
     for key in ("value", "sends", "low", "high") if to in SENSED else ("scale", "axes", "order"):
         if key in entry.model_fields_set:
             raise InputError(f"{key} does not apply to a control that is {to!r}; remove it")
     if not 1e-9 <= abs(entry.scale) <= 1e9:
         raise InputError(f"scale = {entry.scale:g}; must be any number but 0")
     if len(sends) != 2 or not 0.0 < abs(sends[1] - sends[0]) < 1e300:
-        raise InputError(f"sends = {shown(sends)}; must be two different numbers")
+        raise InputError(f"sends = {quoted(sends)}; must be two different numbers")
     low, high = entry.ends()
     control = OscControl(
         *(address, to, entry.value, (sends[0], sends[1]), low, high),
@@ -335,7 +335,7 @@ def _osc_control(entry: _OscEntry) -> OscControl:
 def sensor_of(control: OscControl) -> Sensor:
     """Return the sensor profile for a measured control; InputError for invalid axes."""
     if len(control.axes) != 3:
-        raise InputError(f"axes = {shown(list(control.axes))}; must be three: x, y and z, or -x …")
+        raise InputError(f"axes = {quoted(list(control.axes))}; must be three: x, y and z, or -x …")
     values = {f"axes.{name}": axis for name, axis in zip("xyz", control.axes, strict=True)}
     return Sensor(values={**values, "angular_velocity.unit": "rad/s"})
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
-from overview_dsp.errors import InputError, did_you_mean, shown
+from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import (
     TEXTS,
@@ -148,7 +148,7 @@ def parse_sensor(text: str, name: str, source: str) -> Sensor:
         columns = values.pop(_COLUMNS) if _COLUMNS in values else None
         is_list = isinstance(columns, list) and columns
         if columns is not None and not (is_list and all(isinstance(one, str) for one in columns)):
-            raise InputError(f'{_COLUMNS} = {shown(columns)} must be a list of names: ["ax", …]')
+            raise InputError(f'{_COLUMNS} = {quoted(columns)} must be a list of names: ["ax", …]')
         title, description = (data.get(key, "") for key in TEXTS)
         return Sensor(name, title, description, values, tuple(columns or ()), source)
 

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, OverviewError, shown
+from overview_dsp.errors import InputError, OverviewError, quoted
 from overview_dsp.files.atomic import atomic_file, make_folder
 from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.offline.export.browser_memory import encode_engine
@@ -129,7 +129,7 @@ def machine_of(target: str | None) -> Machine:
         system = _SYSTEMS.get(sys.platform, "linux")
         return Machine(_MACHINES.get(processor, processor), system)
     if target not in _ZIG:
-        raise InputError(f"target is {shown(target)}; must be one of {', '.join(TARGETS)}")
+        raise InputError(f"target is {quoted(target)}; must be one of {', '.join(TARGETS)}")
     return Machine(*target.split("-"))
 
 
@@ -144,7 +144,7 @@ def compiler_of(target: str | None) -> list[str]:
     chosen = os.environ.get("CC", "").split()
     if chosen:
         if shutil.which(chosen[0]) is None:
-            raise OverviewError(f"CC is {shown(chosen[0])}, which is not installed")
+            raise OverviewError(f"CC is {quoted(chosen[0])}, which is not installed")
         return chosen
     for command in ("cc", "gcc", "clang"):
         if shutil.which(command):

@@ -17,7 +17,7 @@ from pathlib import Path, PurePosixPath
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import make_folder
 from overview_dsp.offline.export.c_code import (
     Machine,
@@ -146,7 +146,7 @@ def build_plugin(
     'match.clap'
     """
     if to not in PLUGIN_FORMATS:
-        raise InputError(f"to is {shown(to)}; must be {' or '.join(PLUGIN_FORMATS)}")
+        raise InputError(f"to is {quoted(to)}; must be {' or '.join(PLUGIN_FORMATS)}")
     chosen = (presets,) if isinstance(presets, Preset) else tuple(presets)
     if isinstance(timeline, Timeline):
         timelines: Mapping[str, Timeline] = {timeline.title or "timeline": timeline}

@@ -123,7 +123,7 @@ def read_clip(path: str | os.PathLike[str]) -> DecodedClip:
 def _read(path: Path) -> DecodedClip:
     document = load_document(path)
     keys = document if isinstance(document, dict) else ()
-    with validation.located(f"{path}: "):
+    with validation.prefix_errors(f"{path}: "):
         if "Pattern" in keys:
             return _core_haptics(*ahap.decoded(read(ahap.Ahap, document)))
         if "signals" in keys:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import atomic_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
@@ -167,9 +167,9 @@ def export(
     True
     """
     if not hasattr(result, "samples"):
-        raise InputError(f"result is {shown(result)}; must be a result of ov.render")
+        raise InputError(f"result is {quoted(result)}; must be a result of ov.render")
     if not isinstance(to, str) or to not in NAMES:
-        raise InputError(f"to is {shown(to)}; must be one of {', '.join(NAMES)}")
+        raise InputError(f"to is {quoted(to)}; must be one of {', '.join(NAMES)}")
     # written so that NaN fails
     points_per_s = validation.real(points_per_s, "points_per_s")
     if not 1.0 <= points_per_s <= 1000.0:

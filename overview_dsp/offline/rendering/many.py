@@ -24,7 +24,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.growable_array import GrowableArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.sound import SavableSound
 from overview_dsp.kernels.layout import SIGNALS, TRACE_COLUMNS
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
@@ -155,7 +155,7 @@ def render_jobs(
     100
     """
     if not isinstance(seeds, Iterable):
-        raise InputError(f"seeds is {shown(seeds)}; must be whole numbers, such as range(8)")
+        raise InputError(f"seeds is {quoted(seeds)}; must be whole numbers, such as range(8)")
     parts = (
         validation.instances(timelines, Timeline, "timelines", "ov.load_timeline gives one"),
         validation.instances(presets, Preset, "presets", "ov.load_preset gives one"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from overview_dsp.arrays import IntArray
 from overview_dsp.design.gestures import Gesture
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.signal.engine import Engine
 from overview_dsp.signal.engine.replay import apply_change
 from overview_dsp.signal.surface.model import Surface
@@ -38,7 +38,7 @@ def checked_tail(tail: Any) -> Tail:
     # written so that NaN fails
     if isinstance(tail, bool) or not is_number or not 0.0 <= tail <= MAX_TAIL_S:
         raise InputError(
-            f"tail is {shown(tail)}; must be rest, none or seconds from 0 to {MAX_TAIL_S:g}"
+            f"tail is {quoted(tail)}; must be rest, none or seconds from 0 to {MAX_TAIL_S:g}"
         )
     return float(tail)
 

@@ -20,7 +20,7 @@ from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
-from overview_dsp.errors import InputError, OverviewError, shown
+from overview_dsp.errors import InputError, OverviewError, quoted
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.decibels import gain_of_db
@@ -288,7 +288,7 @@ def read_applied(memory: FloatArray, since: int) -> tuple[NDArray[np.void], int]
     i64 = memory.view(np.int64)
     now = acquired(i64, layout.APPLIED)
     if since > now:
-        raise InputError(f"since is {shown(since)}; must be 0 to {now}, the events applied so far")
+        raise InputError(f"since is {quoted(since)}; must be 0 to {now}, the events applied so far")
     if now - since > layout.APPLIED_LOG:
         raise OverviewError(
             f"{now - since} control events were applied since the last call; the log keeps "

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.errors import InputError, OverviewError, shown, warn
+from overview_dsp.errors import InputError, OverviewError, quoted, warn
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.atomics import acquired, publish
 from overview_dsp.kernels.control_events import push_control
@@ -72,7 +72,7 @@ class ControlQueues:
         """Push a control event; a full ring drops and counts it, with one warning."""
         ring = _RING_OF.get(source) if isinstance(source, str) else None
         if ring is None:
-            raise InputError(f"source is {shown(source)}; must be one of {', '.join(SOURCES)}")
+            raise InputError(f"source is {quoted(source)}; must be one of {', '.join(SOURCES)}")
         # exact types: others would be compiled again
         event = ring, stamp, validation.real(theta2, "theta2"), bool(touching)
         with self._writing[ring]:
@@ -188,6 +188,6 @@ def stamp_of(sample_time: int | None) -> int:
         return _AS_SOON_AS_POSSIBLE
     if not 0.0 <= validation.real(sample_time, "sample_time") < 2.0**63:
         raise InputError(
-            f"sample_time is {shown(sample_time)}; must be a number of samples since reset, from 0"
+            f"sample_time is {quoted(sample_time)}; must be a number of samples since reset, from 0"
         )
     return int(sample_time)

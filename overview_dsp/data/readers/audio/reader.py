@@ -33,7 +33,7 @@ from overview_dsp.data.readers.audio.decoding import Recording, is_recording, op
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.model import Intensity, Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAPS = ("loudness", "momentary", "excitement")
 """Values of the option `map`."""
@@ -62,13 +62,13 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     map_name = options.map if options.map is not None else MAPS[0]
     if map_name not in MAPS:
         raise InputError(
-            f"{source.where}: map is {shown(map_name)}; must be one of {', '.join(MAPS)} for a "
+            f"{source.where}: map is {quoted(map_name)}; must be one of {', '.join(MAPS)} for a "
             "recording"
         )
     with open_recording(source, options.max_mb) as recording:
         steps = _measure(recording, options)
         kind, notes = recording.kind, recording.notes
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return timeline_of(steps, map_name, source.stem, kind, notes)
 
 

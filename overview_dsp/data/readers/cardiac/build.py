@@ -15,7 +15,7 @@ from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAPS = ("rate", "variability")
 """Values of the option `map`: heart rate, or its variability from beat to beat (RMSSD)."""
@@ -40,7 +40,7 @@ def check_map(options: LoadOptions) -> None:
     """Raise InputError for an unknown `map`."""
     if options.map is not None and options.map not in MAPS:
         raise InputError(
-            f"map is {shown(options.map)}; must be one of {', '.join(MAPS)} for a heart recording"
+            f"map is {quoted(options.map)}; must be one of {', '.join(MAPS)} for a heart recording"
         )
 
 

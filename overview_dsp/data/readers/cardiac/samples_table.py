@@ -55,7 +55,7 @@ from overview_dsp.data.readers.tables.time_column import (
 )
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import NS, Moment, clock_s, moment
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_RATE = 100_000.0
 """Maximum sample rate, Hz, above that of any recorder."""
@@ -164,7 +164,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         A cell is not a number, the times are not ascending, the column of samples is ambiguous,
         the rate is unknown, or there are no heartbeats. The message contains line and column.
     """
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         check_map(options)
         limit = MAX_TEXT_BYTES if options.max_mb is None else int(options.max_mb * 2**20)
         if source.size > limit:
@@ -186,7 +186,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             assert time is not None
             form, why = _format_of(layout, time, times, unit)
             rate, values, notes = _resample(times * PLAIN.get(form.name, 1.0), values)
-            origin = f"; times from column {shown(layout.names[time])} ({form.description}{why})"
+            origin = f"; times from column {quoted(layout.names[time])} ({form.description}{why})"
         elif options.rate is not None:
             rate = options.rate
             if time is None and (unused := layout.time_column()) is not None:
@@ -306,7 +306,7 @@ def _named_column(
     index = index_of(layout.names, name)
     if index is None or index not in allowed:
         raise InputError(
-            f"no column of {content} is called {shown(name)}; available: "
+            f"no column of {content} is called {quoted(name)}; available: "
             f"{', '.join(layout.names[i] for i in listed[:20])}"
         )
     return index
@@ -464,7 +464,7 @@ def _format_of(
     unit = unit or (written_unit(column) if layout.has_header else "")
     if unit and unit not in PLAIN:
         raise InputError(
-            f"time {shown(unit)}: numbers of a heart recording are in one of {', '.join(PLAIN)}"
+            f"time {quoted(unit)}: numbers of a heart recording are in one of {', '.join(PLAIN)}"
         )
     if unit:
         return Format(unit), ""

@@ -19,7 +19,7 @@ from overview_dsp import validation
 from overview_dsp.data.readers.data_file import printable_path
 from overview_dsp.data.readers.tables.time_column import as_number
 from overview_dsp.data.timeline.time_parsing import clock_s, moment
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_HEADER_BYTES = 1 << 20
 MAX_SIGNALS = 1024
@@ -145,7 +145,7 @@ def read_header(path: Path) -> Header:
         folder, missing or too short. The message contains the line number.
     """
     where = printable_path(path)
-    with validation.located(f"{where}: "):
+    with validation.prefix_errors(f"{where}: "):
         header = parse_header(_text(path), path)
         _check_files(header)
     return header
@@ -161,7 +161,7 @@ def parse_header(text: str, path: Path) -> Header:
     if not lines:
         raise InputError("the header is empty; it must begin with name, signals, rate, length")
     number, line = lines[0]
-    with validation.located(f"line {number}: "):
+    with validation.prefix_errors(f"line {number}: "):
         found = _match(_RECORD, line, "a record line", "100 2 360 650000")
         count = _whole(found["signals"], "the number of signals", MAX_SIGNALS)
         rate = _rate(found["rate"])
@@ -180,7 +180,7 @@ def parse_header(text: str, path: Path) -> Header:
         )
     signals: list[HeaderSignal] = []
     for number, line in lines[1 : 1 + count]:
-        with validation.located(f"line {number}: "):
+        with validation.prefix_errors(f"line {number}: "):
             signals.append(_signal(line, len(signals), signals))
     if sum(signal.per_frame for signal in signals) > MAX_FRAME:
         raise InputError(
@@ -195,7 +195,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     name = found["file"]
     if name != NO_FILE and not _FILE_NAME.fullmatch(name):
         raise InputError(
-            f"the signal file is {shown(name)}; must be a plain name without a folder: put the "
+            f"the signal file is {quoted(name)}; must be a plain name without a folder: put the "
             "file into the folder of the header"
         )
     kind = str(int(found["format"][:9]))
@@ -206,7 +206,7 @@ def _signal(line: str, index: int, before: list[HeaderSignal]) -> HeaderSignal:
     if frame == 0:
         raise InputError("the samples per frame are 0; remove x0")
     if found["gain"] is not None and as_number(found["gain"]) is None:
-        raise InputError(f"the gain is {shown(found['gain'])}; must be a number")
+        raise InputError(f"the gain is {quoted(found['gain'])}; must be a number")
     earlier = next((other for other in before if other.file == name != NO_FILE), None)
     if earlier is not None and earlier.format != kind:
         raise InputError(
@@ -226,7 +226,7 @@ def _segments(lines: list[tuple[int, str]], count: int) -> tuple[tuple[str, int]
         )
     segments = []
     for number, line in lines[:count]:
-        with validation.located(f"line {number}: "):
+        with validation.prefix_errors(f"line {number}: "):
             found = _match(_SEGMENT, line, "a segment line", "100_0001 3600")
             segments.append((found["name"], _whole(found["length"], "the length", 10**15)))
     return tuple(segments)
@@ -284,7 +284,7 @@ def _text(path: Path) -> str:
 def _match(pattern: re.Pattern[str], line: str, name: str, example: str) -> re.Match[str]:
     match = pattern.fullmatch(line)
     if match is None:
-        raise InputError(f"{shown(line)} isn't {name}; example: {example}")
+        raise InputError(f"{quoted(line)} isn't {name}; example: {example}")
     return match
 
 
@@ -293,7 +293,7 @@ def _whole(digits: str | None, name: str, maximum: int) -> int:
         return 0
     # Python rejects the conversion of thousands of digits
     if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > maximum:
-        raise InputError(f"{name} is {shown(digits)}; must be a whole number up to {maximum}")
+        raise InputError(f"{name} is {quoted(digits)}; must be a whole number up to {maximum}")
     return int(digits)
 
 
@@ -302,7 +302,7 @@ def _rate(text: str | None) -> float:
         return DEFAULT_RATE
     rate = as_number(text)
     if rate is None or not 1e-3 <= rate <= 1e6:
-        raise InputError(f"the rate is {shown(text)}; must be 0.001 to 1000000 Hz")
+        raise InputError(f"the rate is {quoted(text)}; must be 0.001 to 1000000 Hz")
     return float(rate)
 
 
@@ -314,6 +314,6 @@ def _start(clock: str | None, day: str | None) -> datetime | None:
     seconds, date = clock_s(clock if ":" in clock else f"0:{clock}"), moment(day, "dmy")
     if seconds is None or seconds >= 86_400.0 or date is None or day.count("/") != 2:
         raise InputError(
-            f"the start is {shown(clock)} {shown(day)}; must have the form hh:mm:ss dd/mm/yyyy"
+            f"the start is {quoted(clock)} {quoted(day)}; must have the form hh:mm:ss dd/mm/yyyy"
         )
     return date.to_datetime() + timedelta(seconds=seconds)

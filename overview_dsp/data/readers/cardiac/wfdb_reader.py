@@ -60,7 +60,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         The header or a signal file is invalid, the signal or map is unknown, there are no
         heartbeats, or wfdb is not installed.
     """
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         check_map(options)
     is_header = source.head_text is not None
     path = source.path if is_header else _header_of(source.path)
@@ -76,7 +76,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     annotations = None
     if annotation_path.exists():
         annotations = read_annotations(annotation_path, header.rate, duration_s)
-    with validation.located(f"{header.where}: "):
+    with validation.prefix_errors(f"{header.where}: "):
         return _timeline(header, signal, annotations, annotation_path.name, duration_s, options)
 
 

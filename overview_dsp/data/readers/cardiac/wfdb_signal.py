@@ -19,7 +19,7 @@ from overview_dsp.data.readers.cardiac.wfdb_header import (
     frames_in_files,
     read_header,
 )
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import require_package
 
 MAX_SAMPLES = 1 << 31
@@ -241,7 +241,7 @@ def _select(names: list[str], selector: str | None, where: str) -> int:
     index = index_of(names, selector)
     if index is None:
         known = ", ".join(names[:12]) + (" ..." if len(names) > 12 else "")
-        raise InputError(f"{where}: no signal is called {shown(selector)}; available: {known}")
+        raise InputError(f"{where}: no signal is called {quoted(selector)}; available: {known}")
     return index
 
 

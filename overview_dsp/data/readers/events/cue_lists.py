@@ -27,7 +27,7 @@ from overview_dsp.data.readers.events.timeline_builder import (
 )
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import clock_s
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 _TIMES = re.compile(
     r"\s*((?:\d+:)?\d{1,2}:\d{2}[.,]\d{1,3})\s*-->\s*((?:\d+:)?\d{1,2}:\d{2}[.,]\d{1,3})(?:\s.*)?",
@@ -51,7 +51,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read cues (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
         description = ListDescription(source.stem, f"events: {name} cues", (), options.duration_s)
         return timeline_of(_listed(text.splitlines()), description)
@@ -66,7 +66,7 @@ def _listed(lines: list[str]) -> list[ListEntry]:
         begin, end = (clock_s(match[k]) for k in (1, 2)) if match else (None, None)
         if begin is None or end is None:
             raise InputError(
-                f"line {i + 1}: {shown(line)} is not the time of a cue; must have the form "
+                f"line {i + 1}: {quoted(line)} is not the time of a cue; must have the form "
                 "00:01:02,500 --> 00:01:04,000"
             )
         following = itertools.takewhile(_is_caption, lines[i + 1 :])
@@ -96,13 +96,13 @@ def sniff_labels(source: DataFile) -> bool:
 def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         listed = []
         for number, line in _lines(text):
             match = _LABEL.fullmatch(line)
             if match is None:
                 raise InputError(
-                    f"line {number}: {shown(line)} is not a label; must be start, end and label, "
+                    f"line {number}: {quoted(line)} is not a label; must be start, end and label, "
                     "separated by tabs"
                 )
             begin, end, label = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()

@@ -80,7 +80,7 @@ from overview_dsp.data.readers.tables.time_column import (
 )
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import atomic_file
 
 COLUMNS = ("time_s", "kind", "label", "weight")
@@ -117,7 +117,7 @@ def sniff_lines(source: DataFile) -> bool:
 
 def read_lines(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one JSON object per line, as `read`."""
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return _read(json.JsonLinesTable(source), source.stem, options)
 
 
@@ -126,7 +126,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
     Takes the options `duration_s`, and the columns `time`, `kind` and `label`.
     """
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         table = open_table(source)
         if table is not None:
             return _read(table, source.stem, options)
@@ -150,7 +150,7 @@ def _reject_beats(table: Table, cells: Sequence[Any]) -> None:
     texts = [cell for cell in cells if isinstance(cell, str) and cell.strip()]
     if table.columns[0].header == "#" and texts and all(map(_BEATS.fullmatch, texts)):
         raise InputError(
-            f"the markers have measures and beats ({shown(texts[0])}); must be times",
+            f"the markers have measures and beats ({quoted(texts[0])}); must be times",
             "set REAPER's ruler to minutes and seconds, and export the markers again",
         )
 
@@ -214,7 +214,7 @@ class _Reader:
         description = ListDescription(
             title,
             f"events: a {self.table.kind} list, times from column "
-            f"{shown(self.table.columns[self.roles.time].header)} ({form.description})",
+            f"{quoted(self.table.columns[self.roles.time].header)} ({form.description})",
             tuple(dict.fromkeys(notes)),
             duration_s,
             self.times.start(min((one.time_s for one in listed), default=0.0)),
@@ -299,7 +299,7 @@ def sniff_list(source: DataFile) -> bool:
 def read_list(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event list; the option `duration_s` replaces the duration in the file."""
     text = source.text  # its errors contain the path
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(text, source.stem, options.duration_s)
 
 
@@ -335,7 +335,7 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         if key in lines:
             raise InputError(
                 f"line {line} repeats line {lines[key]} ({one.kind_text} at {one.time_s!r} s, "
-                f"label {shown(one.label)}); remove one or change its label"
+                f"label {quoted(one.label)}); remove one or change its label"
             )
         lines[key] = line
         listed.append(one)
@@ -405,7 +405,9 @@ def _check_header(names: Sequence[str], line: int) -> None:
     known = f"columns: {', '.join(COLUMNS)}"
     for number, name in enumerate(names, start=1):
         if name not in COLUMNS:
-            raise InputError(f"line {line}, column {number}: unknown column {shown(name)}; {known}")
+            raise InputError(
+                f"line {line}, column {number}: unknown column {quoted(name)}; {known}"
+            )
         if names.index(name) != number - 1:
             raise InputError(f"line {line}, column {number}: '{name}' is repeated; {known}")
     for name in COLUMNS[:2]:
@@ -426,9 +428,9 @@ def _listed_row(row: dict[str, str], line: int) -> ListEntry:
         location = CellLocation(line, "weight")
         number = _number(row["weight"], location, _WEIGHT_HINT)
         weight = validation.positive(number, str(location), _WEIGHT_HINT)
-    with validation.located(f"{CellLocation(line, 'kind')}: "):
+    with validation.prefix_errors(f"{CellLocation(line, 'kind')}: "):
         validation.kind(kind)
-    with validation.located(f"line {line}: "):
+    with validation.prefix_errors(f"line {line}: "):
         label = validation.text(row.get("label", ""), "label")
     return ListEntry(time_s, kind, label, f"line {line}, column 'time_s'", None, weight)
 
@@ -463,7 +465,7 @@ def _chapters(text: str) -> list[tuple[int, str, str]]:
 
 def _read_chapters(source: DataFile, options: LoadOptions) -> Timeline:
     found = _chapters(source.text)
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         times = TimeColumn(Format("clock"))
         seconds = times.seconds(
             [clock for _, clock, _ in found], lambda i: CellLocation(found[i][0])

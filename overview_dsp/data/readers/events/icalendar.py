@@ -22,7 +22,7 @@ from overview_dsp.data.readers.events.timeline_builder import (
 )
 from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
@@ -40,7 +40,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         entries = list(_entries(text))
         if not entries:
             raise InputError("the calendar has no events; must contain a VEVENT")
@@ -125,7 +125,7 @@ def _moment(entry: Entry, name: str) -> datetime:
     found = time_parsing.moment(value, "iso") if value[:8].isdigit() else None
     if found is None:
         raise InputError(
-            f"line {line}, {name}: {shown(value)} isn't a time; must have the form 20240603, "
+            f"line {line}, {name}: {quoted(value)} isn't a time; must have the form 20240603, "
             "20240603T093000 or 20240603T093000Z"
         )
     moment = found.to_datetime()

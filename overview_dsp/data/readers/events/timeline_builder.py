@@ -12,7 +12,7 @@ from datetime import datetime
 from overview_dsp.data.analysis.crowd_excitement import FOOTBALL_KINDS, derive_intensity
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Event, Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 DEFAULT_KIND = "event"
 """Event kind of entries that have a label only."""
@@ -152,7 +152,7 @@ def timeline_of(listed: Sequence[ListEntry], description: ListDescription) -> Ti
 
 def repeated_ids(ids: Iterable[str]) -> list[str]:
     """Return a note about repeated ids, or no note; empty ids are ignored."""
-    repeated = [shown(id_) for id_, count in Counter(ids).items() if id_ and count > 1]
+    repeated = [quoted(id_) for id_, count in Counter(ids).items() if id_ and count > 1]
     if not repeated:
         return []
     listed, more = ", ".join(repeated[:_MAX_IDS_SHOWN]), len(repeated) - _MAX_IDS_SHOWN

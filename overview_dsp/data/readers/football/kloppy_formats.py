@@ -34,7 +34,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
 )
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import require_package
 
 MAX_BYTES = 16 * 2**20
@@ -167,7 +167,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     format_ = _format_of(source)
     assert format_ is not None  # checked by `sniff`
     files = [_bytes(source)]
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         module, function, *arguments = format_.load
         kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
         if format_.companion is not None:
@@ -351,7 +351,7 @@ def _player(event: Any) -> str:
 
 def _name(value: object, of: str) -> str:
     if not isinstance(value, str):
-        raise InputError(f"the name of a {of} is {shown(value)}, not text; correct it in the file")
+        raise InputError(f"the name of a {of} is {quoted(value)}, not text; correct it in the file")
     return value
 
 

@@ -17,7 +17,7 @@ from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 GOALS = frozenset({"goal", "own_goal"})
 """Event kinds that change the score."""
@@ -163,7 +163,7 @@ def match_timeline(
         seen[key] = seen.get(key, 0) + 1
         if seen[key] > 1:  # equal rows without a name are different events
             label = f"{label} ({seen[key]})".strip()
-        with validation.located(f"{one.location}: " if one.location else ""):
+        with validation.prefix_errors(f"{one.location}: " if one.location else ""):
             events.append(Event(one.time_s, one.kind, label))
     counted = None if uncounted else (score[0], score[1])
     if counted is None:
@@ -208,8 +208,8 @@ def team_index(
         return None
     if name not in teams:
         raise InputError(
-            f"{location}: the {role} is {shown(name)}; must be one of the match's teams, "
-            f"{' and '.join(shown(team) for team in teams) or 'which have no names'}"
+            f"{location}: the {role} is {quoted(name)}; must be one of the match's teams, "
+            f"{' and '.join(quoted(team) for team in teams) or 'which have no names'}"
         )
     return list(teams).index(name)
 
@@ -289,7 +289,7 @@ def select_match(lines: Sequence[str], match: str | None, ids: Sequence[str] = (
         if number < 1000:  # a larger number may be a year
             raise InputError(f"match is {number}; must be 1 to {len(lines)}")
     if not words:
-        raise InputError(f"match is {shown(match)}; must be a number, 1 to {len(lines)}, or words")
+        raise InputError(f"match is {quoted(match)}; must be a number, 1 to {len(lines)}, or words")
     texts = [normalize_text(line) for line in lines]
     # complete words; if there are none, parts of words
     found = [i for i, text in enumerate(texts) if set(words) <= set(text.split())] or [
@@ -297,7 +297,7 @@ def select_match(lines: Sequence[str], match: str | None, ids: Sequence[str] = (
     ]
     if not found:
         raise InputError(
-            f"none of the {len(lines)} matches has {shown(match)}; select a number, 1 to "
+            f"none of the {len(lines)} matches has {quoted(match)}; select a number, 1 to "
             f"{len(lines)}, or words such as {_example(lines[-1])}; {listing}"
         )
     if len(found) > 1:
@@ -305,7 +305,7 @@ def select_match(lines: Sequence[str], match: str | None, ids: Sequence[str] = (
         if len(found) > len(first):
             first.append(f"and {len(found) - len(first)} more")
         raise InputError(
-            f"{len(found)} matches have {shown(match)} ({'; '.join(first)}); add words, or select "
+            f"{len(found)} matches have {quoted(match)} ({'; '.join(first)}); add words, or select "
             "a number"
         )
     return found[0]

@@ -35,7 +35,7 @@ from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 PROVENANCE = "events: a Metrica raw-events file"
 PENALTY_S = 30.0
@@ -77,7 +77,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes no options); the InputError contains file, line and column."""
     text = source.text  # its errors contain the path
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(text, source.stem)
 
 
@@ -118,8 +118,8 @@ def decode(text: str, default_title: str = "") -> Timeline:
     if len(teams) > 2:
         third = next(row for row in played if row.team == names[2])
         raise InputError(
-            f"{third.location}, column 'Team': {shown(names[2])} is a third team after "
-            f"{shown(names[0])} and {shown(names[1])}; the file must have one match"
+            f"{third.location}, column 'Team': {quoted(names[2])} is a third team after "
+            f"{quoted(names[0])} and {quoted(names[1])}; the file must have one match"
         )
     match_events: list[MatchEvent] = []
     ball_touches: list[BallTouch] = []

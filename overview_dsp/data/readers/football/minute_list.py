@@ -59,7 +59,7 @@ from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 COLUMNS: dict[str, tuple[str, ...]] = {
     "minute": (
@@ -188,14 +188,14 @@ def sniff(source: DataFile) -> bool:
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     text = source.text
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return _lines(_grouped(_rows(text)))
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and line."""
     text = source.text  # its errors contain the path
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(text, options.match, source.stem)
 
 
@@ -269,7 +269,7 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
     headers = rows[0].headers
     timed = headers.get("minute") or headers["clock"]
     provenance += (
-        f"; column {shown(timed)} (minutes of the match; time='{timed}:s' (--time-column) reads "
+        f"; column {quoted(timed)} (minutes of the match; time='{timed}:s' (--time-column) reads "
         "seconds)"
     )
     teams = _teams(rows)
@@ -281,7 +281,7 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
         notes.append(f"the shoot-out is omitted: {kicks} rows")
     if omitted:
         most = omitted.most_common(6)
-        counts = ", ".join(f"{count} {shown(name)[1:-1]}" for name, count in most)
+        counts = ", ".join(f"{count} {quoted(name)[1:-1]}" for name, count in most)
         more = ", ..." if len(omitted) > len(most) else ""
         notes.append(f"omitted, not a football event kind: {counts}{more}")
     if not goals_only and any(kind == "own_goal" for _, _, kind, _ in entries):

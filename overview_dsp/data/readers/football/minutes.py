@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from overview_dsp.data.readers.football.match_timeline import SHOOT_OUT, concatenate_periods
 from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.time_parsing import match_minute
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 STARTS = {1: 0, 2: 45, 3: 90, 4: 105}
 """Minute of the match clock at the start of each period."""
@@ -80,7 +80,7 @@ def check_minute(base: int, added: int | None, location: str | CellLocation) -> 
 def _error(location: str | CellLocation, value: object, note: str) -> InputError:
     if isinstance(location, CellLocation):
         return location.error(value, note)
-    return InputError(f"{location}: {shown(value)} {note}")
+    return InputError(f"{location}: {quoted(value)} {note}")
 
 
 @dataclass(frozen=True)

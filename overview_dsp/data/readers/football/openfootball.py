@@ -51,7 +51,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 PROVENANCE = (
     "goals: an openfootball file, each in the middle of its minute (within 30 s of the match clock)"
@@ -156,7 +156,7 @@ def sniff_text(source: DataFile) -> bool:
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     document = _document(source)
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return [match.line for match in _matches(document)]
 
 
@@ -169,7 +169,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         The file is invalid or has scores only. The message contains file, match and goal.
     """
     document = _document(source)
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(document, options.match, source.stem)
 
 
@@ -208,7 +208,7 @@ def decode(document: object, match: str | None = None, default_title: str = "") 
     listed = _matches(document)
     selected = listed[select_match([entry.line for entry in listed], match)]
     competition = _text(document, "name") if isinstance(document, dict) else ""
-    with validation.located(f"{selected.location}: "):
+    with validation.prefix_errors(f"{selected.location}: "):
         return _timeline(selected, competition, default_title)
 
 
@@ -267,11 +267,11 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
     if listed is None:
         return
     if not isinstance(listed, list):
-        raise InputError(f"{key} is {shown(listed)}; must be a list [...]")
+        raise InputError(f"{key} is {quoted(listed)}; must be a list [...]")
     for i, entry in enumerate(listed):
         location = f"{key}[{i}]"
         if not isinstance(entry, dict):
-            raise InputError(f"{location} is {shown(entry)}; must be an object {{...}}")
+            raise InputError(f"{location} is {quoted(entry)}; must be an object {{...}}")
         yield _minute(entry, location), entry, location
 
 
@@ -281,7 +281,7 @@ def _minute(entry: dict[str, object], location: str) -> Minute:
         minute = parse_minute(value, f"{location}.minute")
     elif type(value) is not int:
         raise InputError(
-            f"{location}.minute is {shown(value)}; must be a whole number, such as 38 or 90"
+            f"{location}.minute is {quoted(value)}; must be a whole number, such as 38 or 90"
         )
     else:
         minute = Minute(value)
@@ -289,7 +289,7 @@ def _minute(entry: dict[str, object], location: str) -> Minute:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
         if type(offset) is not int:
-            raise InputError(f"{location}.offset is {shown(offset)}; must be a number of minutes")
+            raise InputError(f"{location}.offset is {quoted(offset)}; must be a number of minutes")
         minute = Minute(minute.base, offset)
     check_minute(minute.base, minute.added, location)
     return minute
@@ -297,11 +297,11 @@ def _minute(entry: dict[str, object], location: str) -> Minute:
 
 def _matches(document: object) -> list[_Match]:
     if not isinstance(document, dict):
-        raise InputError(f"the document is {shown(document)}; must be an object {{...}}")
+        raise InputError(f"the document is {quoted(document)}; must be an object {{...}}")
     found = []
     for raw, round_name, location in _listed(document):
         if not isinstance(raw, dict):
-            raise InputError(f"{location} is {shown(raw)}; must be an object {{...}}")
+            raise InputError(f"{location} is {quoted(raw)}; must be an object {{...}}")
         found.append(_Match(raw, _text(raw, "round", round_name), location))
     return found
 

@@ -50,7 +50,7 @@ from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import Column
 from overview_dsp.data.readers.tables.time_column import as_number
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 GOOD_CHANCE_XG = 0.10
 """Minimum probability of a goal (xG) for which a missed shot is a near miss."""
@@ -94,7 +94,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); the InputError contains file and record."""
     document = source.json  # its errors contain the path
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         return decode(document, source.stem)
 
 
@@ -114,7 +114,7 @@ def sniff_table(source: DataFile) -> bool:
 def read_table(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a table of events (takes no options); the InputError contains file and event."""
     text = source.text
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         rows = [{Column.of(k).name: v for k, v in row.items()} for _, row in records(text)]
         if all(row.get("index", "").replace(".", "").isdigit() for row in rows):
             rows.sort(key=lambda row: float(row["index"]))
@@ -169,7 +169,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         A record is invalid. The message contains its number and id: `event 123 (id ...): ...`.
     """
     if not isinstance(document, list):
-        raise InputError(f"the document is {shown(document)}; must be a list of events")
+        raise InputError(f"the document is {quoted(document)}; must be a list of events")
     records = [Record.parse(raw, i) for i, raw in enumerate(document, start=1)]
     played = sorted(
         (record for record in records if record.period != SHOOT_OUT),
@@ -241,7 +241,7 @@ def _classify(
         outcome = record.named("shot", "outcome")
         if outcome is None or outcome not in _OUTCOMES:
             raise record.error(
-                f"shot.outcome.name is {shown(outcome)}; must be one of {', '.join(_OUTCOMES)}"
+                f"shot.outcome.name is {quoted(outcome)}; must be one of {', '.join(_OUTCOMES)}"
             )
         if outcome != "Goal" and not _is_near(record, outcome, on_line):
             return
@@ -263,7 +263,7 @@ def _classify(
         if card is not None:
             if card not in _CARDS:
                 raise record.error(
-                    f"{_CARD_SECTIONS[record.kind]}.card.name is {shown(card)}; must be one of "
+                    f"{_CARD_SECTIONS[record.kind]}.card.name is {quoted(card)}; must be one of "
                     f"{', '.join(_CARDS)}"
                 )
             yield _CARDS[card], team, player, "second yellow" if card == "Second Yellow" else ""
@@ -308,7 +308,7 @@ def _is_near(record: Record, outcome: str, on_line: frozenset[int]) -> bool:
     xg = record.section("shot").get("statsbomb_xg")
     if xg is None:
         return False
-    with validation.located(f"{record.location}: "):
+    with validation.prefix_errors(f"{record.location}: "):
         chance = validation.number(xg, "shot.statsbomb_xg", "must be a probability, 0 to 1")
     return chance >= GOOD_CHANCE_XG
 
@@ -374,20 +374,20 @@ class Record:
     def parse(cls, raw: object, number: int) -> Record:
         """Return the record of a JSON object; the InputError contains its number."""
         if not isinstance(raw, dict):
-            raise InputError(f"event {number}: is {shown(raw)}; must be an object {{...}}")
+            raise InputError(f"event {number}: is {quoted(raw)}; must be an object {{...}}")
         id_, period, kind = raw.get("id"), raw.get("period"), _name(raw, "type")
         team, player = _name(raw, "team") or "", _name(raw, "player") or ""
         id_ = id_ if isinstance(id_, str) else ""
         record = cls(number, raw, id_, kind or "", team, player, 0, 0)
         if type(period) is not int or not 1 <= period <= SHOOT_OUT:
-            raise record.error(f"period is {shown(period)}; must be 1 to {SHOOT_OUT}")
+            raise record.error(f"period is {quoted(period)}; must be 1 to {SHOOT_OUT}")
         if kind is None:
             raise record.error("type.name is missing; must be the event type, such as 'Shot'")
         written = raw.get("timestamp")
         clock = _CLOCK.fullmatch(written) if isinstance(written, str) else None
         if clock is None:
             raise record.error(
-                f"timestamp is {shown(written)}; must be the time in the period, hh:mm:ss.sss"
+                f"timestamp is {quoted(written)}; must be the time in the period, hh:mm:ss.sss"
             )
         seconds = int(clock[1]) * 3600 + int(clock[2]) * 60 + int(clock[3])
         clock_us = seconds * 1_000_000 + int((clock[4] or "").ljust(6, "0"))
@@ -396,7 +396,7 @@ class Record:
     @property
     def location(self) -> str:
         """Position in the file, for error messages and notes."""
-        id_ = f" (id {shown(self.id)[1:-1]})" if self.id else ""
+        id_ = f" (id {quoted(self.id)[1:-1]})" if self.id else ""
         return f"event {self.number}{id_}"
 
     def error(self, problem: str) -> InputError:
@@ -409,7 +409,7 @@ class Record:
         if value is None:
             return {}
         if not isinstance(value, dict):
-            raise self.error(f"{key} is {shown(value)}; must be an object {{...}}")
+            raise self.error(f"{key} is {quoted(value)}; must be an object {{...}}")
         return value
 
     def named(self, section: str, key: str) -> str | None:
@@ -425,7 +425,7 @@ class Record:
             return None
         name = _name(part, key)
         if name is None:
-            raise self.error(f"{section}.{key} is {shown(part[key])}; must have a name")
+            raise self.error(f"{section}.{key} is {quoted(part[key])}; must have a name")
         return name
 
     @property

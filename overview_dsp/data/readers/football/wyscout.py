@@ -44,7 +44,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
 )
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 PROVENANCE = "events: a Wyscout v2 event file"
 SAME_GOAL_S = 10.0
@@ -84,12 +84,12 @@ class _Event:
     @classmethod
     def parse(cls, raw: object, location: str) -> _Event:
         if not isinstance(raw, dict):
-            raise InputError(f"{location}: is {shown(raw)}; must be an object {{...}}")
-        with validation.located(f"{location}: "):
+            raise InputError(f"{location}: is {quoted(raw)}; must be an object {{...}}")
+        with validation.prefix_errors(f"{location}: "):
             period = raw.get("matchPeriod")
             if not isinstance(period, str) or period not in _PERIODS:
                 raise InputError(
-                    f"matchPeriod is {shown(period)}; must be one of {', '.join(_PERIODS)}"
+                    f"matchPeriod is {quoted(period)}; must be one of {', '.join(_PERIODS)}"
                 )
             hint = f"must be the time in the period, 0 to {MAX_PERIOD_S:g} s"
             sec = validation.number(raw.get("eventSec"), "eventSec", hint)
@@ -118,7 +118,7 @@ def sniff(source: DataFile) -> bool:
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     document = source.json
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         grouped = _grouped(document)
         found, _ = companions(source, frozenset(grouped))
         return _lines(list(grouped), found)
@@ -127,7 +127,7 @@ def matches(source: DataFile) -> list[str]:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and event."""
     document = source.json  # its errors contain the path
-    with validation.located(f"{source.where}: "):
+    with validation.prefix_errors(f"{source.where}: "):
         grouped = _grouped(document)
         ids = list(grouped)
         found, notes = companions(source, frozenset(ids))
@@ -436,7 +436,7 @@ def _companion(raw: object) -> tuple[str, Companion] | None:
         return None
     home, away = (_goals(sides[team]) for team in ordered)
     score = (home, away) if home is not None and away is not None else None
-    return shown(id_).strip("'"), Companion(teams, score, day)
+    return quoted(id_).strip("'"), Companion(teams, score, day)
 
 
 def _goals(side: dict[str, object]) -> int | None:

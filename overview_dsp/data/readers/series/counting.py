@@ -25,7 +25,7 @@ from overview_dsp.data.readers.tables.column_roles import choose_time
 from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.model import Intensity, Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_ROWS = 500_000_000
 """Maximum number of rows; their times take 8 bytes each in a temporary file."""
@@ -100,7 +100,7 @@ def _span(option: str) -> tuple[str, float] | None:
     seconds = curve_maps.span_s(text)
     if seconds is None:
         raise InputError(
-            f"map count:{shown(text)}: give a window as a time (count:6h; s, min, h, d, w, y)"
+            f"map count:{quoted(text)}: give a window as a time (count:6h; s, min, h, d, w, y)"
         )
     return text, seconds
 
@@ -177,7 +177,7 @@ def _timeline(
     ]
     if reader.skipped:
         notes.append(f"{reader.skipped} rows without a time aren't counted")
-    names = " and ".join(shown(table.columns[i].header) for i in reader.choice.columns)
+    names = " and ".join(quoted(table.columns[i].header) for i in reader.choice.columns)
     return Timeline(
         title=title,
         duration_s=duration_s,

@@ -41,7 +41,7 @@ from overview_dsp.data.readers.tables.table import (
     headers_of,
     split_column_option,
 )
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 HEAD_ROWS = 500
 
@@ -172,7 +172,7 @@ def requested_value_type(option: str | None, columns: Columns) -> tuple[str | No
         return name or None, kind
     if name != option and name.lower() in headers_of(columns):
         raise InputError(
-            f"value {shown(option)}: {shown(kind)} is not a type of value; "
+            f"value {quoted(option)}: {quoted(kind)} is not a type of value; "
             f"allowed: {', '.join(KINDS)}"
         )
     return option, None
@@ -212,12 +212,12 @@ def detect_value_type(
             return _with_note("share", column, "a close in a table of prices and volume")
         ticker = next((s for s in reversed(symbols) if _TICKER.fullmatch(s)), None)
         if ticker is not None:
-            return _with_note("share", column, f"a close of {shown(ticker)}")
+            return _with_note("share", column, f"a close of {quoted(ticker)}")
     return _with_note("price", column, why)
 
 
 def _with_note(kind: str, column: Column, why: str) -> ValueType:
-    header = shown(column.header)
+    header = quoted(column.header)
     other = "price" if kind == "share" else "share"
     what = "the price of a share" if kind == "share" else "a price"
     splits = "are" if kind == "share" else "aren't"

@@ -12,7 +12,7 @@ from overview_dsp.data.readers.tables.cells import NumberColumn
 from overview_dsp.data.readers.tables.column_roles import TimeChoice
 from overview_dsp.data.readers.tables.table import CellLocation, Table, cell_locator
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 Rows = NDArray[np.float64]
 """Rows with a time, shape (2 + columns, n): row number from 1, seconds, and the value of each
@@ -96,10 +96,10 @@ def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
                     yield chunk.number(i), cell.strip()
 
     name, row = settle_order(texts())
-    header = shown(column.header)
+    header = quoted(column.header)
     if not name:
         raise InputError(
-            f"column {header}: {shown(example)} may be day/month or month/day, no row shows "
+            f"column {header}: {quoted(example)} may be day/month or month/day, no row shows "
             f"which; choose with time (--time-column): '{column.header}:dmy' or "
             f"'{column.header}:mdy'"
         )

@@ -50,7 +50,7 @@ from overview_dsp.data.timeline.curve_points import Points
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import LONG
 from overview_dsp.data.timeline.model import Intensity, Timeline
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 LONG_ROWS = 2_000_000
 """Tables with more rows are streamed."""
@@ -131,7 +131,7 @@ class SampleScan:
         for index, values, absent in zip(self.plan.columns, block[2:], self._missing, strict=True):
             if absent is not None:
                 many = f"{np.count_nonzero(values == absent)} " if self.in_one_block else ""
-                header = shown(self.plan.table.columns[index].header)
+                header = quoted(self.plan.table.columns[index].header)
                 self.notes.append(f"{many}values of {absent:g} in column {header} count as missing")
         value = self._column(block, 0)
         if self.in_one_block and np.isnan(value).all():
@@ -158,7 +158,7 @@ class SampleScan:
             raise InputError("the times span more than 30 million years; check their unit")
 
     def _no_value(self) -> InputError:
-        header = shown(self.plan.value_column.header)
+        header = quoted(self.plan.value_column.header)
         return InputError(f"column {header} has no value in any row; name another")
 
     def _column(self, block: Rows, i: int) -> Floats:
@@ -288,7 +288,7 @@ class SampleScan:
         gaps, duration_s = tuple(self.gaps), max(self._last_s, curve.last_s)
         events, event_notes = find_events(series, duration_s)
         is_level = plan.map.name == "level" and not self.in_one_block
-        names = " and ".join(shown(plan.table.columns[i].header) for i in plan.time.columns)
+        names = " and ".join(quoted(plan.table.columns[i].header) for i in plan.time.columns)
         times = f"over {names} ({plan.time.format.description})" if names else "evenly spaced"
         return Timeline(
             title=": ".join(filter(None, (title, column.name))),
@@ -297,7 +297,7 @@ class SampleScan:
             intensity=curve,
             gaps=gaps,
             provenance=(
-                f"a {plan.table.kind} table, column {shown(column.header)} {times}; events by rule"
+                f"a {plan.table.kind} table, column {quoted(column.header)} {times}; events by rule"
             ),
             notes=(*plan.notes, *self.notes, *self._closing_notes(curve), *event_notes),
             start=self.start,
@@ -320,7 +320,7 @@ class SampleScan:
             low, high = curve.scale_outside(tuple(self.gaps))
         else:
             low, high = curve.scale(np.ones(curve.count, np.bool_))
-        words = self.plan.map.description(shown(self.plan.mapped_column.header))
+        words = self.plan.map.description(quoted(self.plan.mapped_column.header))
         yield (
             f"friction follows {words}: 0 at {value_text(low, curve.unit)} and 1 at "
             f"{value_text(high, curve.unit)} (percentiles {PERCENTILES[0]:g} and "
@@ -399,7 +399,7 @@ def _split_notes(
         return []
     adjusted = price_columns(plan.table.columns).get("adjusted")
     if adjusted is not None:
-        header = shown(plan.table.columns[adjusted].header)
+        header = quoted(plan.table.columns[adjusted].header)
         advice = f"select the adjusted column {header} with value (--value-column)"
     else:
         advice = "the table has no adjusted column; use a file with adjusted prices"
@@ -413,7 +413,7 @@ def _split_notes(
         )
     more = f" and {len(splits) - 6} more" if len(splits) > 6 else ""
     return [
-        f"column {shown(plan.value_column.header)} isn't adjusted for share splits: "
+        f"column {quoted(plan.value_column.header)} isn't adjusted for share splits: "
         f"{', '.join(examples)}{more}; steps are corrected for them, but the level jumps: {advice}"
     ]
 

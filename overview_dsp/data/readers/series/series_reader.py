@@ -40,7 +40,7 @@ def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, Load
                 "are read; keep fewer columns or rows, or raise the limit with max_mb "
                 "(--read max-mb=MB)"
             )
-        with validation.located(f"{source.where}: "):
+        with validation.prefix_errors(f"{source.where}: "):
             return series_timeline(open_table(source), options, source.stem)
 
     return read

@@ -31,7 +31,7 @@ from overview_dsp.data.readers.tables.table import (
     Table,
     require_few_columns,
 )
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import install_command
 
 MAGIC = b"\x93NUMPY"
@@ -106,7 +106,7 @@ def open_npz(source: DataFile) -> ColumnTable:
             for member in archive.infolist():
                 with archive.open(member) as stream:
                     name = member.filename.removesuffix(".npy")
-                    with validation.located(f"{shown(name)}: "):
+                    with validation.prefix_errors(f"{quoted(name)}: "):
                         shape, fortran, dtype = _header(stream)
                         size = dtype.itemsize * math.prod(shape)
                         limit -= size

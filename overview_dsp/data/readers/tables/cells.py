@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.readers.tables.table import CellLocation, Cells
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
-from overview_dsp.errors import shown
+from overview_dsp.errors import quoted
 
 _CURRENCIES = "$€£¥₹₽₩"
 _MULTIPLIERS = {"k": 1e3, "K": 1e3, "M": 1e6, "B": 1e9, "bn": 1e9, "T": 1e12}
@@ -147,7 +147,7 @@ class NumberColumn:
         elif unit and unit != self.unit:
             raise locate(i).error(
                 cell,
-                f"is in {shown(unit)}, cells before it in {shown(self.unit)}; give one unit for "
+                f"is in {quoted(unit)}, cells before it in {quoted(self.unit)}; give one unit for "
                 "the column",
             )
         return value

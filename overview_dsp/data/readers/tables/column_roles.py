@@ -35,7 +35,7 @@ from overview_dsp.data.readers.tables.time_column import (
     requested_format,
 )
 from overview_dsp.data.timeline.time_parsing import moment
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
 _PRICE_OF = re.compile(r"Close [A-Z0-9.^=-]{1,12}")
@@ -128,7 +128,7 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
             return parts
     notes = _form_notes(form)
     if columns[index].plain not in column_names.SERIES_TIMES:
-        notes = (*notes, f"times are taken from column {shown(columns[index].header)}")
+        notes = (*notes, f"times are taken from column {quoted(columns[index].header)}")
     return TimeChoice((index,), form, "", notes)
 
 
@@ -136,7 +136,7 @@ def _require_column(columns: Columns, name: str, what: str) -> int:
     """Return the index of a named column; InputError lists the columns."""
     index = column_named(columns, name)
     if index is None:
-        raise InputError(f"no column {shown(name)} for the {what}; columns are {listed(columns)}")
+        raise InputError(f"no column {quoted(name)} for the {what}; columns are {listed(columns)}")
     return index
 
 
@@ -145,13 +145,13 @@ def _form_of(column: Column, cells: Sequence[Any], written: str, is_requested: b
     if written:
         return Format(written)
     form = detected_format(column, cells)
-    header = shown(column.header)
+    header = quoted(column.header)
     if form is None and is_requested and looks_numeric(cells):
         form = Format("s", f"the numbers of column {header} are read as seconds")
     if form is None:
         first = next((cell for cell in cells if not is_missing(cell)), None)
         raise InputError(
-            f"column {header} holds {shown(first) if first is not None else 'no values'}, which "
+            f"column {header} holds {quoted(first) if first is not None else 'no values'}, which "
             "isn't a time in any known way; name another column, or say how times are written "
             "with time (--time-column COLUMN:FORMAT)"
         )
@@ -289,7 +289,7 @@ def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
     texts = ["-".join(_whole(cell) for cell in row) for row in rows]
     if not texts or any(moment(text, "iso") is None for text in texts):
         return None
-    joined = " and ".join(shown(columns[i].header) for i in found)
+    joined = " and ".join(quoted(columns[i].header) for i in found)
     return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))
 
 
@@ -339,7 +339,7 @@ def choose_value(
         why = "the close adjusted for splits and dividends" if adjusted else "the last price"
         return (
             numeric[price],
-            f"the value is column {shown(offered[price].header)}, {why} in a table of "
+            f"the value is column {quoted(offered[price].header)}, {why} in a table of "
             f"prices; others can be named: {listed(offered)}",
         )
     series = [
@@ -354,7 +354,7 @@ def choose_value(
     offered = [columns[i] for i in series]
     raise InputError(
         f"which column is the value? {len(series)} hold numbers: {listed(offered)}; name one "
-        f"with value (--value-column), such as {shown(offered[0].header)}"
+        f"with value (--value-column), such as {quoted(offered[0].header)}"
     )
 
 

@@ -30,7 +30,7 @@ from overview_dsp.data.readers.tables.table import (
     listed,
 )
 from overview_dsp.data.readers.tables.time_column import TimeColumn, detected_format
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 MAX_GROUPS = 5_000
 """Maximum number of series that a column may distinguish."""
@@ -60,7 +60,7 @@ class OneGroup(Table):
         self.kind, self.row_word = table.kind, table.row_word
         self.columns: tuple[Column, ...] = table.columns
         self._only = {i: text for i, text in texts.items() if text != ALL}
-        named = [f"{shown(self.columns[i].header)} is {shown(t)}" for i, t in self._only.items()]
+        named = [f"{quoted(self.columns[i].header)} is {quoted(t)}" for i, t in self._only.items()]
         note = f"the rows whose column {' and '.join(named)}" if named else "all rows as one series"
         self.notes = (*table.notes, note)
 
@@ -128,12 +128,12 @@ def _found(table: Table, option: str, columns: Sequence[int], text: str) -> dict
                     found.setdefault(i, one)
     if len(found) > 1:
         raise InputError(
-            f"match {shown(option)}: columns {listed([table.columns[i] for i in found])} contain "
+            f"match {quoted(option)}: columns {listed([table.columns[i] for i in found])} contain "
             f"this text; give match (--select) as 'COLUMN={text}'"
         )
     if not found:
         there = f"; texts are {', '.join(examples)}" if examples else ""
-        raise InputError(f"match {shown(option)}: no row contains this text{there}")
+        raise InputError(f"match {quoted(option)}: no row contains this text{there}")
     return found
 
 
@@ -147,14 +147,14 @@ def group_options(table: Table, group: str) -> dict[str, str]:
     """
     columns = [column_named(table.columns, name) for name in group.split(",")]
     if None in columns:
-        raise InputError(f"group {shown(group)}: no such column; columns are "
+        raise InputError(f"group {quoted(group)}: no such column; columns are "
                          f"{listed(table.columns)}")  # fmt: skip
     found = [i for i in columns if i is not None]
     rows: dict[tuple[str, ...], None] = {}
     for chunk in table.chunks(found):
         rows |= dict.fromkeys(zip(*map(as_list, chunk.cells), strict=True))
         if len(rows) > MAX_GROUPS:
-            raise InputError(f"group {shown(group)}: more than {MAX_GROUPS} series")
+            raise InputError(f"group {quoted(group)}: more than {MAX_GROUPS} series")
     known = dict.fromkeys(tuple(map(_text, row)) for row in rows if None not in row)
     # "m", which stands for a missing number, is a text here
     return {", ".join(texts): _option(table, found, texts) for texts in known if all(texts)}
@@ -208,16 +208,16 @@ def require_single_series(
         return
     combined = list(dict.fromkeys(zip(*(codes[i].tolist() for i in keys), strict=True)))
     texts = [[names[i][code] for i, code in zip(keys, row, strict=True)] for row in combined]
-    examples = ", ".join(shown(", ".join(text)) for text in texts[:_SHOWN])
+    examples = ", ".join(quoted(", ".join(text)) for text in texts[:_SHOWN])
     more = f" and {len(texts) - _SHOWN} more" if len(texts) > _SHOWN else ""
     headers = [table.columns[i].header for i in keys]
-    column = f"column{'s' * (len(keys) > 1)} {' and '.join(map(shown, headers))}"
+    column = f"column{'s' * (len(keys) > 1)} {' and '.join(map(quoted, headers))}"
     chosen = _option(table, (*selected, *keys), (*selected.values(), *texts[0]))
-    joined = "" if distinct else f", or {shown(headers[0] + '=*')} for all rows as one series"
+    joined = "" if distinct else f", or {quoted(headers[0] + '=*')} for all rows as one series"
     raise InputError(
         f"{column} distinguish{'es' * (len(keys) == 1)} {len(texts)} series ({examples}{more}); "
-        f"choose one with match (--select {shown(chosen)}{joined}), or convert each with --group "
-        f"{shown(', '.join(headers))} (ov.load_timelines)"
+        f"choose one with match (--select {quoted(chosen)}{joined}), or convert each with --group "
+        f"{quoted(', '.join(headers))} (ov.load_timelines)"
     )
 
 

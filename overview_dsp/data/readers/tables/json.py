@@ -39,7 +39,7 @@ from overview_dsp.data.readers.tables.table import (
     single_cells,
 )
 from overview_dsp.data.timeline.time_parsing import FORMS, moment
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 
 def sniff(source: DataFile) -> bool:
@@ -139,7 +139,7 @@ def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterato
     if found is not None:
         units = found.units or units
         columns = tuple(Column.of(n, units.get(n, "")) for n in _spelled_out(found.names))
-        notes = (f"the table is at {shown(path)}",) if path else ()
+        notes = (f"the table is at {quoted(path)}",) if path else ()
         yield ColumnTable("JSON", columns, found.rows, found.cut, "record", notes)
     if depth >= MAX_DEPTH:
         return

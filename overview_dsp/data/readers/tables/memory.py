@@ -29,7 +29,7 @@ from overview_dsp.data.readers.tables.table import (
 )
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import install_command
 
 
@@ -94,7 +94,7 @@ def table_of(data: Any, times: Any = None) -> ColumnTable:
         columns = [("time", time_columns[0][1]), *((h, c) for h, c in columns if h != "time")]
     lengths = {header: len(column.cells) for header, column in columns}
     if len(set(lengths.values())) > 1:
-        uneven = ", ".join(f"{shown(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
+        uneven = ", ".join(f"{quoted(h)} {n}" for h, n in itertools.islice(lengths.items(), 6))
         raise InputError(f"columns of different lengths ({uneven}); give one value per row")
     return ColumnTable(
         kind,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 CHUNK_ROWS = 65_536
 """Rows read at a time: some 10 MB as text cells, whatever the file's size."""
@@ -142,11 +142,11 @@ class CellLocation:
 
     def __str__(self) -> str:
         row = f"{self.word} {self.line}"
-        return f"{row}, column {shown(self.column)}" if self.column else row
+        return f"{row}, column {quoted(self.column)}" if self.column else row
 
     def error(self, value: object, note: str) -> InputError:
         """Return the error for a wrong value; `note` states the problem."""
-        words = f"{self}: {shown(value)} {note}"
+        words = f"{self}: {quoted(value)} {note}"
         return InputError(words, line=self.line, column=self.column, value=value, note=note)
 
     def missing(self, note: str) -> InputError:
@@ -257,14 +257,14 @@ def column_named(columns: Columns, name: str) -> int | None:
                 return found[0]
             if found:
                 raise InputError(
-                    f"{len(found)} columns are called {shown(name)}; rename one in the file"
+                    f"{len(found)} columns are called {quoted(name)}; rename one in the file"
                 )
     return None
 
 
 def listed(columns: Columns, limit: int = 12) -> str:
     """Return the headers of columns, quoted, for a message."""
-    names = [shown(column.header) for column in columns[:limit]]
+    names = [quoted(column.header) for column in columns[:limit]]
     more = len(columns) - limit
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
 

@@ -36,7 +36,7 @@ from overview_dsp.data.timeline.time_parsing import (
     day_clock_s,
     moment,
 )
-from overview_dsp.errors import InputError, shown
+from overview_dsp.errors import InputError, quoted
 
 EPOCHS = {"epoch": NS, "epoch_ms": 1_000_000, "epoch_us": 1_000, "epoch_ns": 1}
 """Units of time since 1970-01-01T00:00Z, in ns."""
@@ -116,7 +116,7 @@ def requested_format(option: str | None, columns: Columns) -> tuple[str | None, 
     name, written = split_column_option(option, columns)
     if name != option and written not in FORMATS:
         raise InputError(
-            f"time {shown(option)}: {shown(written)} is not a format of times; "
+            f"time {quoted(option)}: {quoted(written)} is not a format of times; "
             f"allowed: {', '.join(FORMATS)}"
         )
     return name if name or not option else None, written
@@ -167,7 +167,7 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
         return None
     if not (of_day and running) or any(text.count(":") > 1 for text in texts):
         return Format(form)
-    example = shown(texts[0])
+    example = quoted(texts[0])
     as_read = "hours:minutes" if form == "hhmm" else "minutes:seconds"
     return Format(
         form,
