@@ -59,7 +59,7 @@ class Served:
         for one in list(self.web._server.server_state.connections):
             one.loop.call_soon_threadsafe(one.transport.abort)
 
-    def until(self, condition, seconds: float = 5.0) -> None:
+    def until(self, condition, seconds: float = 30.0) -> None:
         """Wait for a condition on the engine's meters."""
         end = time.monotonic() + seconds
         while not condition(self.player.engine.meters):
