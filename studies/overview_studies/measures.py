@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_studies.adaptive import Run
+from overview_studies.adaptive import Run, quest_table
 from overview_studies.answers import Answers
 from overview_studies.scales import Scale, scale_of
 from overview_studies.scoring import likeness
@@ -250,6 +250,8 @@ def run_threshold(scale: Scale, step: dict[str, Any], responses: Mapping[str, Ro
             reversals.append(at)
     if step["quest"] is not None:
         steps, at_mean = scale.steps(step["levels"]), run.posterior_mean
+        if step["quest"] != quest_table(steps, 0.5 if step["method"] == "2afc" else 0.0):
+            steps = np.arange(last + 1.0)  # lists of version 0.2.0 count the levels
         if run.trial < step["most"]:
             return f"{run.trial} of {step['most']} trials"
         if not steps[0] <= at_mean <= steps[-1]:

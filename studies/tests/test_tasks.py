@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from overview_studies.adaptive import Run
+from overview_studies.adaptive import Run, quest_table
 from overview_studies.analysis import analyse
 from overview_studies.observers import Observers, simulate_answers
 from overview_studies.report import methods_text, summary
@@ -103,8 +103,6 @@ def test_two_tracks_take_turns_and_end_each_by_itself(tmp_path):
 
 def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path):
     step = adaptive_step(tmp_path, "quest", "standard = 2.0\nmax_trials = 120")
-    from overview_studies.adaptive import quest_table
-
     step = {**step, "levels": list(range(20)), "stimuli": ["x"] * 20}
     step["quest"] = quest_table(np.arange(20.0), 0.5)
     step["catch"], step["sides"], step["most"] = [False] * 120, [0] * 120, 120
@@ -182,6 +180,33 @@ def test_the_point_of_equality_is_the_standard_on_any_scale(tmp_path, standard, 
     assert jnd == pytest.approx(expected, rel=0.1)
     assert found.line("jnd").unit == ("ratio of levels" if standard != 20.0 else
                                       "of the varied dimension")  # fmt: skip
+
+
+def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
+    """QUEST+ tables were made of the indices of levels, whatever their distances."""
+    from overview_studies.measures import run_threshold
+    from overview_studies.scales import scale_of
+
+    text = varying("quest", "standard = 2.0\nmax_trials = 60").replace(
+        "[2.0, 4.0, 8.0, 16.0, 32.0]", "[2.0, 3.0, 4.0, 20.0, 21.0]"
+    )
+    study, lists = study_of(tmp_path, text)
+    step = next(one for one in lists[1]["steps"] if one["type"] == "adaptive")
+    old = {**step, "quest": quest_table(np.arange(4.0), 0.5)}
+    found = {}
+    for name, one in (("new", step), ("old", old)):
+        run, responses = Run(one), {}
+        while not run.over:
+            right = run.level >= 2
+            side = one["sides"][run.trial]
+            responses[f"{one['id']}-{run.trial + 1:03d}"] = {
+                "response": side if right else 1 - side
+            }
+            run.record(right)
+        found[name] = run_threshold(scale_of(study), one, responses)
+        steps = scale_of(study).steps(one["levels"]) if name == "new" else np.arange(4.0)
+        assert found[name] == pytest.approx(np.interp(run.posterior_mean, steps, one["levels"]))
+    assert found["new"] != found["old"]
 
 
 def test_the_scale_is_that_of_the_parameter_or_of_the_levels():
