@@ -39,7 +39,12 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         return tomllib.loads(text)
     # ValueError: not TOML, or an integer with thousands of digits
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not TOML: {error}") from None
+        reason, place = str(error), re.search(r" \(at line (\d+), column (\d+)\)$", str(error))
+        if place is None:
+            raise InputError(f"{source}: not TOML: {reason}") from None
+        remedy = "; remove one of the two" if "overwrite" in reason else ""
+        reason = f"{reason[: place.start()]}, before column {place[2]}{remedy}"
+        raise InputError(f"{source}:{place[1]}: not TOML: {reason}") from None
 
 
 @contextmanager

@@ -36,6 +36,8 @@ consent = { version = "1", text = "I take part." }
     ("line", "mistake", "key", "remedy"),
     [
         ("participants = 8", 'participants = "eight"', "participants", "a whole number"),
+        ("seed = 7", "seed = 7,", "not TOML", "before column 9"),
+        ("seed = 7", "seed = 7\nseed = 8", "not TOML", "remove one of the two"),
         ("[phases]", "[phase]", "phase", "did you mean 'phases'"),
         ("catch = 0.2", "cath = 0.2", "phases.cath", "did you mean 'catch'"),
         ('name = "identify"', 'name = "identity"', "task.name", "'identify', 'locate'"),

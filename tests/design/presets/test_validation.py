@@ -226,7 +226,7 @@ def test_a_seventh_mode_is_refused():
 
 
 def test_what_is_not_toml_names_the_line():
-    refused(SMALL.replace("inertia = 2e-5", "inertia 2e-5"), "not TOML", "line 6")
+    refused(SMALL.replace("inertia = 2e-5", "inertia 2e-5"), ":6: not TOML", "column")
 
 
 @pytest.mark.parametrize(
