@@ -40,7 +40,7 @@ NOTES = (
     (13.5, 17.0, "the disk sticks on a goal, on a spring to your finger ahead of it  →"),
     (84.0, 17.0, "←  your mouse or arrow keys"),
     (9.0, 20.0, "what was felt and heard in the last seconds  →"),
-    (75.0, 22.0, "←  now: the pull, and where the disk is"),
+    (75.0, 22.0, "←  now: the pull, and the moment"),
     (46.0, 23.0, "←  for the ear"),
     (46.0, 24.0, "←  for the finger: a vibration"),
 )
