@@ -192,3 +192,12 @@ def test_linear_renders_without_the_angle_map(folder, match, football):
     linear = football.with_value("surface.angle_map", 0.0)
     assert np.array_equal(samples, ov.render(match, linear, ov.sweep(0.2), 8000).samples)
     assert not np.array_equal(samples, ov.render(match, football, ov.sweep(0.2), 8000).samples)
+
+
+def test_rows_that_are_no_football_events_are_noted(folder):
+    (folder / "match.csv").write_text(
+        "minute,event\n8,Foul by Smith on Jones\n17,streaker\n30,Yellow card\n88,Red card Smith\n"
+    )
+    outcome = overview("render", "match.csv", *QUICK, "-o", "match.wav")
+    assert outcome.code == 0, outcome.err
+    assert "note: omitted, not a football event kind: 1 streaker" in outcome.err

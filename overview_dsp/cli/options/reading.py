@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import overview_dsp as ov
-from overview_dsp.cli.common import progress_bar, protect_inputs
+from overview_dsp.cli.common import note, progress_bar, protect_inputs
 from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
@@ -127,8 +127,14 @@ def preset_for(timeline: Timeline, preset: str | None) -> str:
 
 
 def open_window(path: str, reading: Reading, window: Window) -> Timeline:
-    """Load a timeline, and return its selected window or all of it; InputError."""
+    """Load a timeline, and return its selected window or all of it; InputError.
+
+    Events that the reader left out are noted.
+    """
     whole = open_timeline(path, reading)
+    for line in whole.notes:
+        if line.startswith("omitted"):
+            note(line)
     limits = window.of(whole)
     return whole if limits is None else whole.window(*limits)
 
