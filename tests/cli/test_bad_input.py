@@ -99,8 +99,7 @@ def test_a_bad_preset_gives_a_one_line_error_that_names_file_line_key_and_range(
 ):
     (folder / "mine.toml").write_text(PRESET.replace(before, after), encoding="utf-8")
     number = 1 + PRESET.splitlines().index(before)
-    place = f"mine.toml:{number}:" if "TOML" not in words[0] else f"line {number}"
-    refused(render(folder, MATCH, "--preset", "mine.toml"), place, *words)
+    refused(render(folder, MATCH, "--preset", "mine.toml"), f"mine.toml:{number}:", *words)
 
 
 def test_an_unknown_preset_gives_a_one_line_error_with_the_nearest(folder):
