@@ -59,7 +59,7 @@ def command(
     replay = controls.replay or ""
     path = replay.removesuffix(LOOP)
     movement = read_gesture(path) if path else None
-    sources = parse_sources(controls.input, controls.smooth)
+    sources = parse_sources(controls.input)
     with ExitStack() as stack:
         data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         block = {"default_block": FORCE_BLOCK} if sources.force else {}

@@ -2,7 +2,7 @@
 
 They form a fixed table, so a request can't reach any other file of the machine. Scripts and style
 are those of `bundle/`, which `tools/bundle_page.py` makes of `*.js` and `site/`. The other files
-come from `site/` unchanged.
+come from `site/`.
 """
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ def page_files() -> dict[str, bytes]:
     files = {name: file for name, file in files.items() if not name.endswith((".js", ".css"))}
     for suffix in ("js", "css"):
         files |= {file.name: file.read_bytes() for file in (WEB / "bundle").glob(f"*.{suffix}")}
+    files[START] = re.sub(rb"(?m)^ +", b"", files[START])  # browsers collapse the indentation
     files[KERNEL_DEFLATED] = zlib.compress((WEB / "kernel.wasm").read_bytes(), 9)
     return dict(sorted(files.items()))
 

@@ -97,9 +97,9 @@ def _thinned(
             kept += [index[values.argmin()], index[values.argmax()]]
     at_events = [one.time_s for one in timeline.events if start_s <= one.time_s <= end_s]
     at = np.concatenate((np.linspace(start_s, end_s, MAX_POINTS // 2), at_events))
-    for start_s, end_s in timeline.gaps:  # the nearest points are those at its ends
-        inside = (at > start_s) & (at < end_s)
-        at[inside] = np.where(at[inside] - start_s <= end_s - at[inside], start_s, end_s)
+    for gap_start, gap_end in timeline.gaps:  # the nearest points are those at its ends
+        inside = (at > gap_start) & (at < gap_end)
+        at[inside] = np.where(at[inside] - gap_start <= gap_end - at[inside], gap_start, gap_end)
     after = points.first_from(at).clip(first + 1, last - 1)
     left, right = points.times_of(after - 1), points.times_of(after)
     nearest = np.where(at - left <= right - at, after - 1, after)

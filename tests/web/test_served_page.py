@@ -199,6 +199,32 @@ def test_a_served_page_sounds_by_itself_from_its_first_window_on(
         assert wrong == []
 
 
+def test_a_page_reads_out_its_own_place_until_another_takes_the_hosts_disk(match, chromium):
+    with (
+        served(match) as server,
+        page_of(server, chromium) as (one, wrong),
+        page_of(server, chromium) as (other, _),
+    ):
+        for tab in (one, other):
+            connected(tab)
+        one.mouse.move(*at(one, 0.1))
+        one.mouse.down()
+        one.mouse.move(*at(one, 0.63), steps=10)
+        until(one, "p.cursor > 0.5")
+        until(other, "p.reading > 0.5")  # which has not moved it: the disk's
+        one.mouse.up()
+        until(one, "p.cursor < 0.01 && p.wasFree")
+        assert abs(one.evaluate("overview.reading") - 0.63) < 0.01
+        moment = one.evaluate("overview.moment")
+        assert one.evaluate("overview.currentEvent?.time_s ?? overview.moment") == moment
+        other.mouse.move(*at(other, 0.3))
+        other.mouse.down()
+        until(one, "Math.abs(p.reading - 0.3) < 0.02")
+        other.mouse.up()
+        until(one, "p.reading < 0.01")
+        assert wrong == []
+
+
 def film_at(folder):
     """A recording of 20 s."""
     film = folder / "match.wav"

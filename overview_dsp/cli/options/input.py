@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
@@ -27,8 +27,8 @@ PARTS: dict[str, tuple[str, ...]] = {
     "http": ("sensor",),
     "post": ("sensor",),
     "ble": ("sensor",),
-    "osc": ("map",),
-    "midi": ("map",),
+    "osc": ("map", "smooth"),
+    "midi": ("map", "smooth"),
 }
 """Allowed settings after the port, for each kind of device."""
 
@@ -54,15 +54,9 @@ class Controls:
     input: tuple[str, ...] = option(
         "Input: serial:PORT[,sensor=NAME][,baud=N][,force]; pad: (DualSense, Joy-Con); "
         "http://PHONE:8080 (phyphox); post:PORT (Sensor Logger); ble:NAME; "
-        "osc:[HOST:]PORT[,map=NAME]; midi:NAME[,map=FILE]; - (lines of theta2, touching); a "
-        "gesture or take. May be repeated.",
+        "osc:[HOST:]PORT[,map=NAME]; midi:NAME[,map=FILE], both [,smooth=MS]; - (lines of "
+        "theta2, touching); a gesture or take. May be repeated.",
         metavar="SOURCE",
-    )
-    smooth: float = option(
-        "Delay that makes OSC and MIDI movements more even, ms.  [default: 0, the next block]",
-        default=0.0,
-        metavar="MS",
-        show_default=False,
     )
     osc_out: str | None = option("Send cursor, torque and events as OSC.", metavar="[HOST:]PORT")
     replay: str | None = option(
@@ -121,20 +115,18 @@ class Sources:
         return next(iter(inputs.values()), None)
 
 
-def parse_sources(sources: tuple[str, ...], smooth_ms: float = 0.0) -> Sources:
-    """Parse the sources of --input; nothing is opened. `smooth_ms` is that of --smooth.
+def parse_sources(sources: tuple[str, ...]) -> Sources:
+    """Parse the sources of --input; nothing is opened.
 
     Raises
     ------
     InputError
         An unknown source or setting, or two sources of one kind.
     """
-    if not 0.0 <= smooth_ms <= MAX_SMOOTH_MS:
-        raise InputError(f"--smooth is {smooth_ms:g}; must be 0 to {MAX_SMOOTH_MS:g} (ms)")
     openers: dict[str, Callable[[str, str, dict[str, str]], Callable[[Player], Input]]] = {
         "serial": _serial,
-        "osc": partial(_osc, smooth_s=1e-3 * smooth_ms),
-        "midi": partial(_midi, smooth_s=1e-3 * smooth_ms),
+        "osc": _osc,
+        "midi": _midi,
     }
     found = Sources({})
     for source in sources:
@@ -238,9 +230,19 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
 
 
-def _osc(
-    kind: str, where: str, parts: dict[str, str], smooth_s: float
-) -> Callable[[Player], Input]:
+def _smooth_s(source: str, parts: dict[str, str]) -> float:
+    """Return the delay that makes movements more even, s; 0: they apply in the next block."""
+    text = parts.get("smooth", "0")
+    try:
+        smooth_ms = float(text)
+    except ValueError:
+        smooth_ms = math.nan
+    if not 0.0 <= smooth_ms <= MAX_SMOOTH_MS:
+        raise InputError(f"--input {source}: smooth={text}; must be 0 to {MAX_SMOOTH_MS:g} (ms)")
+    return 1e-3 * smooth_ms
+
+
+def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import load_osc_map
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.osc_messages import OscReader
@@ -248,6 +250,7 @@ def _osc(
     from overview_dsp.live.ports.osc import OscPort, parse_address
 
     parse_address(where)
+    smooth_s = _smooth_s(f"{kind}:{where}", parts)
     controls = load_osc_map(parts["map"]) if "map" in parts else ()
 
     def reader(counters: Counters) -> Reader:
@@ -264,9 +267,7 @@ def _osc(
     )
 
 
-def _midi(
-    kind: str, where: str, parts: dict[str, str], smooth_s: float
-) -> Callable[[Player], Input]:
+def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import DEFAULT, load_map
     from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.midi_messages import MidiReader
@@ -275,6 +276,7 @@ def _midi(
     from overview_dsp.live.ports.midi import MidiPort
 
     controls = load_map(parts["map"]) if "map" in parts else DEFAULT
+    smooth_s = _smooth_s(f"{kind}:{where}", parts)
 
     def reader(counters: Counters) -> Reader:
         return MidiReader(controls, counters)

@@ -1,5 +1,5 @@
-// Moving parts of the picture: line and dot of the finger, ring and needle of the disk. They are elements that the
-// browser's compositor moves without painting.
+// Moving parts of the picture: line and dot of the finger, ring and needle of the disk. They are
+// elements that the browser's compositor moves without painting.
 
 import { byId } from "./dom.js";
 import { angleOf } from "./geometry.js";

@@ -2,7 +2,7 @@
 
 import { showAbout } from "./about.js";
 import { readAddress } from "./address.js";
-import { positionAt } from "./angle_map.js";
+import { positionAt, secondsAt } from "./angle_map.js";
 import { Announcer } from "./announcer.js";
 import { byId } from "./dom.js";
 import { Frames } from "./frames.js";
@@ -70,6 +70,7 @@ export class Page {
     /** @type {DiskState | null} */
     this.meters = null;
     this.cursor = 0;
+    this.isOwn = this.wasFree = false; // whether this page moved a host's disk last, and it was released
     this.gain = 1; // of the setting
     /** @type {AllValues | null} */
     this.allValues = null;
@@ -117,7 +118,7 @@ export class Page {
   }
 
   get moment() {
-    return this.viewState.moment;
+    return secondsAt(this.view, this.reading);
   }
 
   get film() {
@@ -130,12 +131,12 @@ export class Page {
 
   /** The event at which the input is, or was released. */
   get currentEvent() {
-    return eventAt(this.view, this.position);
+    return eventAt(this.view, this.reading);
   }
 
-  /** The position that is read out; where others move a host's disk, the disk's. */
+  /** The position that is read out; of a host's disk that others moved last, the disk's. */
   get reading() {
-    return this.atHost && this.input.active === null ? this.cursor : this.viewState.reading;
+    return this.atHost && !this.isOwn ? this.cursor : this.viewState.reading;
   }
 
   /**
@@ -306,6 +307,9 @@ export class Page {
   update(state) {
     const before = this.cursor;
     this.meters = state;
+    if (this.input.active !== null) [this.isOwn, this.wasFree] = [true, false];
+    else if (!state.touching) this.wasFree = true;
+    else if (this.wasFree) this.isOwn = false;
     // the disk may overrun an end slightly
     this.cursor = Math.min(Math.max(state.cursor, 0), 1);
     this.picture.trace.push(state.torque, state.newStrikes);

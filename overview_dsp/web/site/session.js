@@ -9,8 +9,8 @@ export async function openSession() {
   const fields = location.hash.slice(1).split("&");
   const given = new URLSearchParams(location.hash.slice(1)).get("token");
   if (!given) return;
+  await request("session", { method: "POST", headers: { Authorization: `Bearer ${given}` } });
   token = given;
-  await request("session", { method: "POST", headers: { Authorization: `Bearer ${token}` } });
   const rest = fields.filter((one) => !one.startsWith("token=")).join("&");
   history.replaceState(null, "", location.pathname + (rest ? `#${rest}` : ""));
 }
