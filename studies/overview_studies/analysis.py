@@ -155,10 +155,16 @@ def _mean_of(values: Sequence[float], measure: str) -> Estimate:
 
     Those at a limit of the levels are not a random part of all: a mean without them would be wrong.
     """
+    return mean_interval(values) if _suffices(values, measure) else _no_estimate(values)
+
+
+def _suffices(values: Sequence[float], measure: str) -> bool:
     lacking = sum(math.isnan(value) for value in values)
-    if measure in LEVELS | DISTANCES and lacking > MOST_MISSING * len(values):
-        return Estimate(math.nan, math.nan, math.nan, len(values) - lacking)
-    return mean_interval(values)
+    return measure not in LEVELS | DISTANCES or lacking <= MOST_MISSING * len(values)
+
+
+def _no_estimate(values: Sequence[float]) -> Estimate:
+    return Estimate(math.nan, math.nan, math.nan, sum(map(math.isfinite, values)))
 
 
 def _estimate(
@@ -244,7 +250,13 @@ def _differences(
                 if factor["kind"] == "within":
                     estimate = _mean_of([group[code] - first[code] for code in both], measure)
                 else:
-                    estimate = difference_interval(list(first.values()), list(group.values()))
+                    both_groups = [*first.values(), *group.values()]
+                    known = all(_suffices(list(one.values()), measure) for one in (first, group))
+                    estimate = (
+                        difference_interval(list(first.values()), list(group.values()))
+                        if known
+                        else _no_estimate(both_groups)
+                    )
                 if estimate.participants:
                     condition = ((name, f"{level} - {factor['levels'][0]}"),)
                     estimates.append(_estimate(scale, measure, condition, estimate, True))

@@ -100,9 +100,11 @@ class Answers:
     simulated: bool = False
 
     def __post_init__(self) -> None:
-        if self.simulated and not self.study["title"].startswith(MARK):
-            title, name = f"{MARK}: {self.study['title']}", f"{MARK}-{self.study['name']}"
-            object.__setattr__(self, "study", {**self.study, "title": title, "name": name})
+        title, name = self.study["title"], self.study["name"]
+        is_marked = title.startswith(f"{MARK}: ") and name.startswith(f"{MARK}-")
+        if self.simulated and not is_marked:
+            marked = {"title": f"{MARK}: {title}", "name": f"{MARK}-{name}"}
+            object.__setattr__(self, "study", {**self.study, **marked})
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -158,6 +158,21 @@ def test_who_feels_the_lowest_level_has_no_threshold(tmp_path, task, more, d, st
     assert found.missing[0].participant in methods_text(found)
 
 
+def test_a_group_at_the_lowest_level_has_no_difference_from_another(tmp_path):
+    text = varying("staircase", "standard = 2.0\nreversals = 12").replace(
+        "[2.0, 4.0, 8.0, 16.0, 32.0]", HALVES
+    )
+    text += '[factors]\nmapping = { between = ["friction", "static"] }\n'
+    weak = Observers(0.35, effects={("mapping", "static"): -0.23})
+    found = analysed(tmp_path, text, 80, weak)
+    assert 10 < len(found.missing) < 40  # those who have a threshold with friction felt less
+    assert math.isnan(found.line("threshold", mapping="friction").estimate.mean)
+    assert math.isfinite(found.line("threshold", mapping="static").estimate.mean)
+    (difference,) = [one for one in found.differences if one.measure == "threshold"]
+    assert math.isnan(difference.estimate.mean)
+    assert "no estimate" in methods_text(found)
+
+
 @pytest.mark.parametrize(("standard", "levels"), [
     (8.0, "[2.0, 4.0, 8.0, 16.0, 32.0]"), (10.0, "[2.5, 5.0, 10.0, 20.0, 40.0, 80.0]"),
     (20.0, "[10.0, 15.0, 20.0, 25.0, 30.0]"),
