@@ -1,7 +1,8 @@
 /* A rotary encoder turns the timeline: 40 counts for the whole of it, or the number in the sensor's
 file ([encoder] counts; `overview sensor setup` measures it).
 
-Wiring   common to GND, A to pin 2, B to pin 3 (pins with interrupts; ESP32: any), no resistors
+Wiring   common to GND, A and B to the pins below (Uno, Nano, Pico, Teensy: 2 and 3; ESP32: 18 and
+         19; ESP32-S3: 4 and 5), no resistors; all boards: docs/guide/boards.md
 Flash    Arduino IDE: open this folder's encoder.ino, choose board and port, upload
 Play     overview play MATCH --input serial:PORT
 Prints on reset
@@ -10,7 +11,15 @@ Prints on reset
          0
 */
 
-const int A = 2, B = 3;
+#if defined(CONFIG_IDF_TARGET_ESP32)  // 2 and 3 start the chip and its serial port; 6 to 11 are its flash
+const int A = 18, B = 19;
+#elif defined(ESP32)  // S3, C3
+const int A = 4, B = 5;
+#elif defined(ESP8266)
+const int A = 14, B = 12;  // D5, D6
+#else
+const int A = 2, B = 3;  // an Uno's pins with interrupts
+#endif
 const int RATE_HZ = 200;
 
 volatile long count = 0;

@@ -1,11 +1,13 @@
 /* An inertial sensor in the hand: turned from face up to face down, it plays the timeline. Finds an
-MPU-6050, an LSM6DS3 or a BNO055 by itself and sends checked frames, 200 a second.
+MPU-6050 (or its kin and copies: MPU-6500, MPU-9250, ICM-20689), an LSM6DS3 or a BNO055 by itself and
+sends checked frames, 200 a second.
 
-Wiring   SDA to SDA (Uno, Nano: A4), SCL to SCL (A5), GND to GND, VIN to 5V (bare chips: 3V3)
+Wiring   SDA to SDA (Uno, Nano: A4), SCL to SCL (A5), GND to GND, VIN to 5V (bare chips: 3V3);
+         other boards: docs/guide/boards.md
          x points from the wrist to the fingers, z out of the face; mounted differently, run
          `overview sensor setup PORT -o mine.toml` once
 Flash    Arduino IDE: open this folder's imu.ino, choose board and port, upload
-Play     overview play MATCH --input serial:PORT          (with pip install 'overview-dsp[sensors]')
+Play     overview play MATCH --input serial:PORT          (with pip install '.[sensors]')
 Prints on reset
          # overview imu 1: MPU-6050, frames, 200 a second
      or  # overview imu 1: no sensor answers; looks again     (each second: check SDA and SCL)
@@ -19,20 +21,13 @@ const int RATE_HZ = 200;
 
 enum Chip { NONE, MPU6050, LSM6DS3, BNO055 };
 
-struct Kind {
-  Chip chip;
-  uint8_t address, identity, answer;  // on the bus; register of the identity, and its value
-};
-
-const Kind KINDS[] = {
-    {MPU6050, 0x68, 0x75, 0x68}, {MPU6050, 0x69, 0x75, 0x68}, {LSM6DS3, 0x6A, 0x0F, 0x69},
-    {LSM6DS3, 0x6B, 0x0F, 0x69}, {LSM6DS3, 0x6A, 0x0F, 0x6A}, {LSM6DS3, 0x6B, 0x0F, 0x6A},
-    {LSM6DS3, 0x6A, 0x0F, 0x6C}, {LSM6DS3, 0x6B, 0x0F, 0x6C}, {BNO055, 0x28, 0x00, 0xA0},
-    {BNO055, 0x29, 0x00, 0xA0},
-};
+// boards sold as MPU-6050 carry any of these, with the same registers: WHO_AM_I of the MPU-6050,
+// MPU-6500, MPU-9250, a copy, MPU-9255, ICM-20689
+const uint8_t MPUS[] = {0x68, 0x70, 0x71, 0x72, 0x73, 0x98};
+const uint8_t LSMS[] = {0x69, 0x6A, 0x6C};  // LSM6DS3, LSM6DS3TR-C and LSM6DSL, LSM6DSO and LSM6DSOX
 
 Chip chip = NONE;
-uint8_t address;
+uint8_t address, identity;
 
 void writeRegister(uint8_t number, uint8_t value) {
   Wire.beginTransmission(address);
@@ -50,11 +45,20 @@ bool readRegisters(uint8_t number, uint8_t *data, uint8_t count) {
   return true;
 }
 
+bool answers(uint8_t at, uint8_t number, const uint8_t *known, uint8_t count) {
+  address = at;
+  if (!readRegisters(number, &identity, 1)) return false;
+  for (uint8_t i = 0; i < count; i++)
+    if (identity == known[i]) return true;
+  return false;
+}
+
 Chip found() {
-  uint8_t answer;
-  for (unsigned i = 0; i < sizeof KINDS / sizeof *KINDS; i++) {
-    address = KINDS[i].address;
-    if (readRegisters(KINDS[i].identity, &answer, 1) && answer == KINDS[i].answer) return KINDS[i].chip;
+  const uint8_t bno = 0xA0;
+  for (uint8_t second = 0; second < 2; second++) {  // each chip has two addresses
+    if (answers(0x68 + second, 0x75, MPUS, sizeof MPUS)) return MPU6050;
+    if (answers(0x6A + second, 0x0F, LSMS, sizeof LSMS)) return LSM6DS3;
+    if (answers(0x28 + second, 0x00, &bno, 1)) return BNO055;
   }
   return NONE;
 }
@@ -66,6 +70,7 @@ void begin() {  // 16 g and 2000 deg/s, filtered below 100 Hz
     writeRegister(0x19, 0x04);  // 1 kHz / 5
     writeRegister(0x1B, 0x18);
     writeRegister(0x1C, 0x18);
+    if (identity != 0x68) writeRegister(0x1D, 0x02);  // these filter the acceleration apart
   } else if (chip == LSM6DS3) {
     writeRegister(0x12, 0x44);  // no half-written samples, register addresses count up
     writeRegister(0x10, 0x54);  // 208 Hz
@@ -111,7 +116,13 @@ bool sample(int16_t values[6]) {  // 1/2048 g, 1/16.384 deg/s
 
 void setup() {
   Serial.begin(115200);
+#if defined(CONFIG_IDF_TARGET_ESP32)
+  Wire.begin(21, 22);
+#elif defined(ESP32)  // S3, C3
+  Wire.begin(8, 9);
+#else
   Wire.begin();
+#endif
   Wire.setClock(400000);
 }
 

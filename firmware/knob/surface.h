@@ -249,6 +249,12 @@ static inline void knob_begin(Knob *k, float shaft) {
     k->origin = k->shaft = shaft;
 }
 
+/* End the torque at once; it rises again from 0 while the host sends frames. */
+static inline void knob_release(Knob *k) {
+    k->level = 0.0f;
+    knob_rest(k);
+}
+
 /* Raise the level of the torque while the host sends frames and plays; else lower it to 0. */
 static void knob_watch(Knob *k) {
     int alive = k->silent < KNOB_SILENT && k->disk_id && k->active_id && k->playing &&
@@ -364,7 +370,7 @@ static void knob_take_use(Knob *k, const uint8_t *payload) {
     k->active_id = payload[1];
 }
 
-static void knob_take(Knob *k, const uint8_t *payload, int count) {
+static int knob_take(Knob *k, const uint8_t *payload, int count) {
     if (payload[0] == KNOB_ALIVE && count == 2)
         k->playing = payload[1];
     else if (payload[0] == KNOB_DISK && count == 3 + (int)sizeof(KnobDisk))
@@ -374,34 +380,35 @@ static void knob_take(Knob *k, const uint8_t *payload, int count) {
     else if (payload[0] == KNOB_USE && count == 4 + (int)sizeof(KnobTable))
         knob_take_use(k, payload);
     else
-        return;
+        return 0;
     k->silent = 0;
+    return 1;
 }
 
-/* Take a byte from the host. */
-static inline void knob_receive(Knob *k, uint8_t byte) {
+/* Take a byte from the host; return 1 if it ended a frame that was understood. */
+static inline int knob_receive(Knob *k, uint8_t byte) {
     uint8_t *frame = k->frame;
     int count = k->length, at, next;
     uint16_t crc;
     if (byte) {
         if (k->length < KNOB_LONGEST) frame[k->length++] = byte;
-        return;
+        return 0;
     }
     k->length = 0;
-    if (!count) return;
+    if (!count) return 0;
     count -= 3;
     crc = count > 1 ? knob_crc(frame, count) : 0;
     if (count < 2 || frame[count] != (0x80 | (crc & 0x7F)) ||
         frame[count + 1] != (0x80 | (crc >> 7 & 0x7F)) || frame[count + 2] != (0x80 | crc >> 14)) {
         k->refused++;
-        return;
+        return 0;
     }
     for (at = 0; at < count; at = next) { /* COBS: put a zero in place of each distance */
         next = at + frame[at];
-        if (next > count) return;
+        if (next > count) return 0;
         frame[at] = 0;
     }
-    knob_take(k, frame + 1, count - 1);
+    return knob_take(k, frame + 1, count - 1);
 }
 
 static void knob_put(uint8_t *out, uint32_t value, int bytes) {

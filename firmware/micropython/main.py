@@ -1,8 +1,8 @@
 # A sensor for overView DSP on a board with MicroPython: Pico, ESP32, Pyboard, micro:bit.
 #
-# Wiring   MPU-6050: SDA and SCL (Pico: GP4 and GP5), 3V3, GND. Without one, a potentiometer: its
-#          ends to 3V3 and GND, the wiper to the first analogue pin (Pico: GP26; ESP32: 34). A
-#          micro:bit needs nothing: it has an accelerometer.
+# Wiring   MPU-6050: 3V3, GND, and SDA and SCL to the pins of PINS below. Without one, a
+#          potentiometer: its ends to 3V3 and GND, the wiper to the third pin. A micro:bit needs
+#          nothing: it has an accelerometer; hold it with its pins towards the wrist.
 # Flash    copy this file to the board as main.py (Thonny, or mpremote cp main.py :)
 # Play     overview play MATCH --input serial:PORT
 # Prints on reset
@@ -10,13 +10,18 @@
 #          ax,ay,az,gx,gy,gz
 #          0.05,-0.02,9.79,0.001,0.000,-0.002
 
+import sys
+
 try:
     from utime import sleep_ms, ticks_ms
 except ImportError:
     from time import sleep_ms, ticks_ms
 
 RATE_HZ = 100
-SDA, SCL, ANALOGUE = 4, 5, 26
+# SDA, SCL and wiper by sys.platform: Pico; ESP32 (8 and 9 on an S3 and C3; never 6 to 11 of an
+# ESP32, which are its flash); Pyboard
+PINS = {"rp2": (4, 5, 26), "esp32": (21, 22, 34), "esp32s3": (8, 9, 4), "esp32c3": (8, 9, 4),
+        "pyboard": ("X10", "X9", "X19")}  # fmt: skip
 ADDRESS = 0x68
 
 
@@ -42,17 +47,28 @@ def found():
     try:
         from microbit import accelerometer
 
-        return "micro:bit", "ax,ay,az", lambda: ",".join(map(str, accelerometer.get_values()))
+        # gravity's direction: x to the right, y to the pins, z out of the face (face up: -1024);
+        # printed is the opposite, with x to the fingers and y to the left
+        def read():
+            x, y, z = accelerometer.get_values()
+            return "{},{},{}".format(y, x, -z)
+
+        return "micro:bit", "ax,ay,az", read
     except ImportError:
         import machine
+    board = sys.platform
+    for chip in ("s3", "c3"):
+        if chip in getattr(sys.implementation, "_machine", "").lower():
+            board += chip
+    sda, scl, wiper = PINS.get(board, PINS["rp2"])
     try:
-        i2c = machine.I2C(0, sda=machine.Pin(SDA), scl=machine.Pin(SCL), freq=400000)
+        i2c = machine.I2C(0, sda=machine.Pin(sda), scl=machine.Pin(scl), freq=400000)
         if ADDRESS in i2c.scan():
             return mpu6050(i2c)
     except (OSError, ValueError, TypeError):  # the board has no such pins
         pass
-    wiper = machine.ADC(machine.Pin(ANALOGUE))
-    return "potentiometer", "pot", lambda: str(wiper.read_u16() >> 6)
+    adc = machine.ADC(machine.Pin(wiper))
+    return "potentiometer", "pot", lambda: str(adc.read_u16() >> 6)
 
 
 def run(name, columns, read):

@@ -1,6 +1,7 @@
 /* A potentiometer turns the timeline.
 
 Wiring   one end to GND, the other to 5V (to 3V3 on a board that runs on 3.3 V), the wiper to A0
+         (ESP32: 34, ESP32-S3: 4); all boards: docs/guide/boards.md
 Flash    Arduino IDE: open this folder's pot.ino, choose board and port, upload
 Play     overview play MATCH --input serial:PORT
 Prints on reset
@@ -9,7 +10,13 @@ Prints on reset
          512
 */
 
+#if defined(CONFIG_IDF_TARGET_ESP32)
+const int WIPER = 34;
+#elif defined(ESP32)  // S3, C3
+const int WIPER = 4;
+#else
 const int WIPER = A0;
+#endif
 const int RATE_HZ = 200;
 
 void setup() {

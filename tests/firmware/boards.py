@@ -69,9 +69,28 @@ def sketch(core: Path, source: Path, built: Path) -> Path:
     return built
 
 
+KITS = ("pot", "encoder", "imu")
+
+
+def ready(core: Path, name: str, folder: Path) -> str:
+    """The program of a sketch for an Uno or a Nano, as it is uploaded (Intel HEX)."""
+    built = sketch(core, FIRMWARE / name / f"{name}.ino", folder / f"{name}.elf")
+    run("avr-objcopy", "-O", "ihex", "-R", ".eeprom", built, folder / f"{name}.hex")
+    return (folder / f"{name}.hex").read_text().replace("\r\n", "\n")
+
+
 def emulated_uno(folder: Path) -> Path:
     """`uno.c`, compiled."""
     program = folder / "uno"
     run("gcc", "-O2", "-Wall", HERE / "uno.c", "-o", program, "-I/usr/include/simavr", "-lsimavr",
         "-lelf", "-lm", "-lutil")  # fmt: skip
     return program
+
+
+if __name__ == "__main__":
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as made:
+        built_core = arduino_core(Path(made))
+        for kit in KITS:
+            (FIRMWARE / kit / "uno.hex").write_text(ready(built_core, kit, Path(made)))

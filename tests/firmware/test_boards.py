@@ -29,7 +29,11 @@ from tests.live.priority import urgently
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="needs a pseudo-terminal")
 GUIDES = boards.ROOT / "docs" / "guide"
 PLAY = [sys.executable, "-m", "overview_dsp", "play", "world-cup-final-2018", "--device", "none"]
-KITS = {"pot": ("pot",), "encoder": ("encoder",), "imu": ("mpu6050", "lsm6ds3", "bno055")}
+KITS = {
+    "pot": ("pot",),
+    "encoder": ("encoder",),
+    "imu": ("mpu6050", "mpu6500", "mpu9250", "icm20689", "clone72", "lsm6ds3", "bno055"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +59,15 @@ def test_each_sketch_of_the_kit_is_built_for_an_uno(core, tmp_path, name):
     assert data + bss < 1_500
 
 
+@pytest.mark.parametrize("name", KITS)
+def test_the_ready_program_for_an_uno_is_that_of_the_sketch(core, tmp_path, name):
+    version = run("avr-gcc", "-dumpversion").stdout.strip()
+    if version != "5.4.0":
+        pytest.skip(f"needs avr-gcc 5.4.0, which made them; here is {version}")
+    same = (FIRMWARE / name / "uno.hex").read_text() == boards.ready(core, name, tmp_path)
+    assert same, "run python -m tests.firmware.boards"
+
+
 def test_the_sketch_of_the_guide_is_built_for_an_uno(core, tmp_path):
     (text,) = re.findall(r"```cpp\n(.*?)```", (GUIDES / "sensors.md").read_text("utf-8"), re.S)
     source = tmp_path / "guide.ino"
@@ -74,14 +87,29 @@ def test_what_an_emulated_uno_sends_is_understood_and_followed(core, uno, tmp_pa
         pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
     source = FIRMWARE / name / f"{name}.ino"
     built = sketch(core, source, tmp_path / "board.elf")
-    said = run(uno, built, "-", 11, sensor, 2, timeout=240).stdout
-    sent = [
-        (float(time_s), float(turned), bytes.fromhex(byte))
-        for time_s, turned, byte in re.findall(r"^([\d.]+) ([\d.]+) ([0-9a-f]{2})$", said, re.M)
-    ]
+    sent = emulated(uno, built, sensor)
     first = b"".join(byte for *_, byte in sent[:200]).split(b"\r\n")[0].decode()
     chip = {"lsm6ds3": "LSM6DS3", "bno055": "BNO055"}.get(sensor, "MPU-6050")
     assert first == reset_line(source).replace("MPU-6050", chip)
+    reader, off = followed(sent, 175.0 if name == "imu" else 180.0)
+    counters = reader.counters
+    print(sensor, len(off), max(off), counters)
+    assert len(off) > 1700
+    assert (counters.damaged, counters.lost, counters.implausible) == (0, 0, 0)
+    assert max(off) < OFF_DEG[name]
+
+
+def emulated(uno, built, sensor):
+    """What a board sends in 11 s: time (s), the hand's turn (0 to 1), and a byte."""
+    said = run(uno, built, "-", 11, sensor, 2, timeout=240).stdout
+    return [
+        (float(time_s), float(turned), bytes.fromhex(byte))
+        for time_s, turned, byte in re.findall(r"^([\d.]+) ([\d.]+) ([0-9a-f]{2})$", said, re.M)
+    ]
+
+
+def followed(sent, whole):
+    """A source that reads it, and how far its theta2 is from the hand (deg) at each sample."""
     reader = SensorSource(Sensor(), TouchRules.of(ov.load_preset("football")))
     off = []
     data, since = b"", 0.0
@@ -89,17 +117,32 @@ def test_what_an_emulated_uno_sends_is_understood_and_followed(core, uno, tmp_pa
         data, since = data + byte, since if data else turned
         if then - time_s < 5e-4:  # the same sample goes on
             continue
-        before = reader.turn
+        before = reader.angle
         reader.feed(data, time_s)
         data = b""
-        if reader.turn is not before:
-            hand = since * (175.0 if name == "imu" else 180.0)
-            off.append(abs(math.degrees(reader.turn.theta2) - hand))
-    counters = reader.counters
-    print(sensor, len(off), max(off), counters)
-    assert len(off) > 1700
-    assert (counters.damaged, counters.lost, counters.implausible) == (0, 0, 0)
-    assert max(off) < OFF_DEG[name]
+        if reader.angle is not before:
+            off.append(abs(math.degrees(reader.angle.theta2) - since * whole))
+    return reader, off
+
+
+@pytest.mark.parametrize(
+    ("sensor", "line"),
+    [("mpu6050", "writeRegister(0x6B, 0x01);"), ("icm20689", "writeRegister(0x6B, 0x01);"),
+     ("mpu6500", "writeRegister(0x1C, 0x18);"), ("lsm6ds3", "writeRegister(0x10, 0x54);"),
+     ("bno055", "writeRegister(0x3D, 0x05);")],
+)  # fmt: skip
+def test_a_sketch_that_leaves_a_chip_asleep_or_in_another_range_is_not_followed(
+    core, uno, tmp_path, sensor, line
+):
+    pytest.importorskip("vqf", reason="needs vqf: pip install '.[sensors]'")
+    text = (FIRMWARE / "imu" / "imu.ino").read_text("utf-8")
+    assert line in text
+    (tmp_path / "imu.ino").write_text(text.replace(line, ""))
+    (tmp_path / "frame.h").write_text((FIRMWARE / "imu" / "frame.h").read_text("utf-8"))
+    built = sketch(core, tmp_path / "imu.ino", tmp_path / "board.elf")
+    reader, off = followed(emulated(uno, built, sensor), 175.0)
+    assert not off
+    assert any("gravity" in said for said in reader.take_messages())
 
 
 def reset_line(path):

@@ -31,6 +31,7 @@ struct {
   void write(uint8_t) {}
   void write(const uint8_t *data, int count) { while (count--) printf("%02x", *data++); puts(""); }
 } Serial;
+struct { void setClock(unsigned long) {} } Wire;
 enum { AS5048_I2C };
 enum class MotionControlType { torque, velocity };
 struct MagneticSensorI2C { MagneticSensorI2C(int) {} void init() {} };

@@ -1,6 +1,6 @@
 /* An Arduino Uno in simavr on a pseudo-terminal, its sensor in a hand.
 
-    uno FIRMWARE.elf LINK SECONDS pot|encoder|mpu6050|lsm6ds3|bno055 REST_S
+    uno FIRMWARE.elf LINK SECONDS pot|encoder|mpu6050|mpu6500|mpu9250|icm20689|clone72|lsm6ds3|bno055 REST_S
 
 The hand rests for REST_S, then turns from one end of the timeline to the other in 3 s, stays for 3 s,
 turns back and stays, again and again. The emulated time goes with the clock's; prints bytes sent and lost on the way at the end. With `-` for
@@ -85,43 +85,88 @@ static void turn_encoder(void) {
                       STATES[((at % 4) + 4) % 4] >> pin & 1);
 }
 
-/* --- an inertial sensor on the two-wire bus ---------------------------------------------------- */
+/* --- an inertial sensor on the two-wire bus ----------------------------------------------------
 
-static uint8_t chosen, number;
+Registers hold what is written to them, and decide what is measured: asleep, powered down or in its
+configuration mode a chip measures nothing; the range sets the size of the numbers and their limit. */
+
+static const struct {
+    const char *kind;
+    uint8_t identity, power; /* WHO_AM_I (0x75), PWR_MGMT_1 (0x6B) after a reset: 0x40 is asleep */
+} MPUS[] = {{"mpu6050", 0x68, 0x40}, {"mpu6500", 0x70, 0x01}, {"mpu9250", 0x71, 0x01},
+            {"icm20689", 0x98, 0x41}, {"clone72", 0x72, 0x40}};
+
+static uint8_t chosen, number, memory[2][256]; /* the second page is the BNO055's */
 static int written;
 
-static void put(uint8_t *at, double value, int big) {
-    int16_t whole = (int16_t)fmax(-32768, fmin(32767, lround(value) + noise()));
+static int is(const char *name) { return !strcmp(kind, name); }
+static int is_mpu(void) { return !is("lsm6ds3") && !is("bno055"); }
+static uint8_t page(void) { return is("bno055") ? memory[0][0x07] & 1 : 0; }
+
+static void reset_sensor(void) {
+    for (unsigned i = 0; i < sizeof MPUS / sizeof *MPUS; i++)
+        if (is(MPUS[i].kind)) {
+            memory[0][0x75] = MPUS[i].identity;
+            memory[0][0x6B] = MPUS[i].power;
+        }
+    if (is("lsm6ds3")) {
+        memory[0][0x0F] = 0x69;
+        memory[0][0x12] = 0x04; /* register addresses count up */
+    } else if (is("bno055")) {
+        memory[0][0x00] = 0xA0;
+        memory[0][0x3B] = 0x80; /* m/s2 */
+        memory[1][0x08] = 0x0D; /* 4 g */
+        memory[1][0x0A] = 0x38; /* 2000 deg/s */
+    }
+}
+
+static void put(uint8_t *at, double value, double limit, int big) {
+    value = fmax(-limit, fmin(limit, value)) + noise();
+    int16_t whole = (int16_t)fmax(-32768, fmin(32767, lround(value)));
     at[big] = (uint8_t)whole;
     at[!big] = (uint8_t)(whole >> 8);
 }
 
-static uint8_t registers(uint8_t at) {
-    static uint8_t all[256];
+static void measure(uint8_t at) {
+    static const double LSM_G[4] = {2, 16, 4, 8}, LSM_DEG_S[4] = {250, 500, 1000, 2000};
+    uint8_t *all = memory[0];
     double angle = M_PI * 175.0 / 180.0 * turned();
-    double speed = 175.0 * (turned() - turned_at(seconds() - 1e-3)) / 1e-3; /* deg/s */
+    double speed[3] = {175.0 * (turned() - turned_at(seconds() - 1e-3)) / 1e-3, 0, 0}; /* deg/s */
     double g[3] = {0.0, sin(angle), cos(angle)};
-    if (!strcmp(kind, "mpu6050")) {
-        all[0x75] = 0x68;
-        if (at == 0x3B)
-            for (int i = 0; i < 3; i++) {
-                put(all + 0x3B + 2 * i, 2048.0 * g[i], 1);
-                put(all + 0x43 + 2 * i, i ? 0.0 : 16.4 * speed, 1);
-            }
-    } else if (!strcmp(kind, "lsm6ds3")) {
-        all[0x0F] = 0x69;
-        for (int i = 0; i < 3; i++) {
-            if (at == 0x28) put(all + 0x28 + 2 * i, g[i] / 0.488e-3, 0);
-            if (at == 0x22) put(all + 0x22 + 2 * i, i ? 0.0 : speed / 0.070, 0);
-        }
-    } else {
-        all[0x00] = 0xA0;
-        for (int i = 0; i < 3; i++) {
-            if (at == 0x08) put(all + 0x08 + 2 * i, 1000.0 * g[i], 0);
-            if (at == 0x14) put(all + 0x14 + 2 * i, i ? 0.0 : 16.0 * speed, 0);
+    for (int i = 0; i < 3; i++) {
+        if (is_mpu()) {
+            if (at != 0x3B || all[0x6B] & 0x40) return;
+            put(all + 0x3B + 2 * i, 16384.0 / (1 << (all[0x1C] >> 3 & 3)) * g[i], 32767, 1);
+            put(all + 0x43 + 2 * i, 131.0 / (1 << (all[0x1B] >> 3 & 3)) * speed[i], 32767, 1);
+        } else if (is("lsm6ds3")) {
+            double full = LSM_G[all[0x10] >> 2 & 3], fast = LSM_DEG_S[all[0x11] >> 2 & 3];
+            if (at == 0x28 && all[0x10] >> 4)
+                put(all + 0x28 + 2 * i, g[i] / (full * 0.0305e-3), 32767, 0);
+            if (at == 0x22 && all[0x11] >> 4)
+                put(all + 0x22 + 2 * i, speed[i] / (fast * 35e-6), 32767, 0);
+        } else {
+            uint8_t mode = all[0x3D] & 15;
+            double full = 2 << (memory[1][0x08] & 3), unit = all[0x3B] & 1 ? 1000.0 : 980.665;
+            double fast = 2000.0 / (1 << (memory[1][0x0A] & 7));
+            if (at == 0x08 && mode) put(all + 0x08 + 2 * i, unit * g[i], unit * full, 0);
+            if (at == 0x14 && (mode == 3 || mode >= 5))
+                put(all + 0x14 + 2 * i, 16.0 * speed[i], 16.0 * fast, 0);
         }
     }
-    return all[at];
+}
+
+static void write_register(uint8_t value) {
+    int configured = is("bno055") && memory[0][0x3D] & 15; /* then only the mode can be written */
+    if (!configured || number == 0x3D || number == 0x07) memory[number == 0x07 ? 0 : page()][number] = value;
+    number++;
+}
+
+static uint8_t registers(void) {
+    uint8_t value;
+    if (!page()) measure(number);
+    value = memory[number == 0x07 ? 0 : page()][number];
+    if (!is("lsm6ds3") || memory[0][0x12] & 0x04) number++;
+    return value;
 }
 
 static void answer(uint8_t message, uint8_t data) {
@@ -130,7 +175,7 @@ static void answer(uint8_t message, uint8_t data) {
 }
 
 static void on_bus(struct avr_irq_t *irq, uint32_t value, void *param) {
-    uint8_t address = !strcmp(kind, "mpu6050") ? 0x68 : !strcmp(kind, "lsm6ds3") ? 0x6A : 0x28;
+    uint8_t address = is_mpu() ? 0x68 : is("lsm6ds3") ? 0x6A : 0x28;
     avr_twi_msg_irq_t said;
     (void)irq, (void)param;
     said.u.v = value;
@@ -143,9 +188,10 @@ static void on_bus(struct avr_irq_t *irq, uint32_t value, void *param) {
     if (!chosen) return;
     if (said.u.twi.msg & TWI_COND_WRITE) {
         if (!written++) number = said.u.twi.data;
+        else write_register(said.u.twi.data);
         answer(TWI_COND_ACK, 1);
     }
-    if (said.u.twi.msg & TWI_COND_READ) answer(TWI_COND_READ, registers(number++));
+    if (said.u.twi.msg & TWI_COND_READ) answer(TWI_COND_READ, registers());
 }
 
 /* --- the board --------------------------------------------------------------------------------- */
@@ -179,6 +225,7 @@ int main(int count, char **words) {
     if (count != 6 || elf_read_firmware(words[1], &firmware)) return 2;
     kind = words[4];
     rest = atof(words[5]);
+    reset_sensor();
     if (strcmp(words[2], "-") && !open_terminal(words[2])) return 3;
     signal(SIGTERM, stop);
     signal(SIGINT, stop);
