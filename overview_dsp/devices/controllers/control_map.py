@@ -18,7 +18,7 @@ The OSC messages of another program (`APPS` has the maps of well-known apps)::
     address = "*/fader1"        # address of the messages; after a * the end of the address
     to = "theta2"               # theta2, touch, a parameter's id, or a quantity that a device
                                 # measures: acceleration, angular_velocity, quaternion, angles
-    value = 1                   # which of the message's values
+    value = 1                   # which of the message's values; of a quantity, the first
     sends = [0.0, 1.0]          # values sent at its two ends
     low = 0.0                   # meaning of these ends: for theta2 positions on the timeline
     high = 1.0                  # (0 and 1), for a parameter values (default: its range)
@@ -316,7 +316,7 @@ def _osc_control(entry: _OscEntry) -> OscControl:
     address, sends, to = entry.address, entry.sends, entry.to
     if not address.startswith(("/", "*")) or len(address) < 2 or not address.isprintable():
         raise InputError(f"address = {quoted(address)}; must begin with / or *")
-    for key in ("value", "sends", "low", "high") if to in SENSED else ("scale", "axes", "order"):
+    for key in ("sends", "low", "high") if to in SENSED else ("scale", "axes", "order"):
         if key in entry.model_fields_set:
             raise InputError(f"{key} does not apply to a control that is {to!r}; remove it")
     if not 1e-9 <= abs(entry.scale) <= 1e9:
@@ -344,11 +344,9 @@ def write_map(controls: Iterable[Control | OscControl]) -> str:
     """Return the text of a map file with these controls."""
     lines = [f"schema = {SCHEMA}"]
     for one in controls:
-        table: dict[str, Any] = (
-            {"control": one.name} if isinstance(one, Control) else {"address": one.address}
-        )
+        named = {"control": one.name} if isinstance(one, Control) else {"address": one.address}
         lines += ["", "[[control]]"]
-        table |= _written_fields(one)
+        table = {**named, **_written_fields(one)}
         lines += [f"{key} = {_toml(value)}" for key, value in table.items()]
     return "\n".join(lines) + "\n"
 

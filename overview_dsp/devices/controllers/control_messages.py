@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from overview_dsp.design.presets.parameter import Value
+from overview_dsp.devices.controllers.control_map import THETA2, TOUCH, Control, OscControl
 from overview_dsp.units import HALF_TURN
 
 
@@ -134,3 +136,22 @@ class PositionControl:
         """Return the messages of theta2 (rad) with a touch or a release there."""
         self._theta2 = theta2
         return self.set_touching(touching) or self.set_angle(theta2)
+
+
+class AssignedControls:
+    """The controls of a map, with the names of those that set theta2."""
+
+    def __init__(self, names: Mapping[Control | OscControl, str]) -> None:
+        named = names.items()
+        self._positions = {one: PositionControl(name) for one, name in named if one.to == THETA2}
+
+    def messages(self, control: Control | OscControl, position: float) -> list[Message]:
+        """Return the messages of a control that is at `position`, 0 to 1."""
+        if control.to == THETA2:
+            theta2 = theta2_at(position, control.low, control.high)
+            return self._positions[control].set_angle(theta2)
+        if control.to == TOUCH:
+            touching = position >= 0.5
+            positions = self._positions.values()
+            return [message for one in positions for message in one.set_touching(touching)]
+        return [ScaleParameter(control.to, position, control.low, control.high)]

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+import statistics
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
+
+import numpy as np
 
 from overview_dsp.devices.controllers.control_map import (
     PHONE,
@@ -17,6 +21,13 @@ from overview_dsp.devices.controllers.control_map import (
 )
 from overview_dsp.devices.controllers.midi_messages import step_of
 from overview_dsp.devices.controllers.osc_messages import decode_packet
+from overview_dsp.devices.sensors.number_meaning import (
+    REST_ROWS,
+    axes_in_turn,
+    best_meaning,
+    explain,
+)
+from overview_dsp.devices.sensors.units import is_gravity
 from overview_dsp.errors import InputError
 
 MIN_VALUES = 6  # smallest number of different values of the moved control
@@ -139,14 +150,11 @@ MAX_VALUES = 2
 
 MAX_CONTROLS = 1000
 
-SUFFIXES = (
-    ("gravity", "acceleration"), ("grav", "acceleration"), ("accxyz", "acceleration"),
-    ("accelerometer", "acceleration"), ("quaternion", "quaternion"), ("quat", "quaternion"),
-    ("attitude", "angles"), ("gyro", "angles"),
-)  # fmt: skip
-"""Ends of addresses and the quantity of their values; the first received one is used."""
+GRAVITY = ("gravity", "grav", "accxyz", "accelerometer")
+"""Ends of a phone's addresses for an acceleration; one with gravity is used without a turn."""
 
-_COUNTS = {"acceleration": 3, "quaternion": 4, "angles": 3}
+MAX_ROWS = 20_000  # of a device, per address
+RETRY_S = 0.2  # time between attempts to find the meaning of a device's numbers
 _TOLERANCE = 0.02
 
 
@@ -190,13 +198,15 @@ class OscLearner:
         self._to = to
         self._ranges: dict[tuple[str, int], _ValueRange] = {}
         self._counts: dict[str, int] = {}
+        self._rows: dict[str, list[tuple[float, ...]]] = {}
+        self._tried_s = -1e300
         self._started_s: float | None = None
 
     @property
     def instruction(self) -> str:
         """Instruction to the user."""
         if self._to == DEVICE:
-            return "let the app send the orientation of the device (gravity, or a quaternion)"
+            return "put the device down, face up; then turn it face down and back, 2 times"
         if self._to == TOUCH:
             return "press it"
         return "move it from one end to the other and back, then leave it"
@@ -216,10 +226,14 @@ class OscLearner:
         for address, values in messages:
             if len(self._counts) < MAX_CONTROLS:
                 self._counts[address] = len(values)
+            if self._to == DEVICE and address in self._counts and all(map(_is_number, values)):
+                rows = self._rows.setdefault(address, [])
+                if (not rows or len(rows[0]) == len(values)) and len(rows) < MAX_ROWS:
+                    rows.append(tuple(map(float, values)))
             if len(values) > MAX_VALUES or len(self._ranges) > MAX_CONTROLS:
                 continue
             for index, value in enumerate(values, 1):
-                if isinstance(value, bool | int | float) and abs(value) < 1e9:
+                if _is_number(value):
                     new = _ValueRange(float(value), time_s)
                     self._ranges.setdefault((address, index), new).add(float(value), time_s)
 
@@ -238,9 +252,39 @@ class OscLearner:
     def _device(self, time_s: float) -> OscControl | None:
         if self._started_s is None or time_s - self._started_s < LISTEN_S:
             return None
-        for suffix, quantity in SUFFIXES:
-            for address, count in self._counts.items():
-                if address.lower().endswith(f"/{suffix}") and count == _COUNTS[quantity]:
-                    axes = PHONE if quantity != "angles" else ("x", "y", "z")
-                    return OscControl(address, quantity, axes=axes)
-        return None
+        for suffix in GRAVITY:
+            for address, rows in self._rows.items():
+                is_tail = address.lower().endswith(f"/{suffix}") and len(rows[0]) == 3
+                if is_tail and is_gravity(statistics.median(math.hypot(*one) for one in rows)):
+                    return OscControl(address, "acceleration", axes=PHONE)
+        if time_s - self._tried_s < RETRY_S:
+            return None
+        self._tried_s = time_s
+        found = best_meaning(self._rows)
+        if not found:
+            return None
+        address, meaning = found[0]
+        control = OscControl(address, meaning.quantity, meaning.at + 1)
+        if meaning.quantity == "quaternion":
+            control = replace(control, order=meaning.order)
+        if meaning.ups is None:
+            return replace(control, scale=math.degrees(1.0) if meaning.radians else 1.0)
+        x, y, z = np.median(meaning.ups[:REST_ROWS], axis=0)
+        return replace(control, axes=axes_in_turn((x, y, z), meaning.ups))
+
+    @property
+    def explanation(self) -> str:
+        """Reason why no device is found in the received messages, or empty."""
+        if self._to != DEVICE or not self._rows:
+            return ""
+        address, rows = max(self._rows.items(), key=lambda one: (len(one[1][0]) >= 3, len(one[1])))
+        if len(rows[0]) < 3:
+            return (
+                "each axis comes in a message of its own: choose theta2 instead of device, and "
+                "turn the device"
+            )
+        return f"{address}: {explain(rows)}"
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, bool | int | float) and abs(value) < 1e9

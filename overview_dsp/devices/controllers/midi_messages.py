@@ -9,12 +9,11 @@ position on the timeline while it is down.
 
 from __future__ import annotations
 
-from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, TOUCH, Control
+from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, Control
 from overview_dsp.devices.controllers.control_messages import (
+    AssignedControls,
     Counters,
     Message,
-    PositionControl,
-    ScaleParameter,
     StepParameter,
     TouchEnded,
     TouchStarted,
@@ -37,11 +36,7 @@ class MidiReader:
         """Convert the messages of `controls`; `counters` may be those of an earlier reader."""
         self.counters = Counters() if counters is None else counters
         self._controls = controls
-        self._positions = {
-            one: PositionControl(f"{one.name}/{one.channel}")
-            for one in controls
-            if one.to == THETA2
-        }
+        self._assigned = AssignedControls({one: f"{one.name}/{one.channel}" for one in controls})
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
         self._pending: dict[tuple[int, int], float] = {}
@@ -80,9 +75,9 @@ class MidiReader:
             )
         return messages
 
-    def take_messages(self) -> list[str]:
+    def take_messages(self) -> tuple[str, ...]:
         """Return no messages to the user: MIDI has none."""
-        return []
+        return ()
 
     def _matching(self, kind: str, number: int, channel: int) -> list[Control]:
         return [one for one in self._controls if one.matches(kind, number, channel)]
@@ -98,7 +93,7 @@ class MidiReader:
         messages: list[Message] = []
         for one in controls:
             if one.to != TAPS:
-                messages += self._apply(one, float(down))
+                messages += self._assigned.messages(one, float(down))
                 continue
             name = f"key {channel}/{number}"
             position = (number - one.number) / (one.highest - one.number)
@@ -131,29 +126,19 @@ class MidiReader:
         controls = self._matching(kind, number, channel)
         if not controls:
             return self._unknown()
-        return [message for one in controls for message in self._apply(one, position)]
+        return [message for one in controls for message in self._assigned.messages(one, position)]
 
     def _stepped(self, control: Control, value: int) -> list[Message]:
         """Return the messages of a control whose value is a step since the previous message."""
         if not control.relative:
-            return self._apply(control, value / 127.0)
+            return self._assigned.messages(control, value / 127.0)
         step = step_of(value, control.relative) / control.steps
         step = -step if control.reverse else step
         if control.to != THETA2:
             return [StepParameter(control.to, step, control.low, control.high)]
         position = min(max(self._relative_positions.get(control, 0.0) + step, 0.0), 1.0)
         self._relative_positions[control] = position
-        return self._apply(control, position)
-
-    def _apply(self, control: Control, position: float) -> list[Message]:
-        if control.to == THETA2:
-            theta2 = theta2_at(position, control.low, control.high)
-            return self._positions[control].set_angle(theta2)
-        if control.to == TOUCH:
-            touching = position >= 0.5
-            positions = self._positions.values()
-            return [message for one in positions for message in one.set_touching(touching)]
-        return [ScaleParameter(control.to, position, control.low, control.high)]
+        return self._assigned.messages(control, position)
 
 
 def step_of(value: int, relative: str) -> int:

@@ -23,23 +23,17 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from overview_dsp.devices.controllers.control_map import (
-    SENSED,
-    THETA2,
-    TOUCH,
-    OscControl,
-    sensor_of,
-)
+from overview_dsp.devices.controllers.control_map import SENSED, OscControl, sensor_of
 from overview_dsp.devices.controllers.control_messages import (
     AngleChanged,
+    AssignedControls,
     Command,
     Counters,
     Message,
     PositionControl,
-    ScaleParameter,
     SetParameter,
-    theta2_at,
 )
+from overview_dsp.devices.messages import Messages
 from overview_dsp.devices.sensors.angles import Angle, make_angle
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters
@@ -71,9 +65,10 @@ class OscDevice:
     def step(self, control: OscControl, values: list[float], time_s: float) -> list[AngleChanged]:
         """Return the angle for a control's values, if any; InputError for invalid values."""
         columns = SENSED[control.to]
+        values = values[control.value - 1 :][: len(columns)]
         if len(values) < len(columns):
             raise InputError(f"{control.to} has {len(values)} values; must be {len(columns)}")
-        numbers = [one * control.scale for one in values[: len(columns)]]
+        numbers = [one * control.scale for one in values]
         if not all(math.isfinite(one) and abs(one) < 1e9 for one in numbers):
             raise InputError(f"{control.to} must be finite numbers")
         if control.to == "quaternion" and control.order == "xyzw":
@@ -143,22 +138,19 @@ ROUNDING = 1e-4
 """Distance beyond an end that single precision may cause, rad; it isn't counted as clamped."""
 
 
-class OscReader:
+class OscReader(Messages):
     """Converts OSC datagrams."""
 
     def __init__(
         self, counters: Counters | None = None, controls: tuple[OscControl, ...] = ()
     ) -> None:
         """Convert own messages and those of `controls`, which are of other programs."""
+        super().__init__()
         self.counters = Counters() if counters is None else counters
         self._position = PositionControl("theta2")
         self._controls = controls
-        self._positions = {
-            one: PositionControl(one.address) for one in controls if one.to == THETA2
-        }
+        self._assigned = AssignedControls({one: one.address for one in controls})
         self._device = OscDevice(tuple(one for one in controls if one.to in SENSED))
-        self._messages: list[str] = []
-        self._device_statuses = {""}
 
     def read(self, data: bytes, time_s: float) -> list[Message]:
         """Return the controller messages of a datagram; faults are counted."""
@@ -176,11 +168,6 @@ class OscReader:
     def tick(self, time_s: float) -> list[Message]:
         """Return no messages: OSC has no delayed ones."""
         return []
-
-    def take_messages(self) -> list[str]:
-        """Return the messages to the user since the last call."""
-        messages, self._messages = self._messages, []
-        return messages
 
     def _convert(self, address: str, values: Sequence[Any], time_s: float) -> list[Message]:
         controls = [one for one in self._controls if one.matches(address)]
@@ -220,9 +207,8 @@ class OscReader:
         """Return the messages for another program's control."""
         if control.to in SENSED:
             angles = self._device.step(control, [_number(one) for one in values], time_s)
-            if self._device.status not in self._device_statuses:
-                self._device_statuses.add(self._device.status)
-                self._messages.append(self._device.status)
+            if self._device.status:
+                self.say_once(self._device.status)
             return angles
         if len(values) < control.value:
             raise InputError(f"its control uses value {control.value}; {len(values)} were sent")
@@ -230,14 +216,7 @@ class OscReader:
         position = (_number(values[control.value - 1]) - first) / (last - first)
         clamped = min(max(position, 0.0), 1.0)
         self.counters.clamped += abs(clamped - position) > ROUNDING
-        if control.to == TOUCH:
-            touching = clamped >= 0.5
-            positions = self._positions.values()
-            return [message for one in positions for message in one.set_touching(touching)]
-        if control.to == THETA2:
-            theta2 = theta2_at(clamped, control.low, control.high)
-            return self._positions[control].set_angle(theta2)
-        return [ScaleParameter(control.to, clamped, control.low, control.high)]
+        return self._assigned.messages(control, clamped)
 
     def _angle(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -247,7 +226,7 @@ class OscReader:
         clamped = min(max(float(value), 0.0), HALF_TURN)
         if abs(clamped - value) > ROUNDING:
             if not self.counters.clamped:
-                self._messages.append(
+                self.say(
                     f"{PREFIX}theta2 {value:.4g} is beyond an end; must be 0 to {HALF_TURN:.4f} "
                     "rad, the end is used (later ones are only counted)"
                 )
@@ -256,7 +235,7 @@ class OscReader:
 
     def _reject(self, reason: str) -> None:
         if not self.counters.rejected:
-            self._messages.append(f"{reason} (later ones are only counted)")
+            self.say(f"{reason} (later ones are only counted)")
         self.counters.rejected += 1
 
 

@@ -14,52 +14,43 @@ One rule decides on takeover: **the latest touch holds the disk until it ends or
 from __future__ import annotations
 
 from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
-from overview_dsp.devices.sensors.angles import AngleSample
-from overview_dsp.devices.sensors.touch_detection import Event, TouchRules, TwistTouch
+from overview_dsp.devices.sensors.reading import AngleSample
+from overview_dsp.devices.sensors.touch_detection import (
+    FREE_DISK,
+    DiskState,
+    Event,
+    TouchRules,
+    TwistTouch,
+)
 
 
 class ControllerSource:
-    """All touches and controls of one controller."""
+    """All touches and controls of one controller.
+
+    `rules`, for controls that don't detect touch, may be replaced at any time.
+    """
 
     def __init__(self, rules: TouchRules) -> None:
-        self._rules = rules
+        self.rules = rules
         self._turned: dict[str, TwistTouch] = {}
         self._angles: dict[str, AngleSample] = {}
         self._touches: dict[str, float] = {}
         self._holding: list[str] = []  # the latest touch is last
-        self._theta2 = 0.0
+        self.theta2 = 0.0  # present or last theta2 of a touch, rad
         self._reported: float | None = None
-
-    @property
-    def rules(self) -> TouchRules:
-        """Rules for controls that don't detect touch."""
-        return self._rules
-
-    @rules.setter
-    def rules(self, rules: TouchRules) -> None:
-        self._rules = rules
-        for touch in self._turned.values():
-            touch.rules = rules
 
     @property
     def holding(self) -> bool:
         """True while it holds the disk; `tick` should then be called often."""
         return bool(self._holding)
 
-    @property
-    def theta2(self) -> float:
-        """Present or last theta2 of a touch, rad."""
-        return self._theta2
-
     def move(
         self,
         message: AngleChanged | TouchStarted | TouchEnded,
         time_s: float,
-        other_theta2: float | None = None,
-        disk_theta2: float = 0.0,
-        other_yields: bool = False,
+        disk: DiskState = FREE_DISK,
     ) -> list[Event]:
-        """Return the control events of a message; the other parameters as `TwistTouch.step`."""
+        """Return the control events of a message."""
         if isinstance(message, TouchStarted):
             return self._touch(message.touch_id, message.theta2, time_s)
         if isinstance(message, TouchEnded):
@@ -68,22 +59,16 @@ class ControllerSource:
             return [event for name in held for event in self._end_touch(name, time_s)]
         angle = AngleSample(time_s, message.theta2)
         if message.control not in self._turned:
-            self._turned[message.control] = TwistTouch(self._rules)
+            self._turned[message.control] = TwistTouch(self.rules)
         self._angles[message.control] = angle
-        return self._turn(message.control, angle, other_theta2, disk_theta2, other_yields)
+        return self._turn(message.control, angle, disk)
 
-    def tick(
-        self,
-        time_s: float,
-        other_theta2: float | None = None,
-        disk_theta2: float = 0.0,
-        other_yields: bool = False,
-    ) -> list[Event]:
+    def tick(self, time_s: float, disk: DiskState = FREE_DISK) -> list[Event]:
         """Return the control events that time causes: joining, following, release at rest."""
         events = []
         for name in [name for name in self._holding if name not in self._touches]:
             angle = AngleSample(time_s, self._angles[name].theta2)
-            events += self._turn(name, angle, other_theta2, disk_theta2, other_yields)
+            events += self._turn(name, angle, disk)
         return events
 
     def release(self, time_s: float) -> Event | None:
@@ -94,7 +79,7 @@ class ControllerSource:
         self._holding.clear()
         self._touches.clear()
         self._reported = None
-        return Event(time_s, self._theta2, False) if was_holding else None
+        return Event(time_s, self.theta2, False) if was_holding else None
 
     def _touch(self, name: str, theta2: float, time_s: float) -> list[Event]:
         is_new = name not in self._touches
@@ -122,26 +107,20 @@ class ControllerSource:
         self._holding.remove(name)
         if not self._holding:
             self._reported = None
-            return [Event(time_s, self._theta2, False)]
+            return [Event(time_s, self.theta2, False)]
         # a turned control starts at the disk's position, and joins its own at the next tick
-        theta2 = self._touches.get(self._holding[-1], self._theta2)
+        theta2 = self._touches.get(self._holding[-1], self.theta2)
         return self._at(theta2, time_s) if was_last else []
 
-    def _turn(
-        self,
-        name: str,
-        angle: AngleSample,
-        other_theta2: float | None,
-        disk_theta2: float,
-        other_yields: bool,
-    ) -> list[Event]:
+    def _turn(self, name: str, angle: AngleSample, disk: DiskState) -> list[Event]:
         others = [one for one in self._holding if one != name]
-        inside = other_theta2 is None and bool(others) and self._holding[-1] != name
+        inside = disk.elsewhere is None and bool(others) and self._holding[-1] != name
         if inside:
-            other_theta2, other_yields = self._theta2, others[-1] not in self._touches
+            disk = DiskState(self.theta2, disk.position, others[-1] not in self._touches)
         touch = self._turned[name]
+        touch.rules = self.rules
         was_holding = touch.holding
-        event = touch.step(angle, other_theta2, disk_theta2, other_yields)
+        event = touch.step(angle, disk)
         if event is None:
             return []
         if not event.touching:
@@ -158,5 +137,5 @@ class ControllerSource:
     def _at(self, theta2: float, time_s: float, retouch: bool = False) -> list[Event]:
         if theta2 == self._reported and not retouch:
             return []
-        self._theta2 = self._reported = theta2
+        self.theta2 = self._reported = theta2
         return [Event(time_s, theta2, True, retouch)]

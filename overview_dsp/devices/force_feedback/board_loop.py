@@ -122,7 +122,6 @@ class BoardLoop:
         self._watchdog = Watchdog()
         self._rate = Rate()
         self._due = -1e300
-        self._written = 0
         self._surface: Surface | None = None
         self._packed = b""
         self._at_start = True

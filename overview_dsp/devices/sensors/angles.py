@@ -13,15 +13,13 @@ from __future__ import annotations
 import math
 import statistics
 from collections import deque
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 from overview_dsp.devices.sensors.calibration import CALIBRATING, Calibration, RawSample, calibrate
 from overview_dsp.devices.sensors.orientation import (
     LONGEST_GAP_S,
     GravityTilt,
     GyroTilt,
-    Orientation,
 )
 from overview_dsp.devices.sensors.orientation_angles import QuaternionAngle, Roll, ThreeAngles
 from overview_dsp.devices.sensors.profile import Sensor
@@ -30,11 +28,14 @@ from overview_dsp.devices.sensors.reading import (
     ANGLES,
     ANGULAR_VELOCITY,
     QUATERNION,
+    AngleSample,
     Counters,
     Reading,
     has,
+    touch_state,
 )
 from overview_dsp.devices.sensors.units import GRAVITY, Vector, angle_between, rotate, unit
+from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
 
 PULSE = 10.0  # acceleration beyond gravity of a pulse, m/s²; a fast twist stays below 5
@@ -69,7 +70,7 @@ CALM = 0.1
 """Largest relative deviation from gravity at which an acceleration shows the direction of up; a
 larger one ends the window."""
 
-WINDOWS = 7
+WINDOWS, FEW_WINDOWS = 7, 3  # for a wrong axis, and for a wrong unit
 FAR_TOO_LONG, FAR_TOO_SHORT = 15.0, 0.2
 ELSEWHERE = 0.8
 """Error of the gyroscope's direction relative to gravity's turn; a correct sensor has a few
@@ -118,66 +119,36 @@ class GyroscopeCheck:
         self._path = self._since = 0.0
 
     def _message(self) -> str:
-        if len(self._ratios) < WINDOWS:
+        if len(self._ratios) < FEW_WINDOWS:
             return ""
         if min(self._ratios) > FAR_TOO_LONG:
             return "the gyroscope turns far more than gravity does: is it in deg/s, not rad/s?"
         if max(self._ratios) < FAR_TOO_SHORT:
             return "the gyroscope turns far less than gravity does: is it in rad/s, not deg/s?"
-        if statistics.median(self._errors) > ELSEWHERE:
+        if len(self._errors) == WINDOWS and statistics.median(self._errors) > ELSEWHERE:
             return "the gyroscope turns another way than gravity does: is an axis or a sign wrong?"
         return ""
 
 
 HIGHEST_ACCELERATION = 100.0 * GRAVITY
 HIGHEST_SPEED = math.radians(5000.0)  # limits of a hand's movement; a sample beyond them is wrong
+LONG, LONG_S, TURNED = 1.5, 0.5, math.radians(60.0)
+"""Multiple of gravity and time beyond which numbers are no acceleration, until the first turn."""
+
 FROZEN_S = 2.0  # time of identical readings after which a gyroscope counts as stopped
 
 FEWEST, MOST = 10, 25_000
 """Number of samples of a calibration; at the maximum, the clock stands still."""
 
 
-@dataclass(frozen=True)
-class AngleSample:
-    """Time (s), theta2 (rad), whether a tap-tap ended then, and the touch if the sensor has one.
-
-    `reliable` is False where theta2 is held because it isn't known.
-    """
-
-    time_s: float
-    theta2: float
-    tapped: bool = False
-    touch: bool | None = None
-    reliable: bool = True
-
-
-class Angle(Protocol):
-    """Conversion of one sensor's readings to theta2."""
-
-    detects_taps: bool
-    """Whether it detects tap-taps."""
-
-    @property
-    def status(self) -> str:
-        """Status text for display."""
-
-    def step(self, time_s: float, reading: Reading) -> AngleSample | None:
-        """Return the angle at a reading, None without one; InputError for readings of no angle."""
-
-
-def touch_state(reading: Reading) -> bool | None:
-    """Return whether the device is touched; None if the sensor doesn't detect touch."""
-    return reading["touch"] > 0.5 if "touch" in reading else None
-
-
 class InertialAngle:
     """Roll from acceleration and, if present, angular velocity; starts with a calibration.
 
-    `roll` has the present roll and pitch. `frozen`: whether the readings have stopped changing.
+    `roll` has the present roll. `frozen`: whether the readings have stopped changing.
     `gyroscope_fault`: a message about a wrong unit or axis of the gyroscope, or empty.
     """
 
-    detects_taps = True
+    detects_taps = True  # whether tap-taps are detected
 
     def __init__(self, sensor: Sensor, binary: bool, counters: Counters) -> None:
         """Convert readings of `sensor`; `binary`: they come from binary frames."""
@@ -186,9 +157,11 @@ class InertialAngle:
         self._counters = counters
         self._first: list[RawSample] = []
         self._calibration: Calibration | None = None
-        self._orientation: Orientation = GravityTilt()
+        self._orientation: GravityTilt | GyroTilt = GravityTilt()
         self._last: RawSample | None = None
         self._changed_at = -math.inf
+        self._turned = False
+        self._calm_at = math.inf
         self._tap_tap = TapTap()
         self._gyroscope = GyroscopeCheck()
         self.roll = Roll()
@@ -197,7 +170,7 @@ class InertialAngle:
         self.status = CALIBRATING
 
     def step(self, time_s: float, reading: Reading) -> AngleSample | None:
-        """Return the angle at a reading, as `Angle.step`."""
+        """Return the angle at a reading, None without one; InputError for readings of no angle."""
         if not has(reading, ACCELERATION):
             return None
         use = self._sensor.values["angular_velocity.use"] and has(reading, ANGULAR_VELOCITY)
@@ -217,10 +190,13 @@ class InertialAngle:
             return
         self._first = []
         found = calibrate(self._sensor, self._binary, first)
-        if sample.angular_velocity is not None and found.units.gyroscope_known:
-            self._orientation = GyroTilt(found.period_s, found.bias)
         self._calibration = found
         self.status = found.description
+        if sample.angular_velocity is not None and found.units.gyroscope_known:
+            try:
+                self._orientation = GyroTilt(found.period_s, found.bias)
+            except InputError as error:
+                self.gyroscope_fault = str(error)
         for one in first:
             self._convert(found, one, None)
 
@@ -228,7 +204,7 @@ class InertialAngle:
         self, calibration: Calibration, sample: RawSample, touch: bool | None
     ) -> AngleSample | None:
         units, last = calibration.units, self._last
-        if not units.gyroscope_known:
+        if not units.gyroscope_known or self.gyroscope_fault:
             sample = replace(sample, angular_velocity=None)
         elapsed = calibration.period_s if last is None else sample.time_s - last.time_s
         acceleration = units.acceleration_of(sample.acceleration)
@@ -236,24 +212,38 @@ class InertialAngle:
         size = math.hypot(*acceleration)
         if sample.angular_velocity is not None:
             fault = self._gyroscope.step(sample.time_s, acceleration, speed)
-            self.gyroscope_fault = fault or self.gyroscope_fault
+            if fault and not self.gyroscope_fault:
+                self.gyroscope_fault = (
+                    f"{fault} (sensor=FILE.toml, [angular_velocity], [axes]); until then, roll "
+                    "follows gravity alone"
+                )
+                self._orientation = GravityTilt()
+        self._require_gravity(sample.time_s, size)
         if size > HIGHEST_ACCELERATION or math.hypot(*speed) > HIGHEST_SPEED or elapsed <= 0.0:
             self._counters.implausible += 1
             return None
         if elapsed > LONGEST_GAP_S:
             self.roll.steep = True  # the next angle may be far away: approach it slowly
-        self._check_frozen(sample)
+        still = last is not None and replace(sample, time_s=last.time_s) == last
+        if sample.angular_velocity is None or not still:
+            self._changed_at = sample.time_s
+        self.frozen = sample.time_s - self._changed_at > FROZEN_S
         self._last = sample
         up = self._orientation.step(elapsed, acceleration, speed)
         theta2 = self.roll.step(elapsed, rotate(calibration.level, up))
+        self._turned = self._turned or (theta2 > TURNED and size < LONG * GRAVITY)
         tapped = self._tap_tap.step(sample.time_s, size - GRAVITY)
         return AngleSample(sample.time_s, theta2, tapped, touch, not self.roll.steep)
 
-    def _check_frozen(self, sample: RawSample) -> None:
-        last, moving = self._last, sample.angular_velocity
-        if last is None or moving is None or replace(sample, time_s=last.time_s) != last:
-            self._changed_at = sample.time_s
-        self.frozen = sample.time_s - self._changed_at > FROZEN_S
+    def _require_gravity(self, time_s: float, size: float) -> None:
+        """Check until the first turn that the acceleration keeps its length; InputError."""
+        if self._turned or size < LONG * GRAVITY:
+            self._calm_at = time_s
+        elif time_s - self._calm_at > LONG_S:
+            raise InputError(
+                f"its acceleration is {size / GRAVITY:.3g} times gravity as it turns: are the "
+                "numbers angles? `overview sensor setup` finds out"
+            )
 
 
 _SINGLE_VALUES = {
@@ -289,14 +279,17 @@ class SingleValueAngle:
         self.status = _SINGLE_VALUES[column]
 
     def step(self, time_s: float, reading: Reading) -> AngleSample | None:
-        """Return the angle at a reading, as `Angle.step`."""
+        """Return the angle at a reading, None without one."""
         if self._column not in reading:
             return None
         value = reading[self._column]
         if self._column == "roll_deg":
             theta2 = abs(math.remainder(math.radians(value), 2.0 * HALF_TURN))
         elif self._column in ("count", "shaft_rad"):
-            theta2 = self._theta2 + self._count_step(value) * self._per_count
+            step = 0.0 if self._count is None else value - self._count
+            self._count = value
+            step = math.remainder(step, self._wrap) if self._wrap else step
+            theta2 = self._theta2 + step * self._per_count
         elif self._column == "theta2_rad":
             theta2 = value
         else:
@@ -305,32 +298,9 @@ class SingleValueAngle:
         self._theta2 = max(0.0, min(HALF_TURN, theta2))
         return AngleSample(time_s, self._theta2, touch=touch_state(reading))
 
-    def _count_step(self, count: float) -> float:
-        step = 0.0 if self._count is None else count - self._count
-        self._count = count
-        return math.remainder(step, self._wrap) if self._wrap else step
 
-
-class FusedAngle:
-    """Theta2 from an orientation that the sensor computes: a quaternion or three angles."""
-
-    detects_taps = False
-
-    def __init__(self, fused: QuaternionAngle | ThreeAngles) -> None:
-        self._fused = fused
-
-    @property
-    def status(self) -> str:
-        """Status text for display."""
-        return self._fused.status
-
-    def step(self, time_s: float, reading: Reading) -> AngleSample | None:
-        """Return the angle at a reading, as `Angle.step`."""
-        theta2 = self._fused.theta2(time_s, reading)
-        if theta2 is None:
-            return None
-        steep = isinstance(self._fused, QuaternionAngle) and self._fused.roll.steep
-        return AngleSample(time_s, theta2, touch=touch_state(reading), reliable=not steep)
+Angle = InertialAngle | SingleValueAngle | QuaternionAngle | ThreeAngles
+"""Conversion of one sensor's readings to theta2; `status` is a text for display."""
 
 
 def make_angle(sensor: Sensor, binary: bool, reading: Reading, counters: Counters) -> Angle | None:
@@ -338,8 +308,8 @@ def make_angle(sensor: Sensor, binary: bool, reading: Reading, counters: Counter
     if has(reading, ACCELERATION):
         return InertialAngle(sensor, binary, counters)
     if has(reading, QUATERNION[1:]):
-        return FusedAngle(QuaternionAngle(sensor, counters))
+        return QuaternionAngle(sensor, counters)
     if has(reading, ANGLES):
-        return FusedAngle(ThreeAngles(sensor))
+        return ThreeAngles(sensor)
     column = next((name for name in _SINGLE_VALUES if name in reading), None)
     return None if column is None else SingleValueAngle(sensor, column)

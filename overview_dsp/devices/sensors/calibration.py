@@ -75,13 +75,18 @@ def calibrate(sensor: Sensor, binary: bool, samples: Sequence[RawSample]) -> Cal
 def level_by(up: Vector, sensor: Sensor) -> tuple[Rotation, str]:
     """Return the rotation that makes `up` face up, and a note about it.
 
-    Where `up` is too far from the sensor's own z (`calibration.level_deg`), its own axes stay.
+    So does the opposite of the sensor's own z: its z points down, or its signs are turned round.
+    Where `up` is too far from either (`calibration.level_deg`), its own axes stay.
     """
     lean = math.degrees(angle_between(up, (0.0, 0.0, 1.0)))
     limit = sensor.number("calibration.level_deg")
     if lean <= limit:
         note = f"face up is {lean:.1f} degrees from the sensor's own z axis"
         return levelling_rotation(up), note
+    if lean >= 180.0 - limit:
+        p, q, r = levelling_rotation((up[0], -up[1], -up[2]))
+        flipped = tuple((row[0], -row[1], -row[2]) for row in (p, q, r))
+        return flipped, "it started face down by its own z axis, which counts as face up"  # type: ignore[return-value]
     if limit == 0.0:
         return NO_ROTATION, ""
     return NO_ROTATION, f"it started {lean:.0f} degrees from face up: its own axes are used"

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
 
 from overview_dsp.devices.sensors.app_json import LONGEST, parse_app_batch, parse_json_line
 from overview_dsp.devices.sensors.frames import FrameDecoder
@@ -23,9 +22,11 @@ from overview_dsp.devices.sensors.labelled_lines import (
     name_slots,
 )
 from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
+from overview_dsp.devices.sensors.number_meaning import order_at_rest
 from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
+from overview_dsp.devices.sensors.profile import DETECT
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,
@@ -34,6 +35,7 @@ from overview_dsp.devices.sensors.reading import (
     SKIPPED,
     Counters,
     Decoder,
+    has,
 )
 from overview_dsp.devices.sensors.text_lines import (
     parse_header,
@@ -41,7 +43,7 @@ from overview_dsp.devices.sensors.text_lines import (
     parse_row,
     split_cells,
 )
-from overview_dsp.devices.sensors.units import shows_gravity
+from overview_dsp.devices.sensors.units import is_gravity
 
 MAX_SHOWN = 100  # maximum number of characters of a line in a message
 _REAL_LAST = ("qx", "qy", "qz", "qw")
@@ -72,6 +74,9 @@ UNCHECKED_MESSAGE = (
 )
 
 
+AMBIGUOUS = "which number is which?"  # part of the message for an ambiguous line
+
+
 def ambiguous_message(line: str) -> str:
     """Return the message for an ambiguous line: the line and its two likeliest columns."""
     cells = split_cells(line, wide=True)
@@ -87,8 +92,9 @@ def ambiguous_message(line: str) -> str:
     listed = ([f'"{next(one) if number else SKIPPED}"' for number in numeric] for one in names)
     one, other = (f"[{', '.join(cells)}]" for cells in listed)
     return (
-        f"lines like {quote_line(line)}: which number is which? [stream] columns = {one} or "
-        f"columns = {other}, for example? write it in a file for sensor=FILE.toml"
+        f"lines like {quote_line(line)}: {AMBIGUOUS} `overview sensor setup` finds it "
+        f"in a turn; or write it in a file for sensor=FILE.toml: [stream] columns = {one} or "
+        f"columns = {other}, for example"
     )
 
 
@@ -96,10 +102,6 @@ def quote_line(line: str) -> str:
     """Return a received line in quotes, cut if it is long."""
     return repr(line if len(line) <= MAX_SHOWN else line[:MAX_SHOWN] + "…")
 
-
-Format = Literal[
-    "frames", "json", "text", "labels", "witmotion", "teapot", "app", "dualsense", "joycon"
-]
 
 FRAMES = 2
 LINES = 5
@@ -110,16 +112,18 @@ BATCHES = 2  # batches of an app, each with several samples, that identify it
 MANY_LINES = 25
 """Lines after which three numbers can't be gravity, or four numbers are a quaternion."""
 
-ENOUGH = 4096  # bytes without valid data after which detection fails
 LENGTH_TOLERANCE = 0.02
-FACE_UP = 0.3  # largest size of the two tilt parts of a quaternion while the sensor is face up
+UPRIGHT = 0.8  # smallest share of gravity along z of six bare numbers
+LABELLED_TOLERANCE = 0.05  # largest deviation of a labelled quaternion from the length 1
+
+ENOUGH = 4096  # bytes without valid data after which detection fails
 
 
 @dataclass(frozen=True)
 class DetectedFormat:
     """Format of a stream, its columns, and the cycle of labelled lines."""
 
-    format: Format
+    format: str  # one of `_FORMATS`
     columns: tuple[str, ...] = ()
     cycle: LineCycle | None = None
     values: Mapping[str, str | float] = field(default_factory=dict)
@@ -138,7 +142,7 @@ def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
     return LineDecoder(counters, LabelledReader(stream.cycle).parse)
 
 
-_FORMATS: Mapping[Format, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
+_FORMATS: Mapping[str, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
     "frames": ("binary frames", lambda counters, _: FrameDecoder(counters)),
     "json": ("JSON lines", lambda counters, _: LineDecoder(counters, parse_json_line)),
     "text": (
@@ -233,13 +237,14 @@ def _detect_text(
     headers = [found for found in map(parse_header, lines) if found is not None]
     if headers and all(parse_row(line, headers[-1]) for line in latest):
         return DetectedFormat("text", headers[-1])
-    rows = [parse_numbers(line) for line in lines]
-    while rows and None in rows:
-        del rows[: rows.index(None) + 1]
-    same = [row for row in rows if row is not None and len(row) == len(rows[-1] or ())]
-    if len(same) < LINES or len(same) < len(rows[-LINES:]):
-        return None
-    if any(len(row or ()) != len(same[-1]) for row in rows[-LINES:]):
+    rows: list[tuple[float, ...]] = []
+    for numbers in map(parse_numbers, lines):
+        if numbers is None:
+            rows.clear()
+        else:
+            rows.append(numbers)
+    same = [row for row in rows if len(row) == len(rows[-1])]
+    if len(same) < LINES or same[-LINES:] != rows[-LINES:]:
         return None
     many = len(same) >= MANY_LINES or timed_out
     return _detect_numbers(lines[-1], same, many, acceleration_known)
@@ -256,34 +261,28 @@ def _detect_numbers(
             f"lines of one number ({quote_line(line)}): degrees, an encoder's count or a "
             "potentiometer? choose sensor=roll, sensor=encoder or sensor=potentiometer"
         )
-    if count == len(INERTIAL) or (count == len(ACCELERATION) and acceleration_known):
+    if count in (len(ACCELERATION), len(INERTIAL)) and acceleration_known:
         return DetectedFormat("text", INERTIAL[:count])
     # all rows count: a moving gyroscope may pass through the size of gravity
-    gravity = shows_gravity(_size(rows))
     if count == len(ACCELERATION):
-        if gravity or any(abs(number) > 360.0 for row in rows[:LINES] for number in row):
+        if is_gravity(_size(rows)) or any(abs(n) > 360.0 for row in rows[:LINES] for n in row):
             return DetectedFormat("text", ACCELERATION)
         if not many:
             return None
         # numbers near zero at rest may be those of a gyroscope
         return DetectedFormat("text", ANGLES) if _is_large(rows) else ambiguous_message(line)
-    if count == 9 and gravity:
-        return DetectedFormat("text", (*INERTIAL, *(SKIPPED,) * 3))
     if count == len(QUATERNION) and all(
         abs(math.hypot(*row) - 1.0) <= LENGTH_TOLERANCE for row in rows[-MANY_LINES:]
     ):
-        return _detect_quaternion(line, rows) if many else None
+        order = order_at_rest(rows)
+        columns = _REAL_LAST if order == "xyzw" else QUATERNION
+        values = {} if order else {"quaternion.order": DETECT}
+        return DetectedFormat("text", columns, values=values) if many else None
+    if count in (6, 9) and is_gravity(size := _size(rows)):
+        upright = abs(statistics.median(row[2] for row in rows)) > UPRIGHT * size
+        if upright and not is_gravity(_size([row[3:] for row in rows])):
+            return DetectedFormat("text", (*INERTIAL, *(SKIPPED,) * (count - len(INERTIAL))))
     return ambiguous_message(line)
-
-
-def _detect_quaternion(line: str, rows: Sequence[tuple[float, ...]]) -> DetectedFormat | str:
-    """Find out from the tilt, which is small at the start, if the real part is first or last."""
-    a, b, c, _ = (statistics.median(column) for column in zip(*rows[:LINES], strict=True))
-    first = math.hypot(b, c) < FACE_UP
-    last = math.hypot(a, b) < FACE_UP
-    if first == last:
-        return ambiguous_message(line)
-    return DetectedFormat("text", QUATERNION if first else _REAL_LAST)
 
 
 def _detect_labels(lines: Sequence[str], timed_out: bool) -> DetectedFormat | str | None:
@@ -295,16 +294,20 @@ def _detect_labels(lines: Sequence[str], timed_out: bool) -> DetectedFormat | st
     first = find_cycle(lines[:MANY_LINES])
     if first[0] == shapes:
         repetitions = first[1]  # at rest: later numbers may resemble another quantity
-    bare = None
-    slots = [name_slots(shape)[0] for shape in shapes]
+    bare, last = None, ""
+    slots = []
+    for shape in shapes:
+        named, _, last = name_slots(shape, last)
+        slots.append(named)
     triples = [
-        tuple(numbers[line.index(("bare", n))] for n in range(3))
+        tuple(values[n] for n in range(3))
         for one in repetitions
-        for line, numbers in zip(slots, one, strict=True)
-        if all(("bare", n) in line for n in range(3))
-    ]
+        if len(values := {of[1]: number for line, numbers in zip(slots, one, strict=True)
+                          for of, number in reversed([*zip(line, numbers, strict=True)])
+                          if of[0] == "bare"}) == 3
+    ]  # fmt: skip
     if triples:
-        if shows_gravity(_size(triples)):
+        if is_gravity(_size(triples)):
             bare = "acceleration"
         elif not timed_out and len(lines) < MANY_LINES:
             return None
@@ -315,9 +318,34 @@ def _detect_labels(lines: Sequence[str], timed_out: bool) -> DetectedFormat | st
     counts = [one[0] for one in repetitions if shapes[0] and shapes[0][0] == "a/g:"]
     known = bool(counts) and abs(_size(counts) / 16384.0 - 1.0) <= 0.05
     found = cycle_from_shapes(shapes, bare, known)
-    if isinstance(found, LineCycle):
-        return DetectedFormat("labels", tuple(found.columns), found, found.values)
-    return f"lines like {quote_line(lines[-1])}: {found}" if found else None
+    if isinstance(found, str):
+        return f"lines like {quote_line(lines[-1])}: {found}" if found else None
+    cycle = _checked_cycle(found, lines, timed_out)
+    if cycle is None:
+        return None
+    return DetectedFormat("labels", tuple(cycle.columns), cycle, cycle.values)
+
+
+def _checked_cycle(cycle: LineCycle, lines: Sequence[str], timed_out: bool) -> LineCycle | None:
+    """Return the cycle, with the order of its quaternion, if its numbers fit the labels."""
+    reader = LabelledReader(cycle)
+    read = [one for line in lines if (one := reader.parse(line))]
+    names = QUATERNION if has(cycle.columns, QUATERNION) else ACCELERATION
+    if not read or not has(cycle.columns, names):
+        return cycle
+    rows = [tuple(one[name] for name in names) for one in read]
+    sizes = [math.hypot(*row) for row in rows[:MANY_LINES]]
+    fits = [is_gravity(statistics.median(sizes))] if names == ACCELERATION else [
+        abs(one - 1.0) <= LABELLED_TOLERANCE for one in sizes]  # fmt: skip
+    if not all(fits) or names == ACCELERATION:
+        return cycle if all(fits) else None
+    if "quaternion.order" not in cycle.values:
+        return cycle
+    if len(rows) < MANY_LINES and not timed_out:
+        return None
+    order = order_at_rest(rows)
+    values = {**cycle.values, **({"quaternion.order": order} if order else {})}
+    return replace(cycle, values=values)
 
 
 def _unknown(data: bytes, lines: Sequence[str], timed_out: bool) -> str | None:

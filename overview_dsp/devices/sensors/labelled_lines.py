@@ -12,6 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from overview_dsp.devices.sensors.profile import DETECT
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,
@@ -49,6 +50,7 @@ _QUANTITIES: Mapping[str, str] = {
 }
 """Words in lines, to the quantities that they name."""
 
+ROLL = {"roll", "roll:"}
 _ONE_ANGLE = ("yaw", "pitch", "roll", "heading")
 _NOT_MEASURED = ("calibration", "calib", "cal", "sys")
 """Words after which a line holds grades of calibration, not measurements."""
@@ -59,8 +61,13 @@ _QUATERNION_PARTS = {"r": "w", "real": "w", "i": "x", "j": "y", "k": "z"}
 _UNITS = {
     "m/s^2": "m/s²", "m/s2": "m/s²", "m/s/s": "m/s²", "g": "g", "mg": "mg",
     "rad/s": "rad/s", "deg/s": "deg/s", "dps": "deg/s", "degrees/s": "deg/s",
-    "radians/s": "rad/s",
+    "radians/s": "rad/s", "deg/sec": "deg/s", "rad/sec": "rad/s", "o/s": "deg/s",
 }  # fmt: skip
+_OF_UNIT = {"m/s²": "acceleration", "g": "acceleration", "mg": "acceleration",
+            "rad/s": "angular velocity", "deg/s": "angular velocity"}  # fmt: skip
+_FILLERS = ("in", "s", "data", "values", "sensor")  # words that say nothing about the quantity
+_PART = re.compile(r"q_?([0-3]|[wxyzrijk])")
+_AXIS = re.compile(r"([wxyz])1?")
 _COMPOUND = re.compile(r"(?P<of>[a-z]+?)_?(?P<axis>[wxyz])$")
 _AXES = {"acceleration": "xyz", "angular velocity": "xyz", "rotation": "xyz", "gravity": "xyz",
          "linear": "xyz", "angles": "xyz", "quaternion": "wxyz", "bare": "xyz"}  # fmt: skip
@@ -87,26 +94,45 @@ def line_shape(line: str) -> tuple[tuple[str, ...], tuple[float, ...]]:
     return tuple(shape), tuple(numbers)
 
 
-def name_slots(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
-    """Return the slot of each number of a shape, and the units of the quantities."""
+def name_slots(shape: Sequence[str], quantity: str = "") -> tuple[list[Slot], dict[str, str], str]:
+    """Return the slot of each number, the units of the quantities, and the last quantity.
+
+    A line that begins with an axis continues the `quantity` of the line before it. The unit of a
+    quaternion is "named" if its parts have names.
+    """
     slots: list[Slot] = []
     units: dict[str, str] = {}
-    quantity, axis, nth, ignored = "", "", 0, False
+    axis, nth, ignored = "", 0, False
+    quantity = quantity if shape and _AXIS.fullmatch(shape[0].rstrip(":")) else ""
     for at, token in enumerate(shape):
         if token == _NUMBER:
             of = quantity or ("bare" if axis else "other")
             index = _AXES[of].find(axis) if axis and of in _AXES else nth
+            if axis and of == "quaternion":
+                units[of] = "named"
             slots.append(("other", 0) if ignored else (of, index))
             nth, axis = nth + 1, ""
             continue
         word = token.rstrip(":")
         before_number = shape[at + 1 : at + 2] == (_NUMBER,)
         after_number = at > 0 and shape[at - 1] == _NUMBER
+        part, of_axis = _PART.fullmatch(word), _AXIS.fullmatch(word)
+        if part:
+            quantity, word = "quaternion", "wxyz"[int(part[1])] if part[1].isdecimal() else part[1]
+        elif of_axis:
+            word = of_axis[1]
         word = _QUATERNION_PARTS.get(word, word) if quantity == "quaternion" else word
         compound = _COMPOUND.fullmatch(word)
         is_unit = after_number and word in _UNITS and token == word
         if is_unit and not (word == "g" and before_number):
+            if [name for name, _ in slots[-3:]] == ["other"] * 3:
+                slots[-3:] = [(_OF_UNIT[_UNITS[word]], n) for n in range(3)]
+                quantity = _OF_UNIT[_UNITS[word]]
             units[quantity or "bare"] = _UNITS[word]
+        elif quantity in _OF_UNIT.values() and word in _UNITS and token == word:
+            units[quantity] = _UNITS[word]
+        elif word in _FILLERS:
+            pass
         elif word in _NOT_MEASURED:
             ignored = True
         elif word in ("w", "x", "y", "z"):
@@ -119,7 +145,7 @@ def name_slots(shape: Sequence[str]) -> tuple[list[Slot], dict[str, str]]:
         else:
             column = word if word in COLUMNS and word not in INERTIAL else "other"
             quantity, nth, axis = _QUANTITIES.get(word, column), 0, ""
-    return slots, units
+    return slots, units, quantity
 
 
 @dataclass(frozen=True)
@@ -141,7 +167,12 @@ def find_cycle(lines: Sequence[str]) -> tuple[list[tuple[str, ...]], list[list[t
 
     Both are empty if the lines have no cycle.
     """
-    read = [one for one in map(line_shape, lines) if one[1]]
+    read: list[tuple[tuple[str, ...], tuple[float, ...]]] = []
+    before: tuple[str, ...] = ()
+    for shape, numbers in map(line_shape, lines):
+        if numbers:
+            read.append((before + shape, numbers))
+        before = () if numbers else shape  # words alone are the heading of the next line
     for period in range(1, MAX_LINES + 1):
         latest = read[-REPETITIONS * period :]
         if len(latest) < REPETITIONS * period:
@@ -165,8 +196,9 @@ def cycle_from_shapes(
     """
     found: dict[Slot, tuple[int, int]] = {}
     units: dict[str, str] = {}
+    last = ""
     for line, shape in enumerate(shapes):
-        slots, line_units = name_slots(shape)
+        slots, line_units, last = name_slots(shape, last)
         units.update(line_units)
         for nth, (quantity, index) in enumerate(slots):
             of = (bare or "bare") if quantity == "bare" else quantity
@@ -208,28 +240,40 @@ def cycle_from_shapes(
                 values["angular_velocity.unit"] = units[gyroscope]
         if acceleration in units:
             values["acceleration.unit"] = units[acceleration]
-    elif "quaternion" in complete:
-        chosen = columns("quaternion", QUATERNION)
+    elif "quaternion" in complete or all(("quaternion", n) in found for n in (1, 2, 3)):
+        # without the real part, which is positive then
+        whole = "quaternion" in complete
+        chosen = {name: found["quaternion", n] for n, name in enumerate(QUATERNION) if whole or n}
+        if whole and "quaternion" not in units:
+            values = {"quaternion.order": DETECT}
     elif "angles" in complete:
         chosen = columns("angles", ANGLES)
-    elif ("angles", 0) in found and ("angles", 1) not in found:
-        chosen = {"roll_deg": found["angles", 0]}
+    elif ("angles", 0) in found and (roll := _roll_slot(shapes)) is not None:
+        chosen = {"roll_deg": roll}
     elif not any(name in named for name in ("roll_deg", "count", "pot", "shaft_rad")):
         return WITHOUT_GRAVITY if "linear" in complete else ""
-    return _rotated(tuple(shapes), {**chosen, **named}, values)
-
-
-def _rotated(
-    shapes: tuple[tuple[str, ...], ...],
-    columns: Mapping[str, tuple[int, int]],
-    values: Mapping[str, str | float],
-) -> LineCycle:
-    """Return the cycle that starts where its needed lines come soonest together."""
+    chosen |= named
+    # the cycle starts where its needed lines come soonest together
     count = len(shapes)
-    needed = {line for line, _ in columns.values()}
+    needed = {line for line, _ in chosen.values()}
     start = min(needed, key=lambda first: max((line - first) % count for line in needed))
-    moved = {name: ((line - start) % count, nth) for name, (line, nth) in columns.items()}
-    return LineCycle(shapes[start:] + shapes[:start], moved, values)
+    moved = {name: ((line - start) % count, nth) for name, (line, nth) in chosen.items()}
+    return LineCycle((*shapes[start:], *shapes[:start]), moved, values)
+
+
+def _roll_slot(shapes: Sequence[tuple[str, ...]]) -> tuple[int, int] | None:
+    """Return the number behind the word roll; a single other angle is one, too."""
+    for line, shape in enumerate(shapes):
+        if ROLL & {*shape}:
+            at = min(shape.index(word) for word in ROLL & {*shape})
+            return (line, shape[:at].count(_NUMBER)) if _NUMBER in shape[at:] else None
+    angles = [
+        (line, nth)
+        for line, shape in enumerate(shapes)
+        for nth, (name, _) in enumerate(name_slots(shape)[0])
+        if name == "angles"
+    ]
+    return angles[0] if len(angles) == 1 else None
 
 
 class LabelledReader:
@@ -240,12 +284,15 @@ class LabelledReader:
         self._at = 0
         self._last = max(line for line, _ in cycle.columns.values())
         self._numbers: list[tuple[float, ...]] = []
+        self._heading: tuple[str, ...] = ()
 
     def parse(self, line: str) -> Reading | None:
         """Return a reading; empty within a cycle, None if the line isn't part of the cycle."""
         shape, numbers = line_shape(line)
         if not numbers:
+            self._heading = shape
             return {}
+        shape, self._heading = self._heading + shape, ()
         if not all(map(math.isfinite, numbers)):
             return None
         shapes = self._cycle.shapes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 
 from overview_dsp.devices.sensors.reading import Counters, Decoder, Reading
@@ -38,6 +39,8 @@ class StreamSplitter:
 
 LONGEST = 512  # maximum length of a line, bytes; a longer one is noise
 
+_COMMENT = re.compile(rb"#(?![A-Za-z-]+=)")  # Razor's readings begin with #YPR=
+
 _SIGNS = ((b"\xc2\xb0", b"deg"), (b"\xc2\xb2", b"2"))
 """The signs for degrees and squares in UTF-8, and words for them."""
 
@@ -69,7 +72,7 @@ class LineSplitter:
             ):
                 self._counters.reject(piece)
                 self._counters.noise_bytes += omitted
-            elif text and not text.startswith(b"#"):
+            elif text and not _COMMENT.match(text):
                 lines.append((text.decode("ascii"), received))
         return lines
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -27,13 +27,6 @@ half a sample less, without a gain here (tests/devices/sensors/test_optical.py p
 HIGHEST_BIAS_DEG_S = 10.0  # a gyroscope with a higher speed isn't at rest
 
 
-class Orientation(Protocol):
-    """Estimator of the direction of up."""
-
-    def step(self, elapsed_s: float, acceleration: Vector, angular_velocity: Vector) -> Vector:
-        """Return up after another `elapsed_s`: a unit vector along the device's x, y and z."""
-
-
 class GravityTilt:
     """Smoothed direction of the acceleration; samples of a shaken device get a lower weight."""
 
@@ -42,7 +35,10 @@ class GravityTilt:
         self._second_pole: Vector = (0.0, 0.0, 1.0)
 
     def step(self, elapsed_s: float, acceleration: Vector, angular_velocity: Vector) -> Vector:
-        """Return up, as `Orientation.step`; `angular_velocity` isn't used."""
+        """Return up after another `elapsed_s`: a unit vector along the device's x, y and z.
+
+        `angular_velocity` isn't used.
+        """
         if self._first_pole is None or elapsed_s > LONGEST_GAP_S:
             self._first_pole = self._second_pole = acceleration
         off = (math.hypot(*acceleration) / GRAVITY - 1.0) / GRAVITY_TOLERANCE
@@ -67,8 +63,8 @@ class GyroTilt:
             from vqf import VQF
         except ImportError:
             raise InputError(
-                f"a gyroscope needs the filter VQF: {install_command('sensors')}, or set "
-                "angular_velocity.use = false in a file for sensor=FILE.toml to use gravity alone"
+                "roll follows gravity alone, as the gyroscope needs the filter VQF: "
+                f"{install_command('sensors')}"
             ) from None
         self._filter: Any = VQF(period_s, biasClip=HIGHEST_BIAS_DEG_S)
         self._period = period_s
@@ -77,7 +73,7 @@ class GyroTilt:
         self._angular_velocity = np.zeros(3)
 
     def step(self, elapsed_s: float, acceleration: Vector, angular_velocity: Vector) -> Vector:
-        """Return up, as `Orientation.step`."""
+        """Return up, as `GravityTilt.step`."""
         now, speed_now = np.array(acceleration), np.array(angular_velocity) - self._bias
         if self._acceleration is None or elapsed_s > LONGEST_GAP_S:
             bias, _ = self._filter.getBiasEstimate()

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import struct
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
@@ -86,15 +86,14 @@ def packets_from_notification(notification: bytes) -> bytes:
 class _PacketDecoder(Decoder):
     """Readings from packets of fixed length, found by their first byte."""
 
-    def __init__(self, counters: Counters, first: bytes, length: int) -> None:
+    def __init__(
+        self, counters: Counters, first: bytes, length: int, read: Callable[[bytes], Reading | None]
+    ) -> None:
+        """Look for packets; `read` returns the data of a packet, None for an invalid one."""
         super().__init__(counters)
-        self._first, self._length = first, length
+        self._first, self._length, self._read = first, length, read
         self._pending = bytearray()
         self._synchronised = False
-
-    @abstractmethod
-    def _read(self, packet: bytes) -> Reading | None:
-        """Return the data of a packet, None for an invalid one."""
 
     @abstractmethod
     def _join(self, data: Reading) -> Reading | None:
@@ -136,12 +135,9 @@ class WitDecoder(_PacketDecoder):
 
     def __init__(self, counters: Counters, columns: tuple[str, ...]) -> None:
         """Make readings with `columns`, as `wit_columns` returns them."""
-        super().__init__(counters, b"\x55", WIT)
+        super().__init__(counters, b"\x55", WIT, wit_packet)
         self._columns = columns
         self._cycle: dict[str, float] = {}
-
-    def _read(self, packet: bytes) -> Reading | None:
-        return wit_packet(packet)
 
     def _join(self, data: Reading) -> Reading | None:
         if self._columns[0] in data:
@@ -158,11 +154,8 @@ class TeapotDecoder(_PacketDecoder):
     """Quaternions with sequence numbers."""
 
     def __init__(self, counters: Counters) -> None:
-        super().__init__(counters, b"$", TEAPOT)
+        super().__init__(counters, b"$", TEAPOT, teapot_packet)
         self._number = 0
-
-    def _read(self, packet: bytes) -> Reading | None:
-        return teapot_packet(packet)
 
     def _join(self, data: Reading) -> Reading | None:
         # the count has eight bits, a sequence number sixteen

@@ -14,6 +14,7 @@ from typing import Any
 
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
+from overview_dsp.devices.sensors.text_lines import WORD
 from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import (
@@ -75,10 +76,11 @@ class Sensor:
 
     def _check_columns(self) -> None:
         for name in self.columns:
-            if name not in COLUMNS and name != SKIPPED:
+            if name not in COLUMNS and name != SKIPPED and not name.startswith(WORD):
                 raise InputError(f"stream.columns: {name!r}{did_you_mean(name, COLUMNS)}; known: "
-                                 f"{', '.join(COLUMNS)}; {SKIPPED} skips a column")  # fmt: skip
-        read = [name for name in self.columns if name != SKIPPED]
+                                 f"{', '.join(COLUMNS)}; {SKIPPED} skips a column, {WORD}TEXT is a "
+                                 "word of the lines to read")  # fmt: skip
+        read = [name for name in self.columns if name != SKIPPED and not name.startswith(WORD)]
         if self.columns and not read:
             raise InputError("stream.columns skips all columns (_); name at least one")
         if len(set(read)) != len(read):

@@ -2,35 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
-COLUMNS: Mapping[str, str] = {
-    "t_us": "the sensor's clock, microseconds",
-    "t_ms": "the sensor's clock, milliseconds",
-    "t_s": "the sensor's clock, seconds",
-    "sequence": "number of the sample, counting up, modulo 65536",
-    "ax": "acceleration along the sensor's x; upwards is positive at rest",
-    "ay": "acceleration along y",
-    "az": "acceleration along z",
-    "gx": "angular velocity about the sensor's x, right-handed",
-    "gy": "angular velocity about y",
-    "gz": "angular velocity about z",
-    "qw": "orientation of the sensor relative to the earth, a quaternion: its real part",
-    "qx": "its part along x",
-    "qy": "its part along y",
-    "qz": "its part along z",
-    "angle_1": "the first of three angles, degrees; one turn shows which of them is the twist",
-    "angle_2": "the second",
-    "angle_3": "the third",
-    "roll_deg": "roll, degrees: 0 face up, 180 or -180 face down",
-    "count": "counts of an encoder",
-    "pot": "wiper of a potentiometer",
-    "motor_target": "target that a motor applies, A or V",
-    "shaft_rad": "angle of a motor's shaft, rad",
-    "touch": "1 while the device is touched, else 0",
-}
+COLUMNS: Mapping[str, str] = tomllib.loads(
+    Path(__file__).with_name("quantities.toml").read_text(encoding="utf-8")
+)
 """Names of the quantities that a sensor can send, each in the sensor's own unit."""
 
 ACCELERATION = ("ax", "ay", "az")
@@ -41,6 +21,25 @@ ANGLES = ("angle_1", "angle_2", "angle_3")
 SKIPPED = "_"  # name of a column that isn't read; the only name that may occur several times
 STAMPS = ("t_us", "t_ms", "t_s")
 Reading = Mapping[str, float]  # one sample: values by the names of `COLUMNS`; all finite
+
+
+def touch_state(reading: Reading) -> bool | None:
+    """Return whether the device is touched; None if the sensor doesn't detect touch."""
+    return reading["touch"] > 0.5 if "touch" in reading else None
+
+
+@dataclass(frozen=True)
+class AngleSample:
+    """Time (s), theta2 (rad), whether a tap-tap ended then, and the touch if the sensor has one.
+
+    `reliable` is False where theta2 is held because it isn't known.
+    """
+
+    time_s: float
+    theta2: float
+    tapped: bool = False
+    touch: bool | None = None
+    reliable: bool = True
 
 
 def has(reading: Collection[str], columns: Iterable[str]) -> bool:

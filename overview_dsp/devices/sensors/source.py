@@ -5,15 +5,21 @@ Faults of the stream are reported as text, each once.
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.devices.sensors.angles import Angle, AngleSample, InertialAngle, make_angle
+from overview_dsp.devices.messages import Messages
+from overview_dsp.devices.sensors.angles import Angle, InertialAngle, make_angle
 from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.devices.sensors.reading import Counters
+from overview_dsp.devices.sensors.reading import AngleSample, Counters
 from overview_dsp.devices.sensors.stream import Sample, Stream
-from overview_dsp.devices.sensors.touch_detection import Event, TouchRules, TwistTouch
+from overview_dsp.devices.sensors.touch_detection import (
+    FREE_DISK,
+    DiskState,
+    Event,
+    TouchRules,
+    TwistTouch,
+)
 from overview_dsp.errors import InputError
 from overview_dsp.units import HALF_TURN
 
@@ -25,74 +31,51 @@ pass an event at the same time, and sound and force agree."""
 SHORTEST_S = 0.9e-3  # events closer together than a millisecond don't change the disk's movement
 
 
-class SensorSource:
+class SensorSource(Messages):
     """One sensor.
 
     `counters` has received data and faults, `angle` is the latest, `samples` are those fed last.
+    `rules`, by which it touches and releases the disk, may be replaced at any time.
     """
 
     def __init__(self, sensor: Sensor, rules: TouchRules, counters: Counters | None = None) -> None:
         """Start without data; `counters` may be those of an earlier connection."""
+        super().__init__()
         self.counters = Counters() if counters is None else counters
         self.angle: AngleSample | None = None
         self.samples: tuple[Sample, ...] = ()
         self._sensor = sensor
         self._stream = Stream(sensor, self.counters)
+        self.rules = rules
         self._touch = TwistTouch(rules)
         self._converter: Angle | None = None
-        self._messages: deque[str] = deque()
-        self._reported: set[str] = set()
         self._status = ""
         self._stopped = False
         self._board_moves_disk = False
         self._event_at = -1e300
 
     @property
-    def rules(self) -> TouchRules:
-        """Rules by which it touches and releases the disk."""
-        return self._touch.rules
-
-    @rules.setter
-    def rules(self, rules: TouchRules) -> None:
-        self._touch.rules = rules
-
-    @property
     def holding(self) -> bool:
         """True while it holds the disk."""
         return self._touch.holding
 
-    def feed(
-        self,
-        data: bytes,
-        arrival_s: float,
-        other_theta2: float | None = None,
-        disk_theta2: float = 0.0,
-        other_yields: bool = False,
-    ) -> list[Event]:
+    def feed(self, data: bytes, arrival_s: float, disk: DiskState = FREE_DISK) -> list[Event]:
         """Return the control events that these bytes make.
 
         `arrival_s` is of any monotonic clock. Events have the time of the sensor's clock, or of
-        this one. The other parameters are those of `TwistTouch.step`.
+        this one.
         """
         self.samples = tuple(self._stream.feed(data, arrival_s))
         events = [
-            event
-            for sample in self.samples
-            if (event := self._event(sample, other_theta2, disk_theta2, other_yields)) is not None
+            event for sample in self.samples if (event := self._event(sample, disk)) is not None
         ]
         if self._stream.problem:
-            self._report(self._stream.problem)
+            self.say_once(self._stream.problem)
         return events
 
     def release(self) -> Event | None:
         """Release the disk, for example because the sensor is disconnected."""
         return self._touch.release(self.angle.time_s if self.angle is not None else 0.0)
-
-    def take_messages(self) -> tuple[str, ...]:
-        """Return messages added since the last call; each message comes once."""
-        messages = tuple(self._messages)
-        self._messages.clear()
-        return messages
 
     def report(self) -> dict[str, Any]:
         """Return format, status, angle and all counters."""
@@ -105,9 +88,7 @@ class SensorSource:
             **vars(self.counters),
         }
 
-    def _event(
-        self, sample: Sample, other_theta2: float | None, disk_theta2: float, other_yields: bool
-    ) -> Event | None:
+    def _event(self, sample: Sample, disk: DiskState) -> Event | None:
         time_s, reading = sample
         self._board_moves_disk = reading.get("knob_level", self._board_moves_disk) > 0.0
         if self._stopped:
@@ -124,7 +105,7 @@ class SensorSource:
             angle = self._converter.step(time_s, reading)
         except InputError as error:
             self._stopped = True
-            self._report(str(error))
+            self.say_once(str(error))
             return None
         self._report_faults(self._converter)
         if angle is None:
@@ -133,41 +114,36 @@ class SensorSource:
         if isinstance(self._converter, InertialAngle) and self._converter.frozen:
             return self._touch.release(time_s)
         was = self._touch.holding
-        event = self._touch.step(angle, other_theta2, disk_theta2, other_yields)
+        self._touch.rules = self.rules
+        event = self._touch.step(angle, disk)
         if event is None:
             return None
         if was == event.touching and not event.retouch and time_s - self._event_at < SHORTEST_S:
             return None
         self._event_at = time_s
         follows = self._board_moves_disk and "surface_rad" in reading
-        if follows and event.touching and other_theta2 is None:
+        if follows and event.touching and disk.elsewhere is None:
             surface = reading["surface_rad"]
-            rest = surface + reading["stretch_rad"] + FOLLOW_GAIN * (surface - disk_theta2)
+            rest = surface + reading["stretch_rad"] + FOLLOW_GAIN * (surface - disk.position)
             return replace(event, theta2=max(0.0, min(HALF_TURN, rest)))
         return event
 
     def _report_faults(self, converter: Angle) -> None:
         if converter.status != self._status:
             self._status = converter.status
-            self._report(self._status)
+            self.say_once(self._status)
         if not converter.detects_taps and not self.rules.by_rest:
-            self._report('this sensor cannot detect taps: choose twist.release = "rest"')
+            self.say_once('this sensor cannot detect taps: choose twist.release = "rest"')
         if not isinstance(converter, InertialAngle):
             return
         if converter.gyroscope_fault:
-            keys = "sensor=FILE.toml, [angular_velocity], [axes]"
-            self._report(f"{converter.gyroscope_fault} ({keys})")
+            self.say_once(converter.gyroscope_fault)
         if converter.frozen:
-            self._report("the sensor's readings have not changed for 2 s: it has stopped; the "
+            self.say_once("the sensor's readings have not changed for 2 s: it has stopped; the "
                          "disk is released")  # fmt: skip
         elif converter.roll.steep:
-            self._report("the device points up or down, where the roll is unknown: the position "
+            self.say_once("the device points up or down, where the roll is unknown: the position "
                          "is held until the device is flatter")  # fmt: skip
-
-    def _report(self, message: str) -> None:
-        if message not in self._reported:
-            self._reported.add(message)
-            self._messages.append(message)
 
 
 FAULTS = {
@@ -180,16 +156,3 @@ FAULTS = {
     "overrun_bytes": "data arrive faster than they are read; the oldest are dropped",
 }
 """Messages by counter; the other counters need no action."""
-
-
-class Diagnostics:
-    """Messages about the faults that counters show, each once."""
-
-    def __init__(self) -> None:
-        self._reported: set[str] = set()
-
-    def new(self, counters: Counters) -> list[str]:
-        """Return a message for each counter of `FAULTS` that has left zero since the last call."""
-        new = [one for one in FAULTS if one not in self._reported and getattr(counters, one)]
-        self._reported.update(new)
-        return [f"{FAULTS[one]} (later ones are only counted)" for one in new]

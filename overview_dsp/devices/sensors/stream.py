@@ -67,7 +67,7 @@ class Stream:
         if form == DETECT and self._columns and self._columns != MOTOR_COLUMNS:
             form = "text"
         if form != DETECT:
-            self._decode_as(DetectedFormat(form, self._columns))  # type: ignore[arg-type]
+            self._decode_as(DetectedFormat(str(form), self._columns))
 
     def _decode_as(self, detected: DetectedFormat) -> Decoder:
         self.detected = detected

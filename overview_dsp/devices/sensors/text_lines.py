@@ -1,6 +1,6 @@
 """Lines of numbers: `ax,ay,az[,gx,gy,gz]`, `roll_deg`, an encoder's count, a potentiometer's wiper.
 
-Commas, semicolons, tabs or spaces separate the numbers. A line has no check: a lost or changed
+Commas, semicolons, bars, tabs or spaces separate the numbers. A line has no check: a lost or wrong
 byte within a number gives another number. Binary frames detect that, and so do the sensor's ranges.
 """
 
@@ -11,11 +11,13 @@ import re
 
 from overview_dsp.devices.sensors.reading import COLUMNS, INERTIAL, SKIPPED, Reading
 
-_SEPARATORS = re.compile(r"\s*[,;]\s*|\s+")
+_SEPARATORS = re.compile(r"\s*[,;|]\s*|\s+")
 _WIDE_SEPARATORS = re.compile(r"[\s,;:=|()\[\]{}]+")
 _LEADING = "([{ \t"
 _TRAILING = ")]} \t,;|"
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?")
+
+WORD = "="  # before a word as the name of a column: lines with another word there are skipped
 
 _LOGGED = dict(zip(INERTIAL, INERTIAL, strict=True)) | {"q6_1": "qx", "q6_2": "qy", "q6_3": "qz"}
 """Column names that loggers (OpenLog Artemis) write, in lower case, to names of `COLUMNS`."""
@@ -58,7 +60,8 @@ def parse_row(line: str, columns: tuple[str, ...]) -> Reading | None:
 
     `columns` are names of `COLUMNS`, in the order of the line; a skipped column may hold anything.
     """
-    if SKIPPED not in columns:
+    words = {n: name[1:] for n, name in enumerate(columns) if name.startswith(WORD)}
+    if SKIPPED not in columns and not words:
         numbers = parse_numbers(line)
         if numbers is not None and len(numbers) == len(columns):
             return dict(zip(columns, numbers, strict=True))
@@ -67,8 +70,12 @@ def parse_row(line: str, columns: tuple[str, ...]) -> Reading | None:
         cells = split_cells(line, wide)
         if len(cells) != len(columns):
             continue
-        read = {name: cell for name, cell in zip(columns, cells, strict=True) if name != SKIPPED}
+        if any(cells[n] != word for n, word in words.items()):
+            return {}
+        read = {name: cell for n, (name, cell) in enumerate(zip(columns, cells, strict=True))
+                if name != SKIPPED and n not in words}  # fmt: skip
         if all(map(_NUMBER.fullmatch, read.values())):
             reading = {name: float(cell) for name, cell in read.items()}
             return reading if all(map(math.isfinite, reading.values())) else None
-    return {} if parse_header(line) == columns else None
+    other = any(not line.lstrip(_LEADING).startswith(word) for word in words.values())
+    return {} if other or parse_header(line) == columns else None

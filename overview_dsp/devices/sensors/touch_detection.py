@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.devices.sensors.angles import AngleSample
+from overview_dsp.devices.sensors.reading import AngleSample
 from overview_dsp.units import HALF_TURN
 
 
@@ -61,6 +62,22 @@ class Event:
     retouch: bool = False
 
 
+class DiskState(NamedTuple):
+    """Disk as one source sees it.
+
+    `elsewhere` is theta2 (rad) of another source that touches the disk, or None. `position` is the
+    disk's position as theta2 (rad). `yields` is whether a turn takes the disk over from the other
+    source.
+    """
+
+    elsewhere: float | None = None
+    position: float = 0.0
+    yields: bool = False
+
+
+FREE_DISK = DiskState()
+
+
 class TwistTouch:
     """Control events from the angles of one device.
 
@@ -79,19 +96,8 @@ class TwistTouch:
         self._following = False
         self._follow_from = 0.0
 
-    def step(
-        self,
-        angle: AngleSample,
-        other_theta2: float | None,
-        disk_theta2: float,
-        other_yields: bool = False,
-    ) -> Event | None:
-        """Return the control event of an angle, if any.
-
-        `other_theta2`: theta2 of another input that holds the disk, rad; `disk_theta2`: that of the
-            disk.
-        `other_yields`: whether a turn takes the disk over from the other input.
-        """
+    def step(self, angle: AngleSample, disk: DiskState) -> Event | None:
+        """Return the control event of an angle, if any."""
         if self._rest is None:
             self._rest = angle.theta2
         at_rest = angle.theta2 <= self.rules.rest
@@ -103,19 +109,19 @@ class TwistTouch:
                 return None
             self.holding = True
             self._rest_since = None
-            self._start_from(angle, disk_theta2 if other_theta2 is None else other_theta2)
+            self._start_from(angle, disk.position if disk.elsewhere is None else disk.elsewhere)
         elif self._releases(angle, at_rest):
             return self.release(angle.time_s)
         retouch = False
-        if other_theta2 is not None:
+        if disk.elsewhere is not None:
             # a turn back towards rest moves the start of the next takeover
             self._follow_from = (
                 min(self._follow_from, angle.theta2) if self._following else angle.theta2
             )
-            self._following, self._theta2 = True, other_theta2
-            retouch = other_yields and self._turned(angle, self._follow_from)
+            self._following, self._theta2 = True, disk.elsewhere
+            retouch = disk.yields and self._turned(angle, self._follow_from)
             if retouch:
-                self._start_from(angle, other_theta2)
+                self._start_from(angle, disk.elsewhere)
         else:
             if self._following:
                 self._start_from(angle, self._theta2)

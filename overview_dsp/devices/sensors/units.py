@@ -108,7 +108,7 @@ def units_of(sensor: Sensor, binary: bool, at_rest: Sequence[Sequence[float]]) -
             )
     elif detect:
         allowed = ("g",) if binary else tuple(ACCELERATION_UNITS)
-        near = [name for name in allowed if _is_gravity(size, ACCELERATION_UNITS[name])]
+        near = [name for name in allowed if is_unit_of_gravity(size, ACCELERATION_UNITS[name])]
         if not near:
             raise InputError(
                 f"the acceleration at rest is {size:.4g}; must be near that of gravity, 9.81 m/s², "
@@ -133,11 +133,12 @@ def counts_per_g(size: float) -> float | None:
     return next((n for n in COUNTS_PER_G if abs(size / n - 1.0) <= COUNTS_TOLERANCE), None)
 
 
-def _is_gravity(size: float, unit: float) -> bool:
+def is_unit_of_gravity(size: float, unit: float) -> bool:
+    """Return whether `size` is gravity in a unit of `unit` m/s²."""
     return abs(size * unit / GRAVITY - 1.0) <= UNIT_TOLERANCE
 
 
-def shows_gravity(size: float) -> bool:
+def is_gravity(size: float) -> bool:
     """Return whether `size` is gravity in any unit, or in the counts of an unscaled sensor."""
-    near = any(_is_gravity(size, unit) for unit in ACCELERATION_UNITS.values())
+    near = any(is_unit_of_gravity(size, unit) for unit in ACCELERATION_UNITS.values())
     return near or counts_per_g(size) is not None

@@ -126,13 +126,13 @@ def test_what_can_not_be_is_counted_and_the_first_one_said(datagram, word):
     (line,) = reader.take_messages()
     assert word in line
     assert "\n" not in line
-    assert reader.take_messages() == []
+    assert reader.take_messages() == ()
 
 
 def test_beyond_an_end_is_the_end_and_that_is_said_once():
     reader = OscReader()
     assert read(reader, message("/overview/theta2", math.pi)) == [AngleChanged("theta2", math.pi)]
-    assert (reader.counters.clamped, reader.take_messages()) == (0, [])
+    assert (reader.counters.clamped, reader.take_messages()) == (0, ())
     assert read(reader, message("/overview/theta2", 4.0), message("/overview/theta2", -1.0)) == [
         AngleChanged("theta2", math.pi), AngleChanged("theta2", 0.0)
     ]  # fmt: skip
@@ -144,7 +144,7 @@ def test_other_programs_addresses_are_left_alone():
     reader = OscReader()
     assert read(reader, message("/1/fader1", 0.5)) == []
     assert reader.counters.unknown == 1
-    assert reader.take_messages() == []
+    assert reader.take_messages() == ()
 
 
 @given(st.binary(max_size=200))
@@ -192,6 +192,11 @@ def test_the_report_says_what_is_new_and_now_and_then_that_it_is_there():
     assert report.messages(0.1, 0.25, 0.001, True, []) == []
     assert report.messages(0.2, 0.5, 0.001, True, [])[0] == message("/overview/cursor", 0.5)
     assert len(report.messages(0.8, 0.5, 0.001, True, [])) == 3
+    lost = ("output lost", "system disconnected", "output lost: system disconnected")
+    changed = report.messages(0.805, 0.5, 0.001, True, [], lost)
+    assert changed[-1] == message("/overview/state", *lost)
+    assert report.messages(0.806, 0.5, 0.001, True, [], lost) == []
+    report.messages(0.807, 0.5, 0.001, True, [])
     goal = Event(5340.0, "goal", "1-0 Müller")
     assert report.messages(0.81, 0.5, 0.001, True, [(goal, 0.5)]) == [
         message("/overview/event", "goal", "1-0 Müller", 5340.0, 0.5)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
 from overview_dsp.devices.controllers.source import ControllerSource
+from overview_dsp.devices.sensors.touch_detection import DiskState
 from tests.devices.sensors.moving import RULES
 
 TICK = 0.005
@@ -22,10 +24,10 @@ def played(hand, moves, until, elsewhere=lambda t: None, place=0.0, yields=False
     waiting = list(moves)
     for n in range(round(since / TICK), round(until / TICK)):
         now = n * TICK
-        found = (elsewhere(now), place, yields)
+        found = DiskState(elsewhere(now), place, yields)
         while waiting and waiting[0][0] <= now:
-            events += hand.move(waiting.pop(0)[1], now, *found)
-        events += hand.tick(now, *found)
+            events += hand.move(waiting.pop(0)[1], now, found)
+        events += hand.tick(now, found)
     return events
 
 
@@ -47,6 +49,15 @@ def test_a_fader_touches_at_the_disk_moves_it_and_releases_at_rest():
     assert np.abs(np.diff([event.theta2 for event in before])).max() < 0.15
     assert not events[-1].touching
     assert events[-1].time_s == pytest.approx(1.0 + RULES.rest_s, abs=0.02)
+
+
+def test_replaced_rules_decide_how_long_a_fader_must_rest():
+    hand = ControllerSource(RULES)
+    played(hand, turned("fader", (0, 0), (0.5, 2.0)), 1.0)
+    hand.rules = replace(RULES, rest_s=RULES.rest_s + 1.0)
+    events = played(hand, [(1.0, AngleChanged("fader", 0.0))], 4.0, since=1.0)
+    assert not events[-1].touching
+    assert events[-1].time_s == pytest.approx(2.0 + RULES.rest_s, abs=0.02)
 
 
 def test_a_fader_at_rest_sends_no_events_and_keeps_its_touch():
@@ -146,9 +157,9 @@ def test_a_turned_fader_takes_over_from_another_source_that_yields():
     for n in range(400):
         now = n * TICK
         while moves and moves[0][0] <= now:
-            events += hand.move(moves.pop(0)[1], now, elsewhere(now), 0.0, True)
+            events += hand.move(moves.pop(0)[1], now, DiskState(elsewhere(now), 0.0, True))
             held += [one for one in events if one.retouch]
-        events += hand.tick(now, elsewhere(now), 0.0, True)
+        events += hand.tick(now, DiskState(elsewhere(now), 0.0, True))
     (again,) = [event for event in events if event.retouch]
     assert again.theta2 == 3.0
     assert 1.1 < again.time_s < 1.4
@@ -194,8 +205,9 @@ def test_any_messages_give_valid_events_and_every_touch_can_be_released(course):
     touching = False
     for n, (move, elsewhere, yields) in enumerate(course):
         now = 0.03 * n
-        events = [] if move is None else hand.move(move, now, elsewhere, 0.0, yields)
-        events += hand.tick(now, elsewhere, 0.0, yields)
+        disk = DiskState(elsewhere, 0.0, yields)
+        events = [] if move is None else hand.move(move, now, disk)
+        events += hand.tick(now, disk)
         for event in events:
             assert 0.0 <= event.theta2 <= math.pi
             touching = event.touching

@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.devices.force_feedback.motion import MeanTorque
 from overview_dsp.devices.force_feedback.motor_loop import MotorLoop
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touch_detection import TouchRules
+from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules
 
 RATE, BLOCK = 48_000, 128
 TICK_S = 1e-3
@@ -65,8 +65,8 @@ def simulate(preset, timeline, sensor, path, seconds, delay_s=0.0, naive=False, 
     for tick in range(round(seconds / TICK_S)):
         now = (tick + 1) * TICK_S
         received = session.exchange(now, sent)
-        place = engine.meters.cursor * np.pi
-        for event in reader.feed(received, now, None, place):
+        disk = DiskState(None, engine.meters.cursor * np.pi)
+        for event in reader.feed(received, now, disk):
             engine.control(event.theta2, event.touching, None, "serial")
         while engine.sample_time < now * RATE:
             engine.process(out)

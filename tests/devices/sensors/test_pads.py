@@ -62,7 +62,7 @@ def joycon(states, right=False):
     report[0] = 0x30
     for n, state in enumerate(states):
         sign = np.array([1.0, -1.0, -1.0]) if right else 1.0
-        numbers = [*(sign * state.a / G * 4096.0), *(sign * np.degrees(state.g) * 16.384)]
+        numbers = [*(sign * state.a / G * 4096.0), *(sign * np.degrees(state.g) * 14.247)]
         struct.pack_into("<6h", report, 13 + 12 * n, *np.rint(numbers).astype(int).tolist())
     return bytes(report)
 
@@ -107,15 +107,58 @@ def decoded(reports, where=(), decoder=DualSenseDecoder):
 
 def test_a_valid_calibration_of_a_pad_is_used_and_an_invalid_one_is_not():
     units = dualsense_units(UNITS)
-    assert units.deg_s[0] == pytest.approx(1080 / 17680)
-    assert units.g[2] == pytest.approx(2 / 16300)
-    assert units.zero == (100.0, -10.0, -150.0)
+    assert units.values[3] == pytest.approx(1080 / 17680)
+    assert units.values[2] == pytest.approx(2 / 16300)
+    assert units.zeros == (100.0, -10.0, -150.0, 0.0, 0.0, 0.0)
     for wrong in (bytes(41), UNITS[:-1], b"\x06" + UNITS[1:], b"\x05" + b"\xff" * 40):
         assert dualsense_units(wrong) is None
     raw = dualsense(STATES[0], units=False)
     readings, counters = decoded([bytes([5]) + bytes(40), raw])
     assert readings[0]["az"] == pytest.approx(STATES[0].a[0] / -G, abs=2e-3)
     assert counters.damaged == 1
+
+
+def memory(address, *numbers, mark=b"", accepted=True):
+    """A Joy-Con's reply: what its memory holds at an address."""
+    data = mark + struct.pack("<12h", *numbers)
+    head = bytes([0x21, *bytes(12), 0x90, 0x10 if accepted else 0x03])
+    return (head + address.to_bytes(4, "little") + bytes([len(data)]) + data).ljust(49, b"\0")
+
+
+# offsets and scales of acceleration and gyroscope, as a Joy-Con's maker writes them
+FACTORY = (350, 0, 4081, 16300, 16384, 20465, 20, -15, 8, 13391, 13356, 13379)
+
+
+@pytest.mark.parametrize("user", [False, True])
+def test_a_joy_cons_calibration_is_read_from_its_memory(user):
+    nothing = memory(0x8026, *[-1] * 12, mark=b"\xff\xff")
+    mine = memory(0x8026, *(100, -100, 0, 16384, 16384, 16384), *(300, 0, 0, 13671, 13371, 13371),
+                  mark=b"\xb2\xa1")  # fmt: skip
+    report = bytearray(49)
+    report[0] = 0x30
+    struct.pack_into("<6h", report, 13, 4096, -4096, 2048, 1445, -15, 8)
+    factory = memory(0x6020, *FACTORY)
+    (first, *_), counters = decoded([mine if user else nothing, factory, bytes(report)],
+                                    decoder=JoyConDecoder)  # fmt: skip
+    assert counters.damaged == 0
+    if user:
+        assert first["ax"] == pytest.approx(16384 / (16384 - 100))
+        assert first["gx"] == pytest.approx((1445 - 300) / 14.247 * 13671 / 13371)
+    else:
+        assert first["ax"] == pytest.approx(16300 / (16300 - 350))
+        assert first["gx"] == pytest.approx((1445 - 20) / 14.247 * 13391 / 13371)
+        assert first["gy"] == first["gz"] == 0.0
+
+
+def test_an_unusable_calibration_of_a_joy_con_is_not_used():
+    report = bytearray(49)
+    report[0] = 0x30
+    struct.pack_into("<6h", report, 13, 4096, 0, 0, 14247, 0, 0)
+    for wrong in (memory(0x6020, *[-1] * 12), memory(0x6020, *FACTORY, accepted=False),
+                  memory(0x6030, *FACTORY)):  # fmt: skip
+        (first, *_), counters = decoded([wrong, bytes(report)], decoder=JoyConDecoder)
+        assert (first["ax"], counters.damaged) == (1.0, 0)
+        assert first["gx"] == pytest.approx(1000.0)
 
 
 @given(st.integers(0, 599), st.lists(st.tuples(st.integers(0, 77), st.integers(1, 255)),

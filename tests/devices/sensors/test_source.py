@@ -15,7 +15,7 @@ import overview_dsp as ov
 from overview_dsp.devices.sensors.clock import WRAP
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touch_detection import TouchRules
+from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules
 from overview_dsp.installation import install_command
 from tests.devices.sensors.encoding import encode_frame
 from tests.devices.sensors.moving import course, fed, frames, hand, lines, turning
@@ -93,16 +93,18 @@ def test_where_a_clock_begins_changes_nothing_but_the_count_of_its_wraps():
     assert max(apart) < 1e-6
 
 
-def test_a_gyroscope_without_its_filter_is_said_in_one_line(monkeypatch):
+def test_a_gyroscope_without_its_filter_plays_by_gravity_and_names_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "vqf", None)
     one = hand()
-    events, _ = fed(one, frames(*turning(ROLL, RATE), RATE), RATE)
-    assert events == []
+    events, turns = fed(one, frames(*turning(ROLL, RATE), RATE), RATE)
     (said,) = [word for word in one.take_messages() if "VQF" in word]
     assert install_command("sensors") in said
-    assert "angular_velocity.use" in said
+    assert "gravity alone" in said
+    assert "\n" not in said
     other = hand(angular_velocity__use=False)
-    events, _ = fed(other, frames(*turning(ROLL, RATE), RATE), RATE)
+    same, others = fed(other, frames(*turning(ROLL, RATE), RATE), RATE)
+    assert events == same
+    assert turns[-1] == others[-1]
     assert any(event.touching for event in events)
 
 
@@ -124,7 +126,7 @@ def test_the_disk_is_pulled_as_a_knobs_board_pulls_its_own(level, theta2):
     for n, frame in enumerate(
         knob_frames(level, at_rest + [(1.2, 0.7, 0.1)] * 400).split(b"\0")[:-1]
     ):
-        events += source.feed(frame + b"\0", 0.002 * n, None, 0.65)
+        events += source.feed(frame + b"\0", 0.002 * n, DiskState(None, 0.65))
     assert source.holding
     assert events[-1].theta2 == pytest.approx(theta2, abs=1e-4)
 

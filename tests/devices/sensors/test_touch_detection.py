@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.angles import AngleSample, TapTap
-from overview_dsp.devices.sensors.touch_detection import TouchRules, TwistTouch
+from overview_dsp.devices.sensors.angles import TapTap
+from overview_dsp.devices.sensors.reading import AngleSample
+from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules, TwistTouch
 from tests.devices.sensors.moving import RULES, course, fed, hand, lines
 
 RATE = 200.0
@@ -22,7 +23,8 @@ def twisted(degrees, rules=RULES, taps=NEVER, elsewhere=lambda n: None, place=0.
     touch = TwistTouch(rules)
     events = []
     for n, theta2 in enumerate(degrees):
-        event = touch.step(AngleSample(n / RATE, float(theta2), n in taps), elsewhere(n), place)
+        disk = DiskState(elsewhere(n), place)
+        event = touch.step(AngleSample(n / RATE, float(theta2), n in taps), disk)
         if event is not None:
             events.append((n, event))
     return events
@@ -63,7 +65,7 @@ def test_a_turn_takes_over_from_a_hand_that_yields_and_does_not_jump(yields):
     for n, theta2 in enumerate(degrees):
         taken = any(one.retouch for one in events)
         elsewhere = other if n > 0.8 * RATE and not taken else None
-        event = touch.step(AngleSample(n / RATE, float(theta2)), elsewhere, 0.0, yields)
+        event = touch.step(AngleSample(n / RATE, float(theta2)), DiskState(elsewhere, 0.0, yields))
         if event is not None:
             events.append(event)
     again = [event for event in events if event.retouch]
@@ -140,7 +142,8 @@ def test_a_knob_rests_where_it_lay():
 
 def test_a_sensor_of_touch_decides_by_itself():
     touch = TwistTouch(RULES)
-    said = [touch.step(AngleSample(n * 0.01, 1.0, touch=n in (3, 4)), None, 1.0) for n in range(7)]
+    disk = DiskState(None, 1.0)
+    said = [touch.step(AngleSample(n * 0.01, 1.0, touch=n in (3, 4)), disk) for n in range(7)]
     assert [None if one is None else one.touching for one in said] == [
         None, None, None, True, True, False, None,
     ]  # fmt: skip
@@ -158,7 +161,7 @@ def test_whatever_a_hand_does_theta2_is_in_range_and_ends_let_go(steps, rest, ta
     touch = TwistTouch(replace(RULES, by_rest=rest, by_tap=tap, rest_s=wait, join_s=join))
     held = False
     for n, (theta2, tapped, elsewhere, place) in enumerate(steps):
-        event = touch.step(AngleSample(n * 0.01, theta2, tapped), elsewhere, place)
+        event = touch.step(AngleSample(n * 0.01, theta2, tapped), DiskState(elsewhere, place))
         if event is not None:
             assert -1e-9 <= event.theta2 <= math.pi + 1e-9
             assert event.touching or held
