@@ -127,6 +127,13 @@ def atomic_file(path: str | os.PathLike[str], private: bool = False) -> Iterator
         _remove(temporary)
 
 
+def write_file(path: str | os.PathLike[str], content: str | bytes, private: bool = False) -> None:
+    """Write a file by `atomic_file`, text as UTF-8."""
+    data = content.encode() if isinstance(content, str) else content
+    with atomic_file(path, private) as temporary:
+        temporary.write_bytes(data)
+
+
 def make_folder(path: str | os.PathLike[str]) -> Path:
     """Make a folder for outputs, with its parents; InputError if that fails."""
     folder = Path(path)

@@ -14,7 +14,6 @@ import struct
 from collections.abc import Iterator
 from functools import cache, lru_cache
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Protocol
 
 import numpy as np
@@ -222,13 +221,8 @@ class SoundWriter:
             "free some space and retry"
         )
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._stack.__exit__(kind, error, traceback)
+    def __exit__(self, *error: Any) -> None:
+        self._stack.__exit__(*error)
 
 
 def save_sound(

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.analysis.qrs import Floats, Indices, Search, around
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
+from overview_dsp.data.analysis.qrs import Search, around
 
 _BEAT_S = 0.6
 _SHARP_HZ = 8.0
@@ -25,9 +26,7 @@ _SURE_PULSE = 0.95
 """Minimum noise of a pulse wave that is searched as an ECG (the second one where sharp waves were
 found), and minimum median likeness of its pulses (an ECG in noise: up to 0.91)."""
 
-WINDOW_S = 8
-"""Time over which the index is computed."""
-
+WINDOW_S = 8  # time over which the index is computed
 LIMIT = -1.0
 STRICT_LIMIT = -2.5
 """Index above which beats can't be trusted; the second one if more than half of a recording is
@@ -49,7 +48,7 @@ _PULSE_ODD = 0.25
 and maximum deviation of intervals, in octaves, of pulses that can be trusted."""
 
 
-def is_ecg(signal: Floats, search: Search, rate: float, pulse_likeness: float) -> bool:
+def is_ecg(signal: FloatArray, search: Search, rate: float, pulse_likeness: float) -> bool:
     """Return whether the beats that were searched as those of an ECG have its sharp waves.
 
     The noise of the averages of odd and of even beats is independent, so that their cross spectrum
@@ -74,17 +73,11 @@ def is_ecg(signal: Floats, search: Search, rate: float, pulse_likeness: float) -
     return bool(sharp > max(0.0, _LEAST_SHARP * slow)) and not a_pulse
 
 
-def ecg_doubt(search: Search, noise: Floats, others: Indices, rate: float) -> Floats:
-    """Return the index of each second; high where beats can't be trusted.
+def ecg_doubt(search: Search, noise: FloatArray, others: IntArray, rate: float) -> FloatArray:
+    """Return the index of each second of an ECG: above `LIMIT` if its beats can't be trusted.
 
-    Parameters
-    ----------
-    search
-        Result of `find_qrs`.
-    noise : (n,)
-        Height between the beats, and those of another shape.
-    others
-        Beats of another shape, which no term counts.
+    `search` is the result of `find_qrs`. `noise` (n,) is the height between all beats. `others` are
+    the beats of another shape, which no term counts as wrong. `rate` is in Hz.
     """
     from scipy.signal import find_peaks
 
@@ -95,13 +88,9 @@ def ecg_doubt(search: Search, noise: Floats, others: Indices, rate: float) -> Fl
     tall = height[near].max(axis=1) if len(beats) else np.zeros(0)
     peaks, _ = find_peaks(height, _FREE_HEIGHT, distance=max(1, round(_FREE_APART_S * rate)))
     peaks = peaks[~_close_to(peaks, others, 0.2 * rate)]
-    partner = _PARTNER_S * rate
-    lone = np.concatenate(
-        [beats[~_close_to(beats, peaks, partner)], peaks[~_close_to(peaks, beats, partner)]]
-    )
     sums = _Windows(len(height), rate, WINDOW_S)
     level = sums.mean(np.arange(len(noise)), np.minimum(noise, 1.5))
-    free = sums.share(lone, np.concatenate([beats, peaks]))
+    free = _free(sums, beats, peaks, rate)
     middle, octaves = _octaves(beats, others)
     odd = sums.mean(middle, octaves)
     log = np.log(tall + 0.05)
@@ -118,7 +107,7 @@ def ecg_doubt(search: Search, noise: Floats, others: Indices, rate: float) -> Fl
     return found
 
 
-def pulse_likeness(band: Floats, beats: Indices, rate: float) -> tuple[Indices, Floats]:
+def pulse_likeness(band: FloatArray, beats: IntArray, rate: float) -> tuple[IntArray, FloatArray]:
     """Return the pulses inside a band-passed part, and their likeness to the median pulse."""
     low, high = (round(s * rate) for s in _PULSE_S)
     inside = beats[(beats >= low) & (beats < len(band) - high)]
@@ -131,7 +120,7 @@ def pulse_likeness(band: Floats, beats: Indices, rate: float) -> tuple[Indices, 
     return inside, shapes @ (median / max(float(np.linalg.norm(median)), 1e-12))
 
 
-def pulse_doubt(band: Floats, beats: Indices, rate: float) -> Floats:
+def pulse_doubt(band: FloatArray, beats: IntArray, rate: float) -> FloatArray:
     """Return the index of each second of a pulse wave: above 0 if its beats can't be trusted."""
     from scipy.signal import find_peaks
 
@@ -142,11 +131,7 @@ def pulse_doubt(band: Floats, beats: Indices, rate: float) -> Floats:
     usual = float(np.median(np.diff(beats)))
     # half an interval apart: without the dicrotic waves
     peaks, _ = find_peaks(band, 0.5 * np.median(band[beats]), distance=max(1, round(0.5 * usual)))
-    partner = _PARTNER_S * rate
-    lone = np.concatenate(
-        [beats[~_close_to(beats, peaks, partner)], peaks[~_close_to(peaks, beats, partner)]]
-    )
-    free = sums.share(lone, np.concatenate([beats, peaks]))
+    free = _free(sums, beats, peaks, rate)
     unlike = sums.share(inside[likeness < _PULSE_LIKENESS], inside)
     odd = sums.mean(*_octaves(beats, beats[:0]))
     bad = (free > _PULSE_FREE) | (unlike > 0.2) | (odd > _PULSE_ODD)
@@ -154,7 +139,14 @@ def pulse_doubt(band: Floats, beats: Indices, rate: float) -> Floats:
     return np.where(bad, np.inf, -np.inf)
 
 
-def _octaves(beats: Indices, others: Indices) -> tuple[Floats, Floats]:
+def _free(sums: _Windows, beats: IntArray, peaks: IntArray, rate: float) -> FloatArray:
+    """Return the share of beats without a peak, and of peaks without a beat, among all."""
+    partner = _PARTNER_S * rate
+    lone = beats[~_close_to(beats, peaks, partner)], peaks[~_close_to(peaks, beats, partner)]
+    return sums.share(np.concatenate(lone), np.concatenate([beats, peaks]))
+
+
+def _octaves(beats: IntArray, others: IntArray) -> tuple[FloatArray, FloatArray]:
     """Return the middle of each interval without another beat, and its distance from the usual."""
     if len(beats) < 2:
         return np.zeros(0), np.zeros(0)
@@ -166,7 +158,7 @@ def _octaves(beats: Indices, others: Indices) -> tuple[Floats, Floats]:
     return middle[whole], np.abs(np.log2(steps[whole] / around(steps[whole], 8, 50.0)))
 
 
-def _close_to(at: Indices, others: Indices, within: float) -> NDArray[np.bool_]:
+def _close_to(at: IntArray, others: IntArray, within: float) -> BoolArray:
     """Return which positions have one of `others` within a distance."""
     others = np.sort(others)
     low = np.searchsorted(others, at - within)
@@ -185,17 +177,17 @@ class _Windows:
         self._first = np.clip(np.arange(self.seconds) - size // 2, 0, self.seconds - size)
         self._end = self._first + size
 
-    def count(self, at: NDArray[np.generic], values: Floats | None = None) -> Floats:
+    def count(self, at: NDArray[np.generic], values: FloatArray | None = None) -> FloatArray:
         """Return the sum of values at positions, or the number of positions."""
         second = np.minimum(np.asarray(at, np.int64) // self._rate, self.seconds - 1)
         each = np.bincount(second, values, self.seconds)
         total = np.concatenate([[0.0], np.cumsum(each)])
         return np.asarray(total[self._end] - total[self._first])
 
-    def mean(self, at: NDArray[np.generic], values: Floats) -> Floats:
+    def mean(self, at: NDArray[np.generic], values: FloatArray) -> FloatArray:
         """Return the mean of values at positions, 0 without one."""
         return self.count(at, values) / np.maximum(self.count(at), 1.0)
 
-    def share(self, marked: NDArray[np.generic], of: NDArray[np.generic]) -> Floats:
+    def share(self, marked: NDArray[np.generic], of: NDArray[np.generic]) -> FloatArray:
         """Return the number of marked positions relative to that of all."""
         return self.count(marked) / np.maximum(self.count(of), 1.0)

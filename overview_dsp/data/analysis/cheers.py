@@ -14,8 +14,8 @@ whistle, a bang, a shout) is shorter.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.loudness import SILENCE_LUFS, STEPS_PER_S
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.units import clock_text
@@ -33,22 +33,16 @@ MIN_PEAK_LU = 6.0
 MIN_FALL_LU = 4.0
 CHEER_S = 2.0
 
-ORDINARY_LU = 10.0
-"""Height of an event of weight 1, perceived as twice as loud as the background."""
-
+ORDINARY_LU = 10.0  # height of an event of weight 1, perceived as twice as loud as the background
 _GRID_STEPS = STEPS_PER_S  # the background is slow: once a second is enough
 _CHUNK = 4096
 
 
-def background(loudness: NDArray[np.float64], integrated: float) -> NDArray[np.float64]:
+def background(loudness: FloatArray, integrated: float) -> FloatArray:
     """Return the background at each step, LUFS.
 
-    Parameters
-    ----------
-    loudness
-        LUFS over 1 s at each step, NaN where missing, shape (n,).
-    integrated
-        Integrated loudness of the recording, LUFS.
+    `loudness` (n,): LUFS over 1 s at each step, NaN where missing.
+    `integrated`: integrated loudness of the recording, LUFS.
     """
     heard = np.where(loudness > SILENCE_LUFS, loudness, np.nan)
     lowest = max(SILENCE_LUFS, integrated - MAX_DEPTH_LU)
@@ -64,7 +58,7 @@ def background(loudness: NDArray[np.float64], integrated: float) -> NDArray[np.f
     return np.asarray(slow, dtype=np.float64)
 
 
-def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
+def _percentile(windows: FloatArray) -> FloatArray:
     """Return the percentile of each row, ignoring NaN; NaN for a row of NaN only."""
     ordered = np.sort(windows, axis=1)  # NaN last
     known = np.count_nonzero(~np.isnan(ordered), axis=1)
@@ -76,20 +70,15 @@ def _percentile(windows: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(ordered[rows, low] * (1.0 - part) + ordered[rows, high] * part)
 
 
-def excitement(loudness: NDArray[np.float64], ambient: NDArray[np.float64]) -> NDArray[np.float64]:
+def excitement(loudness: FloatArray, ambient: FloatArray) -> FloatArray:
     """Return the loudness above the background, LU, at least 0; NaN if missing."""
     return np.maximum(loudness - ambient, 0.0)
 
 
-def peaks(above: NDArray[np.float64], time_s: NDArray[np.float64]) -> tuple[Event, ...]:
-    """Return the peaks of the excitement as events, weight 1 = `ORDINARY_LU`.
+def peaks(above: FloatArray, time_s: FloatArray) -> tuple[Event, ...]:
+    """Return the peaks of the excitement (LU, NaN where missing) as events.
 
-    Parameters
-    ----------
-    above
-        Excitement at each step, LU, shape (n,), NaN where missing.
-    time_s
-        Times, shape (n,).
+    Weight 1 is `ORDINARY_LU`.
     """
     from scipy.signal import find_peaks, peak_widths
 

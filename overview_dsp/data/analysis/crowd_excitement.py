@@ -39,71 +39,38 @@ AMPLITUDES: Mapping[str, float] = MappingProxyType(
 )
 """Height of each football kind in an otherwise silent stadium: a goal nearly fills the scale."""
 
-FOOTBALL_KINDS = frozenset(AMPLITUDES)
-"""The kinds of the bundled football preset."""
-
-RISE_S = 30.0
-"""Time constant before an event, s: an attack builds up within a minute."""
-
-FALL_S = 120.0
-"""Time constant after an event, s: the singing after a goal lasts some minutes."""
-
-AMBIENT = 0.06
-"""Value without any event."""
-
+FOOTBALL_KINDS = frozenset(AMPLITUDES)  # the kinds of the bundled football preset
+RISE_S = 30.0  # time constant before an event, s: an attack builds up within a minute
+FALL_S = 120.0  # time constant after an event, s: the singing after a goal lasts some minutes
+AMBIENT = 0.06  # value without any event
 STEP_S = 5.0
 """Spacing of the curve's points, s: a sixth of the rise; event times are points as well."""
 
 MAX_DURATION_S = 86_400.0
 """Longest timeline that gets a curve, s (a day): an event would be too short in a longer one."""
 
-MAX_EVENTS = 5_000
-"""Most events that get a curve: some thirty times those of a match."""
-
+MAX_EVENTS = 5_000  # most events that get a curve: some thirty times those of a match
 UNIT = "crowd excitement 0..1, derived from the events"
 
 PROVENANCE = "intensity: crowd-excitement formula applied to the events, not a recording"
 
 
-def crowd_curve(
-    events: Iterable[Event],
-    duration_s: float,
-    *,
-    rise_s: float = RISE_S,
-    fall_s: float = FALL_S,
-    ambient: float = AMBIENT,
-    unit: str = UNIT,
-) -> Intensity:
+def crowd_curve(events: Iterable[Event], duration_s: float) -> Intensity:
     """Return the excitement curve of football events (other kinds contribute nothing).
 
-    Parameters
-    ----------
-    events
-        In any order, times in [0, duration_s].
-    duration_s
-        Length of the timeline, s.
-    rise_s, fall_s
-        Time constants before and after an event, s.
-    ambient
-        The floor, 0 to 1.
-    unit
-        Unit of the Intensity.
-
-    Returns
-    -------
-    Intensity
-        Values in [ambient, 1] at every `STEP_S`, at the end, and at each event.
+    Events may be in any order, at 0 to `duration_s`. The curve has values from `AMBIENT` to 1 at
+    every `STEP_S`, at the end, and at each event.
     """
     counted = [event for event in events if event.kind in AMPLITUDES]
     grid = np.arange(0.0, duration_s, STEP_S)
     time_s = np.unique(np.concatenate((grid, [event.time_s for event in counted], [duration_s])))
-    quiet = np.full(time_s.shape, 1.0 - ambient)
+    quiet = np.full(time_s.shape, 1.0 - AMBIENT)
     for event in counted:
         # Python floats: a huge weight overflows to infinity (amplitude 1) without a warning
         amplitude = -math.expm1(event.weight * math.log1p(-AMPLITUDES[event.kind]))
         since = time_s - event.time_s
-        quiet *= 1.0 - amplitude * np.exp(np.where(since < 0.0, since / rise_s, -since / fall_s))
-    return Intensity(time_s, 1.0 - quiet, unit)
+        quiet *= 1.0 - amplitude * np.exp(np.where(since < 0.0, since / RISE_S, -since / FALL_S))
+    return Intensity(time_s, 1.0 - quiet, UNIT)
 
 
 def derive_intensity(

@@ -25,8 +25,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, quoted
 
@@ -36,9 +36,7 @@ MAPS = ("level", "change", "activity", "volatility")
 PERCENTILES = (1.0, 99.0)
 """Percentiles of the mapped curve that become 0 and 1: one outlier has no effect."""
 
-WINDOW_SAMPLES = 20
-"""Default window of volatility, samples: a month of trading days."""
-
+WINDOW_SAMPLES = 20  # default window of volatility, samples: a month of trading days
 NOT_ABOVE_0 = "some values are 0 or below: steps are in the unit of the values, not per cent"
 """Note for a price whose steps are not per cent."""
 
@@ -58,13 +56,7 @@ class Map:
 
     @classmethod
     def of(cls, option: str | None, headers: frozenset[str]) -> Map:
-        """Parse a `--map` option: one of `MAPS`, or a column in `headers` (lower case).
-
-        Raises
-        ------
-        InputError
-            The option is neither a mapping nor a column.
-        """
+        """Parse `--map`: one of `MAPS`, or a column in `headers` (lower case); else InputError."""
         if option is None:
             return cls("level")
         name, _, argument = (part.strip() for part in option.partition(":"))
@@ -126,15 +118,10 @@ class Map:
         }.get(self.name, f"the level of {header}")
 
 
-def curve(
-    mapping: Map, level: NDArray[np.float64], step: NDArray[np.float64], time_s: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def curve(mapping: Map, level: FloatArray, step: FloatArray, time_s: FloatArray) -> FloatArray:
     """Return the mapped value of each sample, NaN if the level is missing.
 
-    Parameters
-    ----------
-    level, step, time_s
-        The mapped column, its changes (`steps`) and the times, shape (n,).
+    `step` has the changes (`steps`) of the mapped column `level`.
     """
     if mapping.name in ("level", "column"):
         return level
@@ -147,28 +134,13 @@ def curve(
 
 
 def steps(
-    value: NDArray[np.float64],
-    breaks: NDArray[np.int64],
-    relative: bool,
-    factors: dict[int, float] | None = None,
-) -> NDArray[np.float64]:
-    """Return the change of each value from the one before it.
+    value: FloatArray, breaks: IntArray, relative: bool, factors: dict[int, float] | None = None
+) -> FloatArray:
+    """Return the change of each value (NaN = missing) from the one before it.
 
-    Parameters
-    ----------
-    value
-        Shape (n,), NaN = missing.
-    breaks
-        Indices i for which the step to i + 1 is a hole.
-    relative
-        Whether changes are per cent, NaN from 0 or below.
-    factors
-        Factors for samples after a share split, by their index.
-
-    Returns
-    -------
-    ndarray
-        Shape (n,); NaN at the first value, after a gap and where a value is missing.
+    It is NaN at the first value, after each of `breaks` (the step from i to i + 1 is a hole) and
+    where a value is missing. `relative`: changes are per cent, NaN from 0 or below. `factors`:
+    factors for samples after a share split, by their index.
     """
     here = value[1:].copy()
     for index, factor in (factors or {}).items():
@@ -185,9 +157,7 @@ def steps(
     return change
 
 
-def volatility(
-    change: NDArray[np.float64], time_s: NDArray[np.float64], window: float, seconds: bool
-) -> NDArray[np.float64]:
+def volatility(change: FloatArray, time_s: FloatArray, window: float, seconds: bool) -> FloatArray:
     """Return the standard deviation of the changes in the window that ends at each sample.
 
     It is NaN if less than half of the window, or fewer than two changes, have values.
@@ -204,7 +174,7 @@ def volatility(
     scaled = np.where(known, change, 0.0) / size  # so that squares stay in range
     end = np.arange(count) + 1
 
-    def total(terms: NDArray[np.float64]) -> NDArray[np.float64]:
+    def total(terms: FloatArray) -> FloatArray:
         sums = np.concatenate(([0.0], np.cumsum(terms)))
         return np.asarray(sums[end] - sums[begin])
 
@@ -216,7 +186,7 @@ def volatility(
     return np.where(number >= least, np.sqrt(variance) * size, np.nan)
 
 
-def filled(value: NDArray[np.float64], present: NDArray[np.bool_]) -> NDArray[np.float64]:
+def filled(value: FloatArray, present: BoolArray) -> FloatArray:
     """Replace NaN of present samples by the next value, else by the last one."""
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:

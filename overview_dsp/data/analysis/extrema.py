@@ -18,11 +18,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-MOST_CROSSINGS = 16
-"""Maximum number of crossings; more would be perceived as a texture."""
+from overview_dsp.arrays import FloatArray, IntArray
 
+MOST_CROSSINGS = 16  # maximum number of crossings; more would be perceived as a texture
 _LEVELS = 3
 _HYSTERESIS = (0.03, 0.06, 0.12, 0.24)
 
@@ -54,21 +53,11 @@ def round_levels(low: float, high: float) -> list[float]:
 
 
 def crossings(
-    value: NDArray[np.float64], low: float, high: float
+    value: FloatArray, low: float, high: float
 ) -> tuple[list[Crossing], list[float], float]:
-    """Find the crossings of a series.
+    """Find the crossings of a finite series, whose central 80 % reach from `low` to `high`.
 
-    Parameters
-    ----------
-    value
-        Shape (n,), finite.
-    low, high
-        The ends of its central 80 %.
-
-    Returns
-    -------
-    tuple
-        Crossings by index, the levels used (none for too many crossings), and the hysteresis.
+    Return them by index, the levels used (none for too many crossings), and the hysteresis.
     """
     levels = round_levels(low, high)
     if not levels:
@@ -84,9 +73,7 @@ def crossings(
     return [], [], 0.0
 
 
-def _crossing_ranges(
-    value: NDArray[np.float64], level: float, margin: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _crossing_ranges(value: FloatArray, level: float, margin: float) -> tuple[IntArray, IntArray]:
     """Return the last sample beyond the hysteresis before each crossing, and the first after it."""
     above = value > level + margin
     decided = np.flatnonzero(above | (value < level - margin))
@@ -94,9 +81,7 @@ def _crossing_ranges(
     return decided[turned - 1], decided[turned]
 
 
-def _of_level(
-    value: NDArray[np.float64], level: float, begins: NDArray[np.int64], ends: NDArray[np.int64]
-) -> list[Crossing]:
+def _of_level(value: FloatArray, level: float, begins: IntArray, ends: IntArray) -> list[Crossing]:
     found = []
     for before, here in zip(begins.tolist(), ends.tolist(), strict=True):
         up = bool(value[here] > level)
@@ -111,18 +96,10 @@ MAX_EXTREMA = 200_000
 are kept, among them all prominent ones."""
 
 
-def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the peaks of a series and their prominences.
+def peaks(value: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return the peaks of a finite series and their prominences, which are above 0.
 
-    Parameters
-    ----------
-    value
-        Shape (n,), finite.
-
-    Returns
-    -------
-    tuple
-        Indices (first sample of a flat top), ascending, and prominences, > 0. Ends do not count.
+    A peak is the index of the first sample of a flat top, ascending. Ends do not count.
     """
     turns = _turns(value)
     if len(turns) > MAX_EXTREMA:
@@ -142,7 +119,7 @@ def peaks(value: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.flo
     return turns[highs[inner]], prominence[inner]
 
 
-def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
+def _turns(value: FloatArray) -> IntArray:
     """Return both ends and all turning points, the first sample of a flat run."""
     moved = np.flatnonzero(np.diff(value)) + 1
     distinct = np.concatenate(([0], moved)).astype(np.int64)
@@ -153,7 +130,7 @@ def _turns(value: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.concatenate((distinct[:1], distinct[turning], distinct[-1:]))
 
 
-def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np.int64]:
+def _thinned(value: FloatArray, turns: IntArray) -> IntArray:
     run = math.ceil(len(turns) / (MAX_EXTREMA // 2))
     kept = turns[lows_and_highs(value[turns], run)]
     inside = np.concatenate((turns[:1], kept, turns[-1:]))
@@ -161,7 +138,7 @@ def _thinned(value: NDArray[np.float64], turns: NDArray[np.int64]) -> NDArray[np
     return inside[_turns(value[inside])]
 
 
-def _bases(heights: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray[np.float64]:
+def _bases(heights: FloatArray, before: FloatArray) -> FloatArray:
     """Return for each high the lowest level between it and the next higher one on its left.
 
     `before` has the low just before each high. The search moves left by runs of 2**k highs, the
@@ -180,33 +157,20 @@ def _bases(heights: NDArray[np.float64], before: NDArray[np.float64]) -> NDArray
     return bases
 
 
-def _shifted(row: NDArray[np.float64], span: int) -> NDArray[np.float64]:
+def _shifted(row: FloatArray, span: int) -> FloatArray:
     """Return a row shifted to the right; its first values are repeated."""
     return np.concatenate((row[:span], row[:-span]))
 
 
-MOST_SAMPLES = 400_000
-"""Maximum number of samples that are kept; then the length of runs doubles."""
-
-RUN = 64
-"""Initial number of samples in a run."""
-
-STEPS = 16
-"""Number of largest steps in each direction that are kept, too."""
+MOST_SAMPLES = 400_000  # maximum number of samples that are kept; then the length of runs doubles
+RUN = 64  # initial number of samples in a run
+STEPS = 16  # number of largest steps in each direction that are kept, too
 
 
-def lows_and_highs(value: NDArray[np.float64], run: int) -> NDArray[np.int64]:
-    """Return the indices of the lowest and the highest of each `run` values (the first ones).
+def lows_and_highs(value: FloatArray, run: int) -> IntArray:
+    """Return the indices of the lowest and the highest (the first ones) of each `run` values.
 
-    Parameters
-    ----------
-    value
-        Shape (n,), finite.
-
-    Returns
-    -------
-    ndarray
-        Indices, ascending.
+    The values must be finite. The indices ascend.
     """
     whole = len(value) // run * run
     rows = value[:whole].reshape(-1, run)
@@ -230,13 +194,11 @@ class Thinner:
 
     run: int = RUN
     count: int = 0
-    _parts: list[NDArray[np.float64]] = field(default_factory=list)
+    _parts: list[FloatArray] = field(default_factory=list)
     _stored: int = 0
-    _steps: NDArray[np.float64] = field(default_factory=lambda: np.empty((3, 0)))
+    _steps: FloatArray = field(default_factory=lambda: np.empty((3, 0)))
 
-    def add(
-        self, time_s: NDArray[np.float64], value: NDArray[np.float64], step: NDArray[np.float64]
-    ) -> None:
+    def add(self, time_s: FloatArray, value: FloatArray, step: FloatArray) -> None:
         """Add samples with a value, in order, shape (n,); `step` may be NaN."""
         if not len(value):
             return
@@ -252,7 +214,7 @@ class Thinner:
             self._parts, self._stored = [whole], whole.shape[1]
             self.run *= 2
 
-    def finish(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def finish(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return times, values and steps of the kept samples, in order."""
         whole = np.concatenate((*self._parts, self._steps), axis=1)
         _, first = np.unique(whole[0], return_index=True)
@@ -260,7 +222,7 @@ class Thinner:
         return time_s, value, step
 
 
-def _largest(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+def _largest(samples: FloatArray) -> FloatArray:
     """Return the samples with the largest steps up and down."""
     known = np.flatnonzero(~np.isnan(samples[2]))
     step = samples[2, known]

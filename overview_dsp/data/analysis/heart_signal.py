@@ -8,15 +8,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
+from overview_dsp.data.analysis.runs import RunFinder, Spans, merged
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.intensity import Intensity
 
-Spans = list[tuple[int, int]]
-"""Runs of samples, (first, end), ascending, not overlapping."""
-
-MIN_GAP_S = 0.1
-"""Shorter runs of missing samples are interpolated: they are too short for a beat."""
-
+MIN_GAP_S = 0.1  # shorter runs of missing samples are interpolated: they are too short for a beat
 FLAT_S = 3.0
 """A signal with one exact value for this long is a disconnected lead; a pause of the heart has
 noise."""
@@ -39,7 +36,7 @@ class Signal(Protocol):
     def length(self) -> int:
         """Number of samples."""
 
-    def read(self, first: int, end: int) -> NDArray[np.float64]:
+    def read(self, first: int, end: int) -> FloatArray:
         """Return the samples from `first` up to `end`, shape (end - first,)."""
 
 
@@ -56,7 +53,7 @@ class Samples:
         """Number of samples."""
         return len(self.values)
 
-    def read(self, first: int, end: int) -> NDArray[np.float64]:
+    def read(self, first: int, end: int) -> FloatArray:
         """Return samples, NaN = missing."""
         return self.values[first:end].astype(np.float64)
 
@@ -71,60 +68,28 @@ def recorded(signal: Signal) -> Intensity | None:
     return builder.finish(step_s=1.0 / signal.rate, unit=signal.name)
 
 
-def runs(marked: NDArray[np.bool_]) -> Spans:
-    """Return the runs of True values."""
-    edges = np.flatnonzero(np.diff(marked.view(np.int8), prepend=0, append=0)).reshape(-1, 2)
-    return [(first, end) for first, end in edges.tolist()]
-
-
 class SilenceFinder:
     """Detector of missing and flat stretches of a signal, block by block."""
 
     def __init__(self, rate: float) -> None:
-        self._shortest = {"missing": MIN_GAP_S * rate, "flat": FLAT_S * rate}
-        self._open: dict[str, int | None] = {"missing": None, "flat": None}
-        self._found: dict[str, Spans] = {"missing": [], "flat": []}
+        self._missing, self._flat = RunFinder(MIN_GAP_S * rate), RunFinder(FLAT_S * rate)
         self._last = np.nan
-        self._done = 0
-        self.lost = 0  # missing samples in runs too short for a gap
 
-    def feed(self, block: NDArray[np.float64]) -> None:
+    @property
+    def lost(self) -> int:
+        """Number of missing samples in runs too short for a gap."""
+        return self._missing.lost
+
+    def feed(self, block: FloatArray) -> None:
         """Process the next samples."""
         if not len(block):
             return
-        self._follow("missing", ~np.isfinite(block), 0)
+        self._missing.feed(~np.isfinite(block))
         # a sample that equals the one before it is flat; the run also includes the first of them
         same = np.diff(block, prepend=self._last) == 0.0
-        self._follow("flat", same, 1)
+        self._flat.feed(same, before=1)
         self._last = float(block[-1])
-        self._done += len(block)
 
     def finish(self) -> Spans:
         """Return the stretches without signal, merged."""
-        for what in self._open:
-            self._close(what, self._done)
-        merged: Spans = []
-        for first, end in sorted([*self._found["missing"], *self._found["flat"]]):
-            if merged and first <= merged[-1][1]:
-                merged[-1] = (merged[-1][0], max(end, merged[-1][1]))
-            else:
-                merged.append((first, end))
-        return merged
-
-    def _follow(self, what: str, marked: NDArray[np.bool_], before: int) -> None:
-        if not marked[0]:
-            self._close(what, self._done)
-        for first, end in runs(marked):
-            if self._open[what] is None:
-                self._open[what] = self._done + first - before
-            if end < len(marked):
-                self._close(what, self._done + end)
-
-    def _close(self, what: str, end: int) -> None:
-        first, self._open[what] = self._open[what], None
-        if first is None:
-            return
-        if end - first >= self._shortest[what]:
-            self._found[what].append((first, end))
-        elif what == "missing":
-            self.lost += end - first
+        return merged([*self._missing.finish(), *self._flat.finish()], 1)

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.analysis.beat_quality import (
     LIMIT,
     STRICT_LIMIT,
@@ -22,33 +22,25 @@ from overview_dsp.data.analysis.beat_quality import (
     pulse_doubt,
     pulse_likeness,
 )
-from overview_dsp.data.analysis.heart_signal import Signal, SilenceFinder, Spans, runs
+from overview_dsp.data.analysis.heart_signal import Signal, SilenceFinder
 from overview_dsp.data.analysis.other_shapes import find_other_shapes
 from overview_dsp.data.analysis.qrs import (
     REFRACTORY_S,
-    Floats,
     band_passed,
     decimated,
     find_qrs,
     noise_height,
 )
+from overview_dsp.data.analysis.runs import Spans, merged, runs
 
 BLOCK_S = 300.0
 MARGIN_S = 15.0
 """Overlap of a block with its neighbours, in which the thresholds of the detector settle."""
 
-MIN_PART_S = 2.0
-"""Minimum length of a part between two gaps, for the thresholds of the detector."""
-
-MIN_RATE = 50.0
-"""Minimum sample rate for the shape of a heartbeat, Hz."""
-
-_AROUND_S = 1.5
-"""Time on either side of a noisy stretch that counts as noisy, too."""
-
-_LEAST_NOISY_S = 2.0
-"""Minimum length of a noisy stretch that becomes a gap."""
-
+MIN_PART_S = 2.0  # minimum length of a part between two gaps, for the thresholds of the detector
+MIN_RATE = 50.0  # minimum sample rate for the shape of a heartbeat, Hz
+_AROUND_S = 1.5  # time on either side of a noisy stretch that counts as noisy, too
+_LEAST_NOISY_S = 2.0  # minimum length of a noisy stretch that becomes a gap
 _LEAST_CLEAN_S = 6.0
 """Minimum length of a trusted stretch between two noisy ones; a shorter one is joined with them."""
 
@@ -57,38 +49,27 @@ _HIDDEN_RATIO = 1.25
 """Height of a peak, relative to a beat and to the highest peaks of the neighbouring intervals, from
 which the peak may be a beat."""
 
-Indices = NDArray[np.int64]
-
 
 @dataclass(frozen=True, eq=False)
 class Detection:
     """Result of a search for beats.
 
-    Attributes
-    ----------
-    beats : int64 (n,)
-        Sample numbers, ascending.
-    silent
-        Stretches without signal.
-    noisy
-        Stretches in which noise hides the beats; they contain none of `beats`.
-    lost
-        Number of missing samples outside of these, which were interpolated.
-    what
-        `ECG`, `pulse wave` or `neither`.
-    other : bool (n,)
-        Whether a beat has another shape than those around it.
-    hidden : bool (n,)
-        Whether the interval before a beat has a peak that may be one.
+    `beats`: sample numbers, ascending.
+    `silent`: stretches without signal.
+    `noisy`: stretches in which noise hides the beats; they contain none of `beats`.
+    `lost`: number of missing samples outside of these, which were interpolated.
+    `what`: `ECG`, `pulse wave` or `neither`.
+    `other`, for each beat: whether it has another shape than those around it.
+    `hidden`, for each beat: whether the interval before it has a peak that may be one.
     """
 
-    beats: Indices
+    beats: IntArray
     silent: Spans
     noisy: Spans
     lost: int
     what: str
-    other: NDArray[np.bool_]
-    hidden: NDArray[np.bool_]
+    other: BoolArray
+    hidden: BoolArray
 
 
 def find_beats(
@@ -98,23 +79,11 @@ def find_beats(
     *,
     gaps: bool = True,
 ) -> Detection:
-    """Search a signal block by block.
+    """Search a signal with a rate of at least `MIN_RATE` block by block; InputError if unreadable.
 
-    Parameters
-    ----------
-    signal
-        Signal with a sample rate of at least `MIN_RATE`.
-    what
-        `ECG` or `pulse wave`; None = detected from its beats.
-    progress
-        Called with the finished fraction, 0 to 1.
-    gaps
-        Whether beats in noise are left out; False for comparisons with other detectors.
-
-    Raises
-    ------
-    InputError
-        The signal can't be read.
+    `what`: `ECG` or `pulse wave`; None = detected from its beats.
+    `progress`: called with the finished fraction, 0 to 1.
+    `gaps`: whether beats in noise are left out; False for comparisons with other detectors.
     """
     finder = SilenceFinder(signal.rate)
     block, margin = round(BLOCK_S * signal.rate), round(MARGIN_S * signal.rate)
@@ -141,7 +110,9 @@ def find_beats(
         progress(end / signal.length)
     noisy: Spans = []
     for limit in (LIMIT, STRICT_LIMIT) if gaps else ():
-        noisy = _merged_noise(doubtful[limit], signal.rate)
+        found_noise = merged(doubtful[limit], _LEAST_CLEAN_S * signal.rate)
+        least = _LEAST_NOISY_S * signal.rate
+        noisy = [(begin, stop) for begin, stop in found_noise if stop - begin >= least]
         if 2 * sum(stop - begin for begin, stop in noisy) <= signal.length:
             break
     beats = np.array([at for at, _, _ in found], np.int64)
@@ -161,7 +132,7 @@ def find_beats(
     )
 
 
-def _kind(part: Floats, rate: float) -> str | None:
+def _kind(part: FloatArray, rate: float) -> str | None:
     """Return `ECG` or `pulse wave`; None if a part has no beats that can be trusted."""
     signal, work_rate, _ = decimated(part, rate)
     band = band_passed(part, rate, 0.5, 8.0)
@@ -176,7 +147,7 @@ def _kind(part: Floats, rate: float) -> str | None:
 class _Part:
     """Beats of a part without missing samples, and the doubt about them."""
 
-    def __init__(self, part: Floats, rate: float, what: str | None) -> None:
+    def __init__(self, part: FloatArray, rate: float, what: str | None) -> None:
         self._length, self._rate = len(part), rate
         self._fewer = 1
         self._other = self._hidden = np.zeros(0, np.bool_)
@@ -218,7 +189,7 @@ class _Part:
         return list(zip(at, self._other.tolist(), self._hidden.tolist(), strict=True))
 
 
-def _hidden(size: Floats, beats: Indices, rate: float) -> NDArray[np.bool_]:
+def _hidden(size: FloatArray, beats: IntArray, rate: float) -> BoolArray:
     """Return which intervals before a beat have a peak that may be a beat."""
     reach = round(0.25 * rate)
     highest = np.array(
@@ -240,17 +211,6 @@ def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
     return [(begin, stop) for begin, stop in moved if begin < stop]
 
 
-def _merged_noise(spans: Spans, rate: float) -> Spans:
-    """Return noisy stretches, merged where little lies between them, without short ones."""
-    joined: Spans = []
-    for begin, stop in sorted(spans):
-        if joined and begin - joined[-1][1] < _LEAST_CLEAN_S * rate:
-            joined[-1] = (joined[-1][0], max(stop, joined[-1][1]))
-        else:
-            joined.append((begin, stop))
-    return [(begin, stop) for begin, stop in joined if stop - begin >= _LEAST_NOISY_S * rate]
-
-
 def silent_parts(
     signal: Signal, progress: Callable[[float], None] = lambda part: None
 ) -> tuple[Spans, int]:
@@ -264,7 +224,7 @@ def silent_parts(
     return finder.finish(), finder.lost
 
 
-def _clean_parts(samples: NDArray[np.float64], rate: float) -> Spans:
+def _clean_parts(samples: FloatArray, rate: float) -> Spans:
     """Return the parts with signal that are long enough to search."""
     finder = SilenceFinder(rate)
     finder.feed(samples)
@@ -274,7 +234,7 @@ def _clean_parts(samples: NDArray[np.float64], rate: float) -> Spans:
     return [(first, end) for first, end in runs(usable) if end - first >= MIN_PART_S * rate]
 
 
-def _bridged(part: NDArray[np.float64]) -> NDArray[np.float64]:
+def _bridged(part: FloatArray) -> FloatArray:
     """Return the part with missing samples interpolated, for the filters of the detector."""
     known = np.isfinite(part)
     if known.all():
@@ -283,7 +243,7 @@ def _bridged(part: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.interp(positions, positions[known], part[known])
 
 
-def _pulses(band: Floats, rate: float) -> Indices:
+def _pulses(band: FloatArray, rate: float) -> IntArray:
     """Return the positions of the systolic peaks in the band of a pulse wave.
 
     Elgendi et al., "Systolic peak detection in acceleration photoplethysmograms", PLoS ONE 8(10),

@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-MIN_RATE = 4000
-"""Lowest sample rate, Hz: below it, the shelf would be above half the rate."""
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
+from overview_dsp.data.analysis.runs import RunFinder
 
+MIN_RATE = 4000  # lowest sample rate, Hz: below it, the shelf would be above half the rate
 _SHELF_HZ = 1681.974450955533
 _SHELF_DB = 3.999843853973347
 _SHELF_Q = 0.7071752369554196
@@ -29,15 +30,11 @@ _SHELF_BAND = 0.4996667741545416  # the exponent of the gain at the shelf's midd
 _HIGH_PASS_HZ = 38.13547087602444
 _HIGH_PASS_Q = 0.5003270373238773
 
-STEPS_PER_S = 10
-"""EBU Tech 3341: a live meter renews its reading at least ten times a second."""
-
+STEPS_PER_S = 10  # EBU Tech 3341: a live meter renews its reading at least ten times a second
 MOMENTARY_STEPS = 4
 SHORT_TERM_STEPS = 30
 
-SILENCE_LUFS = -70.0
-"""Absolute gate of BS.1770: anything quieter is silence and gets this value."""
-
+SILENCE_LUFS = -70.0  # absolute gate of BS.1770: anything quieter is silence and gets this value
 MAX_SAMPLE = 1e6
 """Samples more than 120 dB above full scale come from broken files and count as missing."""
 
@@ -46,13 +43,10 @@ _BLOCK_SAMPLES = 1_000_000
 _OFFSET_DB = -0.691  # cancels the filters' gain at 997 Hz
 
 
-def k_weighting(sample_rate: float) -> NDArray[np.float64]:
+def k_weighting(sample_rate: float) -> FloatArray:
     """Return the shelf and the high-pass as second-order sections, float64 (2, 6).
 
-    Parameters
-    ----------
-    sample_rate
-        Hz, `MIN_RATE` or more.
+    `sample_rate` is in Hz, at least `MIN_RATE`.
     """
     k = math.tan(math.pi * _SHELF_HZ / sample_rate)
     high = 10.0 ** (_SHELF_DB / 20.0)
@@ -77,30 +71,20 @@ def k_weighting(sample_rate: float) -> NDArray[np.float64]:
 class Steps:
     """The power of a recording, step by step.
 
-    Attributes
-    ----------
-    sample_rate
-        Hz.
-    frames
-        Length in samples.
-    energy : float64 (steps,)
-        Sum of the weighted squares of the samples in each step.
-    count : int64 (steps,)
-        Number of samples in that sum, without missing ones.
-    missing : tuple of (first, end)
-        Runs of missing samples (NaN, infinite, absurd) of one step or longer.
-    lost
-        Number of missing samples outside of these.
+    `energy`: sum of the weighted squares of the samples in each step.
+    `count`: number of samples in that sum, without missing ones.
+    `missing`: runs (first, end) of missing samples (NaN, infinite, absurd) of a step or longer.
+    `lost`: number of missing samples outside of these.
     """
 
     sample_rate: int
     frames: int
-    energy: NDArray[np.float64]
-    count: NDArray[np.int64]
+    energy: FloatArray
+    count: IntArray
     missing: tuple[tuple[int, int], ...]
     lost: int
 
-    def loudness(self, steps: int) -> NDArray[np.float64]:
+    def loudness(self, steps: int) -> FloatArray:
         """Return the loudness around the start of each step and around the end, LUFS.
 
         Shape (steps + 1,). Windows are of `steps` steps, centred, and cut at the recording's ends.
@@ -136,12 +120,7 @@ class Steps:
 class StepMeter:
     """Meter for the blocks of a recording; `finish` returns its steps.
 
-    Parameters
-    ----------
-    sample_rate
-        Hz, `MIN_RATE` or more.
-    weights
-        Weight of the power of each channel.
+    `sample_rate` is at least `MIN_RATE`; `weights` has the weight of the power of each channel.
     """
 
     def __init__(self, sample_rate: int, weights: tuple[float, ...]) -> None:
@@ -152,11 +131,9 @@ class StepMeter:
         self._filter = k_weighting(sample_rate)
         self._state = np.zeros((2, 2, len(self._weighted)))
         self._frames = 0
-        self._energy: list[NDArray[np.float64]] = []
-        self._count: list[NDArray[np.int64]] = []
-        self._bad_from: int | None = None
-        self._missing: list[tuple[int, int]] = []
-        self._lost = 0
+        self._energy: list[FloatArray] = []
+        self._count: list[IntArray] = []
+        self._missing = RunFinder(sample_rate / STEPS_PER_S)
 
     @property
     def block_frames(self) -> int:
@@ -171,12 +148,12 @@ class StepMeter:
         selected = block if self._all_weighted else block[:, self._weighted]
         with np.errstate(invalid="ignore"):  # a signalling NaN would warn; it is missing, below
             samples = np.array(selected, dtype=np.float64)
-        bad: NDArray[np.bool_] | None = None
+        bad: BoolArray | None = None
         # two passes instead of a mask; a NaN anywhere makes both NaN
         if not (samples.max() <= MAX_SAMPLE and samples.min() >= -MAX_SAMPLE):
             bad = np.asarray(~(np.abs(samples) <= MAX_SAMPLE).all(axis=1), np.bool_)
             samples[bad] = 0.0
-        self._record_missing(bad, frames)
+        self._missing.feed(np.zeros(frames, np.bool_) if bad is None else bad)
         weighted, self._state = sosfilt(self._filter, samples, axis=0, zi=self._state)
         np.square(weighted, out=weighted)
         # a matrix product of one channel takes half as long as the filter
@@ -197,45 +174,23 @@ class StepMeter:
     def so_far(self) -> Steps:
         """Return the steps so far; more blocks may follow."""
         other = copy.copy(self)
-        other._missing = list(self._missing)
+        other._missing = copy.deepcopy(self._missing)
         return other.finish()
 
     def finish(self) -> Steps:
         """Return the steps of all blocks."""
-        self._end_run(self._frames)
         return Steps(
             self._rate,
             self._frames,
             np.concatenate(self._energy),
             np.concatenate(self._count),
-            tuple(self._missing),
-            self._lost,
+            tuple(self._missing.finish()),
+            self._missing.lost,
         )
 
-    def _record_missing(self, bad: NDArray[np.bool_] | None, frames: int) -> None:
-        if bad is None or not bad[0]:
-            self._end_run(self._frames)
-        if bad is None:
-            return
-        edges = np.flatnonzero(np.diff(bad.view(np.int8), prepend=0, append=0)).reshape(-1, 2)
-        for first, end in edges.tolist():
-            if self._bad_from is None:
-                self._bad_from = self._frames + first
-            if end < frames:
-                self._end_run(self._frames + end)
 
-    def _end_run(self, end: int) -> None:
-        if self._bad_from is None:
-            return
-        first, self._bad_from = self._bad_from, None
-        if (end - first) * STEPS_PER_S >= self._rate:
-            self._missing.append((first, end))
-        else:
-            self._lost += end - first
-
-
-def _lufs(power: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def _lufs(power: FloatArray | float) -> FloatArray:
     """Return the loudness of a mean weighted square, not below silence."""
     floor = 10.0 ** ((SILENCE_LUFS - _OFFSET_DB) / 10.0)
-    lufs: NDArray[np.float64] = _OFFSET_DB + 10.0 * np.log10(np.maximum(power, floor))
+    lufs: FloatArray = _OFFSET_DB + 10.0 * np.log10(np.maximum(power, floor))
     return lufs

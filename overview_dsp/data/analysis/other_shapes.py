@@ -7,12 +7,10 @@ not beats are clustered by their correlation, since noise does not repeat a shap
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.analysis.qrs import (
     REFRACTORY_S,
-    Floats,
-    Indices,
     around,
     band_passed,
     summed,
@@ -33,9 +31,7 @@ _LEAST_LIKENESS = 0.945
 """Minimum size of the peaks, and of the median peak of a class, relative to the beats; minimum
 median correlation with the median of the class."""
 
-_LEAST_SHARE = 0.62
-"""Minimum share of the peaks that the classes explain: the rest is noise."""
-
+_LEAST_SHARE = 0.62  # minimum share of the peaks that the classes explain: the rest is noise
 _BEATS_ALIKE = 0.82
 """Minimum of the 20th percentile of the beats' correlation with their median: above, shapes can be
 compared."""
@@ -59,25 +55,12 @@ _MOST_PEAKS = 4000
 
 
 def find_other_shapes(
-    signal: Floats, beats: Indices, rate: float
-) -> tuple[Indices, NDArray[np.bool_], Floats]:
-    """Find the beats of another shape.
+    signal: FloatArray, beats: IntArray, rate: float
+) -> tuple[IntArray, BoolArray, FloatArray]:
+    """Find the beats of another shape beside those that were found in a signal of `qrs.decimated`.
 
-    Parameters
-    ----------
-    signal, rate
-        From `qrs.decimated`.
-    beats
-        Beats that were found in it.
-
-    Returns
-    -------
-    int64 (m,)
-        Positions of further beats, ascending.
-    bool (beats,)
-        Whether each of `beats` has another shape, too.
-    float64 (n,)
-        Size of the signal relative to the surrounding beats.
+    Return the positions of further beats, ascending; whether each of `beats` has another shape,
+    too; and the size of each sample relative to the surrounding beats.
     """
     from scipy.signal import find_peaks
 
@@ -117,7 +100,7 @@ def find_other_shapes(
     return peaks[alike | single], differs, size
 
 
-def _in_long_intervals(beats: Indices, at: Indices, marked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _in_long_intervals(beats: IntArray, at: IntArray, marked: BoolArray) -> BoolArray:
     """Return which peaks are in an interval that has room for a beat; `at`: index of the next beat.
 
     Noise also lies in ordinary intervals. In bigeminy all intervals are long.
@@ -134,8 +117,8 @@ def _in_long_intervals(beats: Indices, at: Indices, marked: NDArray[np.bool_]) -
 
 
 def _classes(
-    shapes: Floats, size: Floats, since: Floats, until: Floats, rate: float
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    shapes: FloatArray, size: FloatArray, since: FloatArray, until: FloatArray, rate: float
+) -> tuple[BoolArray, BoolArray]:
     """Return which shapes are of a large and uniform class, and which are waves of a beat.
 
     `since` and `until`: time from and to the beat beside each shape, s.
@@ -160,14 +143,14 @@ def _classes(
     return found, wave
 
 
-def _snippets(wide: Floats, at: Indices, rate: float) -> Floats:
+def _snippets(wide: FloatArray, at: IntArray, rate: float) -> FloatArray:
     """Return the signal around each position, with a margin for the lags."""
     reach = round((_SNIPPET_S + _LAG_S) * rate)
     padded = np.pad(wide, reach)
     return np.asarray(padded[at[:, None] + np.arange(2 * reach + 1)])
 
 
-def _lagged(shapes: Floats, to: Floats, rate: float) -> tuple[Floats, Floats]:
+def _lagged(shapes: FloatArray, to: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     """Return the windows of each shape at each lag, and their correlation with the middle of `to`.
 
     Shapes (n, lags, samples) and (n, lags).
@@ -179,19 +162,19 @@ def _lagged(shapes: Floats, to: Floats, rate: float) -> tuple[Floats, Floats]:
     return windows, (windows @ middle) / np.maximum(norms, 1e-12)
 
 
-def _likeness(shapes: Floats, to: Floats, rate: float) -> Floats:
+def _likeness(shapes: FloatArray, to: FloatArray, rate: float) -> FloatArray:
     if to.shape[0] < shapes.shape[1]:  # a median of aligned shapes has no margin
         lag = (shapes.shape[1] - to.shape[0]) // 2
         to = np.pad(to, lag)
     return np.asarray(_lagged(shapes, to, rate)[1].max(axis=1))
 
 
-def _aligned(shapes: Floats, to: Floats, rate: float) -> Floats:
+def _aligned(shapes: FloatArray, to: FloatArray, rate: float) -> FloatArray:
     windows, correlation = _lagged(shapes, to, rate)
     return np.asarray(windows[np.arange(len(shapes)), correlation.argmax(axis=1)])
 
 
-def _nearest(beats: Indices, at: Indices) -> Indices:
+def _nearest(beats: IntArray, at: IntArray) -> IntArray:
     """Return the beat nearest to each position."""
     after = np.clip(np.searchsorted(beats, at), 1, len(beats) - 1)
     low, high = beats[after - 1], beats[after]

@@ -26,34 +26,23 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-REFRACTORY_S = 0.2
-"""Minimum time between two beats."""
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 
-_WORK_HZ = 500.0
-"""Signals of at least twice this rate are decimated."""
-
+REFRACTORY_S = 0.2  # minimum time between two beats
+_WORK_HZ = 500.0  # signals of at least twice this rate are decimated
 _BAND_HZ = (8.0, 30.0)
 _WHITE_HZ = (4.0, 50.0)
 """Band of the whitened signal."""
 
-_BEAT_S = 0.1
-"""Distance from a beat up to which the signal does not count as noise."""
-
-_FREE_S = 0.12
-"""Distance from a beat up to which its similarity to itself does not count as noise."""
-
+_BEAT_S = 0.1  # distance from a beat up to which the signal does not count as noise
+_FREE_S = 0.12  # distance from a beat up to which its similarity to itself does not count as noise
 _SPECTRUM_S = 1.0
 _LEAST_POWER = 1e-6
 """Minimum noise power, relative to its maximum, that limits the gain of the whitening."""
 
-_HALF_S = 0.075
-"""Half the window of a complex."""
-
-_UNLIKE = 0.3
-"""Weight of the energy of a peak that has no similarity to the beats."""
-
+_HALF_S = 0.075  # half the window of a complex
+_UNLIKE = 0.3  # weight of the energy of a peak that has no similarity to the beats
 _LIKENESS_POWER = 2.4
 _LEAST_HEIGHT = 0.15
 _MOST_HEIGHT = 1.3
@@ -70,9 +59,7 @@ _PASSES = 4
 _AROUND = 8
 """Number of beats on either side to which a beat is compared."""
 
-_WINDOW_S = 2.0
-"""Time in which even a slow heart beats once."""
-
+_WINDOW_S = 2.0  # time in which even a slow heart beats once
 _SPLIT_WITHIN = 0.15
 _SPLIT_HEIGHT = 0.92
 _SPLIT_BELOW = 0.6
@@ -80,30 +67,22 @@ _SPLIT_NOISE = 0.15
 """A low beat that splits a usual interval in two and is lower than both neighbours is more likely a
 peak of the noise: it does not count as a beat in the estimates, and is dropped in noise."""
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
 
 @dataclass(frozen=True, eq=False)
 class Search:
     """Beats of a part without missing samples.
 
-    Attributes
-    ----------
-    beats : int64 (beats,)
-        Positions of the R waves, in samples, ascending.
-    height : float64 (n,)
-        Similarity to a beat, relative to the usual height of a beat.
-    noise : float64 (n,)
-        Highest value between beats, relative to the usual height of a beat.
+    `beats`: positions of the R waves, in samples, ascending.
+    `height`: similarity of each sample to a beat, relative to the usual height of a beat.
+    `noise`: highest value between beats around each sample, relative to the same height.
     """
 
-    beats: Indices
-    height: Floats
-    noise: Floats
+    beats: IntArray
+    height: FloatArray
+    noise: FloatArray
 
 
-def decimated(part: Floats, rate: float) -> tuple[Floats, float, int]:
+def decimated(part: FloatArray, rate: float) -> tuple[FloatArray, float, int]:
     """Return a part around its median at less than twice `_WORK_HZ`, its rate and the divisor."""
     from scipy.signal import resample_poly
 
@@ -114,7 +93,7 @@ def decimated(part: Floats, rate: float) -> tuple[Floats, float, int]:
     return centred, rate / fewer, fewer
 
 
-def find_qrs(signal: Floats, rate: float) -> Search:
+def find_qrs(signal: FloatArray, rate: float) -> Search:
     """Find the beats of a signal from `decimated`, pointing up or down."""
     from scipy.signal import find_peaks
 
@@ -158,7 +137,7 @@ def find_qrs(signal: Floats, rate: float) -> Search:
     return Search(_on_peaks(beats, band, max(1, round(0.02 * rate))), height, noise)
 
 
-def _splitters(beats: Indices, height: Floats) -> NDArray[np.bool_]:
+def _splitters(beats: IntArray, height: FloatArray) -> BoolArray:
     """Return which beats split a usual interval and are lower than their neighbours."""
     found = np.zeros(len(beats), np.bool_)
     if len(beats) < 4:
@@ -172,14 +151,12 @@ def _splitters(beats: Indices, height: Floats) -> NDArray[np.bool_]:
     return found
 
 
-def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) -> Indices:
+def _best_sequence(
+    at_s: FloatArray, gain: FloatArray, usual_s: FloatArray, cost: FloatArray
+) -> IntArray:
     """Return the indices of the peaks that are beats: the path of greatest gain less cost.
 
-    Parameters
-    ----------
-    at_s, gain, usual_s, cost : (n,)
-        For each peak: its time, its gain, the usual interval (NaN = unknown) and the maximum cost
-        of an interval.
+    Each peak has a time, a gain, the usual interval (NaN = unknown) and a maximum interval cost.
     """
     total = gain.copy()
     before = np.full(len(gain), -1)
@@ -212,7 +189,7 @@ def _best_sequence(at_s: Floats, gain: Floats, usual_s: Floats, cost: Floats) ->
     return np.array(path[::-1], np.int64)
 
 
-def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
+def _whitened(signal: FloatArray, beats: IntArray, rate: float) -> FloatArray:
     """Return the signal, filtered so that the noise between beats has a flat spectrum."""
     from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
     from scipy.signal import welch
@@ -236,7 +213,7 @@ def _whitened(signal: Floats, beats: Indices, rate: float) -> Floats:
     return np.asarray(irfft(rfft(wide, length) * gain, length)[: len(wide)], dtype=np.float64)
 
 
-def _template(band: Floats, beats: Indices, half: int) -> Floats | None:
+def _template(band: FloatArray, beats: IntArray, half: int) -> FloatArray | None:
     """Return the median beat, normalised; None for too few beats."""
     at = beats[(beats >= 2 * half) & (beats < len(band) - 2 * half)]
     if len(at) < 3:
@@ -248,14 +225,14 @@ def _template(band: Floats, beats: Indices, half: int) -> Floats | None:
     return np.asarray(median / size) if size > 0.0 else None
 
 
-def _on_peaks(at: Indices, band: Floats, reach: int) -> Indices:
+def _on_peaks(at: IntArray, band: FloatArray, reach: int) -> IntArray:
     """Return the position of the largest value within `reach` of each position."""
     near = np.clip(at[:, None] + np.arange(-reach, reach + 1), 0, len(band) - 1)
     nearest = np.argmax(np.abs(band[near]), axis=1)
     return np.asarray(near[np.arange(len(at)), nearest], dtype=np.int64)
 
 
-def noise_height(height: Floats, beats: Indices, rate: float) -> Floats:
+def noise_height(height: FloatArray, beats: IntArray, rate: float) -> FloatArray:
     """Return the height of the signal between beats, shape (n,): the usual maximum of 2 s."""
     rest = height.copy()
     reach = round(_FREE_S * rate)
@@ -264,13 +241,13 @@ def noise_height(height: Floats, beats: Indices, rate: float) -> Floats:
     return _along(around(_highest(rest, rate), 2, 60.0), len(rest), rate)
 
 
-def _over_usual(height: Floats, rate: float) -> Floats:
+def _over_usual(height: FloatArray, rate: float) -> FloatArray:
     """Return heights relative to the usual beat around them."""
     usual = _along(around(_highest(height, rate), 5, 40.0), len(height), rate)
     return height / np.maximum(usual, 1e-12)
 
 
-def _highest(height: Floats, rate: float) -> Floats:
+def _highest(height: FloatArray, rate: float) -> FloatArray:
     """Return the maximum of each `_WINDOW_S`; a shorter last one has at least the one before."""
     size = max(1, round(_WINDOW_S * rate))
     count = -(-len(height) // size)
@@ -280,18 +257,18 @@ def _highest(height: Floats, rate: float) -> Floats:
     return np.asarray(found)
 
 
-def _along(of_windows: Floats, length: int, rate: float) -> Floats:
+def _along(of_windows: FloatArray, length: int, rate: float) -> FloatArray:
     size = max(1, round(_WINDOW_S * rate))
     return np.interp(np.arange(length), (np.arange(len(of_windows)) + 0.5) * size, of_windows)
 
 
-def usual_interval(beats: Indices, at: Indices) -> Floats:
+def usual_interval(beats: IntArray, at: IntArray) -> FloatArray:
     """Return the median interval around each of the positions `at`, in samples."""
     usual = around(np.diff(beats).astype(np.float64), _AROUND, 50.0)
     return np.interp(at, (beats[1:] + beats[:-1]) / 2.0, usual)
 
 
-def around(values: Floats, reach: int, percentile: float) -> Floats:
+def around(values: FloatArray, reach: int, percentile: float) -> FloatArray:
     """Return a percentile of each value and `reach` on either side."""
     padded = np.pad(values, reach, constant_values=np.nan)
     ordered = np.sort(np.lib.stride_tricks.sliding_window_view(padded, 2 * reach + 1), axis=1)
@@ -302,18 +279,18 @@ def around(values: Floats, reach: int, percentile: float) -> Floats:
     return np.asarray(low + (high - low) * (place - below), dtype=np.float64)
 
 
-def summed(values: Floats, half: int) -> Floats:
+def summed(values: FloatArray, half: int) -> FloatArray:
     """Return the sum over each value and `half` on either side."""
     total = np.concatenate([np.zeros(half + 1), np.cumsum(values), np.zeros(half)])
     total[len(total) - half :] = total[len(total) - half - 1]
     return np.asarray(total[2 * half + 1 :] - total[: len(values)])
 
 
-def _between(ends: tuple[float, float], part: Floats) -> Floats:
+def _between(ends: tuple[float, float], part: FloatArray) -> FloatArray:
     return ends[0] + (ends[1] - ends[0]) * part
 
 
-def band_passed(signal: Floats, rate: float, low: float, high: float) -> Floats:
+def band_passed(signal: FloatArray, rate: float, low: float, high: float) -> FloatArray:
     """Return a signal's band from `low` to `high` Hz, without delay."""
     from scipy.signal import butter, sosfiltfilt
 

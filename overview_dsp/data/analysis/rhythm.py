@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.arrays import BoolArray, FloatArray
+from overview_dsp.data.timeline.event import HEART_CODES, Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Intensity
 
@@ -20,56 +20,21 @@ PREMATURE = "premature"
 MISSED = "missed_beat"
 OTHER_SHAPE = "other_shape"
 
-BEATS: dict[str, tuple[str, str]] = {
-    "N": (NORMAL, ""),
-    "L": ("bundle_branch_block", "left bundle branch block"),
-    "R": ("bundle_branch_block", "right bundle branch block"),
-    "B": ("bundle_branch_block", "bundle branch block"),
-    "A": ("premature_atrial", "atrial premature"),
-    "a": ("premature_atrial", "aberrated atrial premature"),
-    "J": ("premature_nodal", "nodal (junctional) premature"),
-    "S": ("premature_supraventricular", "supraventricular premature"),
-    "V": ("premature_ventricular", "premature ventricular contraction"),
-    "r": ("premature_ventricular", "R-on-T premature ventricular contraction"),
-    "F": ("fusion", "fusion of ventricular and normal"),
-    "e": ("escape_atrial", "atrial escape"),
-    "j": ("escape_nodal", "nodal (junctional) escape"),
-    "n": ("escape_supraventricular", "supraventricular escape"),
-    "E": ("escape_ventricular", "ventricular escape"),
-    "/": ("paced", "paced"),
-    "f": ("fusion", "fusion of paced and normal"),
-    "Q": ("unclassified", "unclassifiable"),
-    "?": ("unclassified", "not classified during learning"),
-}
+BEATS: dict[str, tuple[str, str]] = {k: (v[0], v[1]) for k, v in HEART_CODES["beats"].items()}
 """Event kind and label for the code of a beat."""
 
-OTHERS: dict[str, tuple[str, str]] = {
-    "x": ("blocked_atrial", "P wave that no beat follows"),
-    "!": ("flutter_wave", "ventricular flutter wave"),
-    "[": ("flutter", "ventricular flutter or fibrillation begins"),
-    "]": ("flutter", "ventricular flutter or fibrillation ends"),
-    "+": ("rhythm", "rhythm"),
-    "s": ("st_change", "ST segment changes"),
-    "T": ("st_change", "T wave changes"),
-    "~": ("signal_quality", "signal quality changes"),
-    "|": ("artefact", "looks like a beat, but is not"),
-    '"': ("comment", ""),
-}
+OTHERS: dict[str, tuple[str, str]] = {k: (v[0], v[1]) for k, v in HEART_CODES["others"].items()}
 """Event kind and label for other codes. Codes in neither table (waves, measurements) are left out
 and counted."""
 
-ORDINARY = frozenset({NORMAL, "bundle_branch_block", "paced"})
-"""Kinds of a steady rhythm."""
-
+ORDINARY = frozenset({NORMAL, "bundle_branch_block", "paced"})  # kinds of a steady rhythm
 AVERAGED_BEATS = 8
 """The heart rate is the mean over 8 intervals around a beat, which is short enough to follow a
 sprint. A premature beat and its pause cancel, since they last as long as two ordinary beats."""
 
 VARIABILITY_BEATS = 30
 
-USUAL_BEATS = 8
-"""The usual interval is the median over this number of beats on either side."""
-
+USUAL_BEATS = 8  # the usual interval is the median over this number of beats on either side
 PREMATURE_BELOW = 0.87
 TURNS_BELOW = 0.95
 """An interval below this fraction of the usual one ends with a premature beat, if the next is not
@@ -79,9 +44,7 @@ MOST_DRIFT = 0.1
 """Maximum change of the usual interval for a premature beat, as a fraction: above, the rate itself
 changes."""
 
-MISSED_ABOVE = 1.6
-"""An interval above this multiple of the usual one lacks a beat."""
-
+MISSED_ABOVE = 1.6  # an interval above this multiple of the usual one lacks a beat
 COMPENSATED = 2.5
 """A premature interval and the following pause last up to two usual intervals. Above this sum, a
 beat is missing."""
@@ -91,35 +54,27 @@ ORDINARY_EARLY = 0.3
 
 MIN_WEIGHT = 0.5
 
-MAX_EVENTS = 16_000
-"""Maximum number of events of one timeline, below that of a surface (16384)."""
+MAX_EVENTS = 16_000  # maximum number of events of one timeline, below that of a surface (16384)
 
 
 @dataclass(frozen=True, eq=False)
 class Beats:
-    """Beats in order.
+    """Beats in order of time, each with its event kind and label.
 
-    Attributes
-    ----------
-    time_s : float64 (n,)
-        Strictly ascending.
-    kind, label : tuples (n,)
-        Event kind and label of each beat.
-    annotated
-        Whether the kinds come from annotations; if not, premature beats are detected from the
-        intervals.
-    hidden : bool (n,), optional
-        Whether the interval before a beat has a peak that may be a beat: no beat is missed there.
+    `annotated`: whether the kinds come from annotations; if not, premature beats are detected from
+        the intervals.
+    `hidden`: whether the interval before a beat has a peak that may be a beat: no beat is missed
+        there.
     """
 
-    time_s: NDArray[np.float64]
+    time_s: FloatArray
     kind: tuple[str, ...]
     label: tuple[str, ...]
     annotated: bool
-    hidden: NDArray[np.bool_] | None = None
+    hidden: BoolArray | None = None
 
 
-def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
+def heart_rate(time_s: FloatArray, gaps: Gaps) -> Intensity | None:
     """Return the beats per minute at each beat, averaged over `AVERAGED_BEATS` intervals, or None.
 
     Intervals with a gap do not count.
@@ -136,7 +91,7 @@ def heart_rate(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
     return Intensity(np.concatenate(times), np.concatenate(values), "bpm")
 
 
-def variability(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
+def variability(time_s: FloatArray, gaps: Gaps) -> Intensity | None:
     """Return the RMSSD at each beat, ms: the root mean square of successive differences.
 
     It covers `VARIABILITY_BEATS` differences around the beat. None without three beats in a row.
@@ -158,7 +113,7 @@ def variability(time_s: NDArray[np.float64], gaps: Gaps) -> Intensity | None:
     return Intensity(np.concatenate(times), np.concatenate(values), "ms")
 
 
-def mean_rate(time_s: NDArray[np.float64], gaps: Gaps) -> float | None:
+def mean_rate(time_s: FloatArray, gaps: Gaps) -> float | None:
     """Return the beats per minute over all intervals without gaps."""
     parts = _unbroken(time_s, gaps)
     spans = math.fsum(float(part[-1] - part[0]) for part in parts)
@@ -227,9 +182,7 @@ def _limited(ordinary: list[Event], others: list[Event]) -> tuple[list[Event], t
     return sorted([*ordinary, *others], key=lambda event: event.time_s), notes
 
 
-def _premature(
-    steps: NDArray[np.float64], median: NDArray[np.float64], of_pairs: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def _premature(steps: FloatArray, median: FloatArray, of_pairs: FloatArray) -> BoolArray:
     """Return which intervals end with a premature beat: shorter than usual, and no run of them."""
     below = np.where(_alternates(steps), TURNS_BELOW, PREMATURE_BELOW)
     following = np.append(steps[1:] / median[1:], 1.0)
@@ -240,7 +193,7 @@ def _premature(
     return np.asarray(short & late & (drift <= MOST_DRIFT))
 
 
-def _alternates(steps: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _alternates(steps: FloatArray) -> BoolArray:
     """Return where short and long intervals alternate, over seven differences."""
     if len(steps) < 7:
         return np.zeros(len(steps), np.bool_)
@@ -253,7 +206,7 @@ def _alternates(steps: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray(share / ends > 0.8)
 
 
-def _lacks_a_beat(part_of_usual: NDArray[np.float64], i: int) -> bool:
+def _lacks_a_beat(part_of_usual: FloatArray, i: int) -> bool:
     ratio = part_of_usual[i]
     if not ratio > MISSED_ABOVE:  # also NaN
         return False
@@ -261,14 +214,13 @@ def _lacks_a_beat(part_of_usual: NDArray[np.float64], i: int) -> bool:
     return not before < PREMATURE_BELOW or ratio + before > COMPENSATED
 
 
-def _local_median(intervals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _local_median(intervals: FloatArray) -> FloatArray:
     padded = np.pad(intervals, USUAL_BEATS, constant_values=np.nan)
     windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * USUAL_BEATS + 1)
-    found: NDArray[np.float64] = np.nanmedian(windows, axis=1)  # its middle is never NaN
-    return found
+    return np.asarray(np.nanmedian(windows, axis=1))  # its middle is never NaN
 
 
-def _unbroken(time_s: NDArray[np.float64], gaps: Gaps) -> list[NDArray[np.float64]]:
+def _unbroken(time_s: FloatArray, gaps: Gaps) -> list[FloatArray]:
     """Return the runs of two or more beats without gaps."""
     if len(time_s) < 2:
         return []

@@ -32,8 +32,8 @@ from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.extrema import crossings, lows_and_highs, peaks
 from overview_dsp.data.analysis.share_splits import Split
@@ -79,12 +79,8 @@ def value_text(value: float, unit: str = "") -> str:
 class Calendar:
     """Formatter of the times of a series: dates, dates with time of day, or clock times.
 
-    Parameters
-    ----------
-    start
-        Moment of time 0; None for clock times from 0.
-    dates_only
-        Whether all samples are at midnight.
+    `start`: moment of time 0; None for clock times from 0.
+    `dates_only`: whether all samples are at midnight.
     """
 
     start: datetime | None
@@ -108,29 +104,17 @@ class Calendar:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Samples with a value, in order of time, in which events are found.
+    """Samples with a finite value, one or more in order of time, in which events are found.
 
-    Parameters
-    ----------
-    time_s, value
-        Shape (n,), n >= 1, finite.
-    step
-        Change of each sample from the one before it, or NaN, shape (n,).
-    relative
-        Whether steps are per cent.
-    unit
-        Unit of the values.
-    calendar
-        Formatter of times.
-    splits
-        Share splits; their indices refer to samples of this series.
-    every
-        Whether these are all samples, not only the lowest and highest of runs.
+    `step`: change of each sample from the one before it, or NaN.
+    `relative`: whether steps are per cent.
+    `splits`: share splits; their indices refer to samples of this series.
+    `every`: whether these are all samples, not only the lowest and highest of runs.
     """
 
-    time_s: NDArray[np.float64]
-    value: NDArray[np.float64]
-    step: NDArray[np.float64]
+    time_s: FloatArray
+    value: FloatArray
+    step: FloatArray
     relative: bool
     unit: str
     calendar: Calendar
@@ -214,10 +198,10 @@ class _Turns:
     minimum prominence in a whole series, 0 if there is none.
     """
 
-    level: NDArray[np.float64]
+    level: FloatArray
     ratios: bool
     least: float
-    found: dict[float, tuple[NDArray[np.int64], NDArray[np.float64]]]
+    found: dict[float, tuple[IntArray, FloatArray]]
 
     @classmethod
     def of(cls, series: Series) -> _Turns:
@@ -326,7 +310,7 @@ def _moves(series: Series) -> list[Event]:
     return events
 
 
-def _largest(size: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+def _largest(size: FloatArray, count: int) -> IntArray:
     """Return the indices of the largest values, the first of equal ones first."""
     least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
     some = np.flatnonzero(size >= least)
@@ -365,16 +349,10 @@ def _crossings(series: Series) -> tuple[list[Event], str]:
 class WindowRules:
     """Rules for the events of a window (`timeline.window_events.Rules`).
 
-    Parameters
-    ----------
-    series
-        Samples of the whole series, or only the lowest and highest of runs.
-    start_s, end_s
-        Window on the time axis of the whole series.
-    curve
-        Values at all samples, if `series` has only some; else None.
-    gaps
-        Gaps of the whole series.
+    `series`: samples of the whole series, or only the lowest and highest of runs.
+    `start_s`, `end_s`: window on the time axis of the whole series.
+    `curve`: values at all samples, if `series` has only some; else None.
+    `gaps`: gaps of the whole series.
     """
 
     series: Series
@@ -429,14 +407,7 @@ class WindowRules:
 def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> WindowRules:
     """Return the rules for a series of which all samples are in a curve.
 
-    Parameters
-    ----------
-    curve
-        Values at all samples.
-    relative
-        Whether steps are per cent.
-    timeline
-        Timeline with gaps, splits and calendar of the series.
+    `relative`: whether steps are per cent. Gaps, splits and calendar are of the timeline.
     """
     time_s = np.asarray(curve.time_s[:])
     calendar = Calendar(timeline.start, only_dates(timeline.start, time_s))
@@ -447,7 +418,7 @@ def rules_of(curve: Intensity, relative: bool, timeline: Timeline) -> WindowRule
     return WindowRules(series, 0.0, timeline.duration_s)
 
 
-def only_dates(start: datetime | None, time_s: NDArray[np.float64]) -> bool:
+def only_dates(start: datetime | None, time_s: FloatArray) -> bool:
     """Return whether all samples are at midnight."""
     if start is None or (start.hour, start.minute, start.second) != (0, 0, 0):
         return False
@@ -455,11 +426,7 @@ def only_dates(start: datetime | None, time_s: NDArray[np.float64]) -> bool:
 
 
 def _of(
-    time_s: NDArray[np.float64],
-    value: NDArray[np.float64],
-    gaps: Gaps,
-    like: Series,
-    splits: NDArray[np.float64],
+    time_s: FloatArray, value: FloatArray, gaps: Gaps, like: Series, splits: FloatArray
 ) -> Series:
     """Return a series of samples, with no steps over gaps and share splits."""
     ends = np.concatenate(([end for _, end in gaps], splits))

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from datetime import datetime
 
 import numpy as np
-from numpy.typing import NDArray
+
+from overview_dsp.arrays import FloatArray, IntArray
 
 DAY_S = 86_400.0
 
@@ -32,38 +33,28 @@ _MOST_DAYS = 0.5
 
 @dataclass(frozen=True)
 class Holes:
-    """Holes of a series, and a description of the rule.
+    """Holes of a series, each by the index of the sample before it, and a text about the rule."""
 
-    Parameters
-    ----------
-    after
-        Indices i for which the step to sample i + 1 is a hole.
-    rule
-        Description of the rule, for a note.
-    """
-
-    after: NDArray[np.int64]
+    after: IntArray
     rule: str
 
 
-def find_holes(time_s: NDArray[np.float64], start: datetime | None) -> Holes:
-    """Find holes between the rows of a series.
+def find_holes(time_s: FloatArray, start: datetime | None) -> Holes:
+    """Find holes between the rows of a series; `start` is the calendar moment of time 0.
 
-    Parameters
-    ----------
-    time_s
-        Times of all rows, s, shape (n,), n >= 2, strictly increasing.
-    start
-        Calendar moment of time 0.
+    Times are strictly increasing, two or more.
     """
     step = np.diff(time_s)
     found = None if start is None else _calendar_holes(time_s, step, start)
-    return Holes(*(found or _plain(step)))
+    if found is None:
+        limit, rule = _limit(step)
+        found = np.flatnonzero(step > limit), rule
+    return Holes(*found)
 
 
 def _calendar_holes(
-    time_s: NDArray[np.float64], step: NDArray[np.float64], start: datetime
-) -> tuple[NDArray[np.int64], str] | None:
+    time_s: FloatArray, step: FloatArray, start: datetime
+) -> tuple[IntArray, str] | None:
     """Return the holes of business days or of sessions, None for other series."""
     usual = float(np.median(step))
     midnight_s = start.hour * 3600.0 + start.minute * 60.0 + start.second + start.microsecond / 1e6
@@ -77,12 +68,7 @@ def _calendar_holes(
     return _sessions(step, day, working) if usual <= _SESSION_STEP_S else None
 
 
-def _plain(step: NDArray[np.float64]) -> tuple[NDArray[np.int64], str]:
-    limit, rule = _limit(step)
-    return np.flatnonzero(step > limit), rule
-
-
-def _limit(step: NDArray[np.float64]) -> tuple[float, str]:
+def _limit(step: FloatArray) -> tuple[float, str]:
     """Return the maximum usual step, and a description of the rule."""
     usual = float(np.median(step))
     if float(np.percentile(step, _EVEN_SHARE)) <= _EVEN_WITHIN * usual:
@@ -94,7 +80,7 @@ def _limit(step: NDArray[np.float64]) -> tuple[float, str]:
     return limit, f"samples are uneven: a step longer than {_span(limit)} is a gap"
 
 
-def _business(days: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
+def _business(days: IntArray) -> tuple[IntArray, str]:
     years = max(float(days.sum()) / 365.25, 0.25)
     holiday = 3
     for length in range(4, _LONGEST_HOLIDAY + 1):
@@ -106,9 +92,7 @@ def _business(days: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
     return np.flatnonzero(days > limit), rule
 
 
-def _sessions(
-    step: NDArray[np.float64], day: NDArray[np.int64], working: bool
-) -> tuple[NDArray[np.int64], str] | None:
+def _sessions(step: FloatArray, day: IntArray, working: bool) -> tuple[IntArray, str] | None:
     """Return the holes of a series with nights; None for other series."""
     over = np.diff(day)
     inside = step[over == 0]
@@ -137,17 +121,9 @@ def _sessions(
 
 
 def find_gaps(
-    time_s: NDArray[np.float64], value: NDArray[np.float64], holes: NDArray[np.int64]
+    time_s: FloatArray, value: FloatArray, holes: IntArray
 ) -> tuple[tuple[float, float], ...]:
-    """Return the gaps of a series, merged: missing values and holes.
-
-    Parameters
-    ----------
-    time_s, value
-        Shape (n,); NaN = missing.
-    holes
-        Indices of the samples before holes, as in `Holes.after`.
-    """
+    """Return the gaps of a series, merged: missing values (NaN), and holes as in `Holes.after`."""
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:
         return ((float(time_s[0]), float(time_s[-1])),)

@@ -20,7 +20,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from overview_dsp.arrays import FloatArray, IntArray
 
 RATIOS = (1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 50.0)
 """New shares per old share; a reverse split has the inverse."""
@@ -46,24 +47,15 @@ class Split:
 
 
 def find_splits(
-    price: NDArray[np.float64],
-    adjusted: NDArray[np.float64] | None = None,
-    opening: NDArray[np.float64] | None = None,
-    volume: NDArray[np.float64] | None = None,
+    price: FloatArray,
+    adjusted: FloatArray | None = None,
+    opening: FloatArray | None = None,
+    volume: FloatArray | None = None,
 ) -> list[Split]:
-    """Find splits for which the price is not adjusted.
+    """Find splits for which the price (the close, NaN = missing) is not adjusted, in order.
 
-    Parameters
-    ----------
-    price
-        The close, shape (n,), NaN = missing.
-    adjusted, opening, volume
-        Other columns of the table, of the same shape, or None.
-
-    Returns
-    -------
-    list
-        Splits in order, empty for a column with values of 0 or below.
+    There are none for a column with values of 0 or below. `adjusted`, `opening` and `volume` are
+    other columns of the table.
     """
     known = np.flatnonzero(~np.isnan(price))
     if len(known) < 3 or float(price[known].min()) <= 0.0:
@@ -71,6 +63,7 @@ def find_splits(
     step = np.diff(np.log(price[known]))
     if adjusted is not None:
         return _by_factor(price, adjusted, known, step)
+    turnover = None if volume is None else price[known] * volume[known]
     usual = 1.4826 * float(np.median(np.abs(step)))
     found = []
     large = np.flatnonzero((np.abs(step) >= math.log(1.4)) & (np.abs(step) > _EXTREME * usual))
@@ -81,20 +74,13 @@ def find_splits(
         if opening is not None and opening[here] > 0.0:
             at, near = opening[here], _NEAR_OPEN
         ratio = _whole(math.log(price[before] / at), near)
-        if (
-            ratio
-            and _lasts(price[known], k + 1)
-            and not _is_heavy_trading(price, volume, known, k + 1)
-        ):
+        if ratio and _lasts(price[known], k + 1) and not _is_heavy_trading(turnover, k + 1):
             found.append(Split(here, ratio, _factor(ratio)))
     return found
 
 
 def _by_factor(
-    price: NDArray[np.float64],
-    adjusted: NDArray[np.float64],
-    known: NDArray[np.int64],
-    step: NDArray[np.float64],
+    price: FloatArray, adjusted: FloatArray, known: IntArray, step: FloatArray
 ) -> list[Split]:
     with np.errstate(divide="ignore", invalid="ignore"):
         factor = np.log(adjusted[known] / price[known])
@@ -127,21 +113,15 @@ def _factor(ratio: str) -> float:
     return float(new) / float(old)
 
 
-def _lasts(price: NDArray[np.float64], at: int) -> bool:
+def _lasts(price: FloatArray, at: int) -> bool:
     after = math.log(float(np.median(price[at : at + _AFTER])))
     new, old = math.log(price[at]), math.log(price[at - 1])
     return abs(after - new) < abs(after - old)
 
 
-def _is_heavy_trading(
-    price: NDArray[np.float64],
-    volume: NDArray[np.float64] | None,
-    known: NDArray[np.int64],
-    at: int,
-) -> bool:
-    if volume is None:
+def _is_heavy_trading(turnover: FloatArray | None, at: int) -> bool:
+    if turnover is None:
         return False
-    turnover = price[known] * volume[known]
     before = turnover[max(0, at - _BEFORE) : at]
     before = before[before > 0.0]
     return bool(before.size and turnover[at] > _ALARM * float(np.median(before)))

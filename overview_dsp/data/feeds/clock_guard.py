@@ -26,17 +26,12 @@ from overview_dsp.data.feeds.feed_lines import HEADER, apply_parsed, parse_line
 from overview_dsp.data.feeds.live_timeline import SILENCE_S, LiveTimeline
 from overview_dsp.units import clock_text
 
-SHORTEST_JUMP_S = 600.0
-"""Minimum allowed jump of a feed with clock lines or samples, s."""
-
+SHORTEST_JUMP_S = 600.0  # minimum allowed jump of a feed with clock lines or samples, s
 EVENT_JUMP_S = 3 * 3600.0
 """Allowed jump of a feed of events only, and of the first line of a feed, s."""
 
-MAX_HELD = 1_000
-"""Maximum number of held lines; above it the oldest is dropped."""
-
-INTERVALS = 15
-"""Number of latest intervals whose median is the feed's interval."""
+MAX_HELD = 1_000  # maximum number of held lines; above it the oldest is dropped
+INTERVALS = 15  # number of latest intervals whose median is the feed's interval
 
 
 @dataclass(eq=False)
@@ -55,12 +50,8 @@ class HeldLine:
 class ClockGuard:
     """Applies lines of a feed to a timeline, and holds those whose time jumps too far.
 
-    Attributes
-    ----------
-    held : list of HeldLine
-        Lines that wait for a second one, up to 1000.
-    dropped : deque of HeldLine
-        Latest lines that were never confirmed, up to 1000.
+    `held`: lines that wait for a second one, up to 1000.
+    `dropped`: latest lines that were never confirmed, up to 1000.
     """
 
     def __init__(self, live: LiveTimeline) -> None:
@@ -73,12 +64,9 @@ class ClockGuard:
         self._silence_s = SILENCE_S
 
     def apply(self, line: bytes | str) -> str:
-        """Apply or hold a line; return its key as `apply_line` does.
+        """Apply or hold a line; return its key as `parse_line` does.
 
-        Raises
-        ------
-        InputError
-            The line is invalid; nothing is changed.
+        InputError for an invalid line, which changes nothing.
         """
         key, document = parse_line(line)
         if key in ("", "later"):
@@ -166,24 +154,14 @@ class ClockGuard:
 
     def _forget(self, key: str, document: Mapping[str, Any]) -> None:
         """Remove the held event that a line corrects or retracts."""
-        value = (
-            document.get("id")
-            if key == "event"
-            else document["retract"]
-            if key == "retract"
-            else None
-        )
-        if isinstance(value, dict):
-            same = [
-                one for one in self.held if _fields(one.document.get("event")) == _fields(value)
-            ]
-        else:
-            same = [
-                one
-                for one in self.held
-                if value is not None and str(one.document.get("id")) == str(value)
-            ]
-        self.held = [one for one in self.held if one not in same]
+        meant = document.get("id" if key == "event" else "retract")
+
+        def is_meant(one: HeldLine) -> bool:
+            if isinstance(meant, dict):
+                return _fields(one.document.get("event")) == _fields(meant)
+            return meant is not None and str(one.document.get("id")) == str(meant)
+
+        self.held = [one for one in self.held if not is_meant(one)]
 
     def _end(self, document: Mapping[str, Any]) -> None:
         apply_parsed(self._live, "end", document)

@@ -14,17 +14,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 
 Key = tuple[float, str, str]
 Action = Literal["added", "retracted"]
 
-MAX_EVENTS = 20_000
-"""Maximum number of stored events, and of stored details. A surface holds fewer."""
-
+MAX_EVENTS = 20_000  # maximum number of stored events, and of stored details. A surface holds fewer
 MAX_RETRACTIONS = 10_000
 """Maximum number of stored retractions, which apply to events that arrive late or again."""
 
@@ -176,7 +174,7 @@ class SampleBuffer:
             self._halve()
         return True
 
-    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def arrays(self) -> tuple[FloatArray, FloatArray]:
         """Return copies of the times (s) and the values."""
         return np.array(self._time_s, np.float64), np.array(self._value, np.float64)
 

@@ -25,7 +25,7 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
-from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.feeds.live_timeline import LiveTimeline, checked_duration
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Timeline
@@ -35,9 +35,7 @@ VERSION = 1
 HEADER = "overview_feed"
 KEYS = (HEADER, "event", "detail", "sample", "retract", "clock", "gap", "end")
 
-MAX_LINE_BYTES = 65_536
-"""Maximum length of a line. An event has about 100 bytes."""
-
+MAX_LINE_BYTES = 65_536  # maximum length of a line. An event has about 100 bytes
 _EVENT_KEYS = frozenset({"time_s", "kind", "label", "weight"})
 _FURTHER_KEYS = {
     HEADER: {
@@ -111,32 +109,10 @@ class Lines:
             yield rest
 
 
-def apply_line(live: LiveTimeline, line: bytes | str) -> str:
-    """Apply a line of a feed to a timeline.
-
-    Returns
-    -------
-    str
-        The key of the line, one of `KEYS`; "" for an empty line, `later` for a later version.
-
-    Raises
-    ------
-    InputError
-        The line is not in the feed format, or a value is not allowed; nothing is changed.
-    """
-    key, document = parse_line(line)
-    if key in KEYS:
-        apply_parsed(live, key, document)
-    return key
-
-
 def parse_line(line: bytes | str) -> tuple[str, dict[str, Any]]:
-    """Return the key of a line, as `apply_line` does, and its object.
+    """Return the key of a line and its object; InputError unless it is in the feed format.
 
-    Raises
-    ------
-    InputError
-        The line is not in the feed format.
+    The key is one of `KEYS`, "" for an empty line, `later` for a later version.
     """
     try:
         text = line.decode() if isinstance(line, bytes) else line
@@ -195,9 +171,9 @@ def apply_parsed(live: LiveTimeline, key: str, line: Mapping[str, Any]) -> None:
         start_s, end_s = _pair(value, "gap")
         live.gap(start_s, end_s, line.get("reason", ""))
     else:
-        description = _description(line)
-        live.end(None if value is None else validation.number(value, "end"))
-        live.describe(**description)
+        final_s = None if value is None else checked_duration(value, "end")
+        live.describe(**_description(line))
+        live.end(final_s)  # last: whoever sees the end also sees the final title
 
 
 def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) -> None:

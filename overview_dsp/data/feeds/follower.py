@@ -19,9 +19,7 @@ from overview_dsp.units import clock_text
 RETRY_S = (0.25, 15.0)
 """First and longest wait before a lost source is opened again, s. Each wait is twice the last."""
 
-SILENT_S = 60.0
-"""Time without data after which a message is shown, s."""
-
+SILENT_S = 60.0  # time without data after which a message is shown, s
 MAX_MESSAGES = 20
 """Number of different faults of a feed that are reported; further ones are only counted."""
 
@@ -29,18 +27,11 @@ MAX_MESSAGES = 20
 class Follower:
     """Updates a live timeline from a source, until the source ends or `close` is called.
 
-    Thread: any. The follower's own thread updates `live`.
+    `rejected`: number of invalid lines.
+    `lost`: number of times the source was lost.
+    `guard`: guard that holds lines whose time jumps too far.
 
-    Attributes
-    ----------
-    live : LiveTimeline
-        Timeline that is updated.
-    rejected : int
-        Number of invalid lines.
-    lost : int
-        Number of times the source was lost.
-    guard : ClockGuard
-        Guard that holds lines whose time jumps too far.
+    Thread: any. The follower's own thread updates `live`.
     """
 
     def __init__(self, live: LiveTimeline, source: Source) -> None:

@@ -46,22 +46,15 @@ LAYOUTS: tuple[Layout, ...] = ("whole", "so far")
 LONGEST_S = 100 * 366 * 86_400.0
 """Maximum time of an event or sample, s. Later times indicate a broken clock."""
 
-MAX_CHANGES = 1_000
-"""Number of latest changes stored for `changes_since`."""
-
+MAX_CHANGES = 1_000  # number of latest changes stored for `changes_since`
 EXTRA_TIME = 0.05
 """Share of the expected duration that is added each time the clock passes the end.
 
 The share is five minutes for a match and over an hour for a day, so the layout changes rarely."""
 
-FUTURE_MARGIN = 0.03
-"""Minimum length of the future after now, as a share of the time until now."""
-
-SHORTEST_S = 1.0
-"""Minimum duration, s."""
-
-SILENCE_S = 120.0
-"""Silence, s, after which a feed that sends clock lines or samples gets a gap."""
+FUTURE_MARGIN = 0.03  # minimum length of the future after now, as a share of the time until now
+SHORTEST_S = 1.0  # minimum duration, s
+SILENCE_S = 120.0  # silence, s, after which a feed that sends clock lines or samples gets a gap
 
 
 class LiveTimeline:
@@ -398,12 +391,8 @@ class LiveTimeline:
         """Latest time of the clock, the events and the samples, s."""
         with self._lock:
             if self._document is not None:
-                document = self._document
-                return (
-                    document.duration_s
-                    if document.known_until_s is None
-                    else document.known_until_s
-                )
+                until_s = self._document.known_until_s
+                return self._document.duration_s if until_s is None else until_s
             last_s = self._samples.last_s if len(self._samples) else 0.0
             return max(self._clock_s, self._buffer.last_s, last_s)
 
@@ -471,7 +460,7 @@ class LiveTimeline:
         >>> live.snapshot().duration_s, live.ended
         (5790.0, True)
         """
-        length = None if duration_s is None else _checked_duration(duration_s, "duration_s")
+        length = None if duration_s is None else checked_duration(duration_s, "duration_s")
         with self._lock:
             end_s = max(self.now_s, SHORTEST_S) if length is None else length
             if self._end_s != end_s:
@@ -704,13 +693,14 @@ def _checked_sample(value: object) -> tuple[float, float]:
     return _checked_time(value[0], "a sample's time"), level
 
 
-def _checked_duration(value: object, name: str) -> float:
+def checked_duration(value: object, name: str) -> float:
+    """Return a duration, s, of a live timeline, or raise InputError if it is out of range."""
     hint = f"must be above 0, up to {LONGEST_S:g} s"
     return _in_range(validation.positive(value, name, hint), name, hint, 0.0, LONGEST_S)
 
 
 def _checked_expectation(value: object) -> float | None:
-    return None if value is None else _checked_duration(value, "expected_duration_s")
+    return None if value is None else checked_duration(value, "expected_duration_s")
 
 
 def _checked_layout(value: Layout) -> Layout:

@@ -22,16 +22,12 @@ from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
 
-POLL_EVERY_S = 1.0
-"""Interval at which a file is requested, s; `Retry-After` is respected."""
-
+POLL_EVERY_S = 1.0  # interval at which a file is requested, s; `Retry-After` is respected
 RESPONSE_TIMEOUT_S = 10.0
 STREAM_TIMEOUT_S = 60.0
 """Time without data, not even a comment, after which a stream is lost, s."""
 
-MAX_BYTES = 64 << 20
-"""Maximum size of a file that is requested repeatedly."""
-
+MAX_BYTES = 64 << 20  # maximum size of a file that is requested repeatedly
 MAX_MESSAGE_BYTES = 16 << 20
 """Maximum size of a WebSocket message or a server-sent event, which may hold many lines."""
 

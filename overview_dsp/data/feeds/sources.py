@@ -29,12 +29,8 @@ from overview_dsp.errors import InputError
 POLL_EVERY_S = 0.05
 """Interval at which a file is checked, s: an announcement then starts within 0.1 s."""
 
-READ_AGAIN_S = 0.25
-"""Minimum interval between two readings of a file that is not a feed, s."""
-
-MAX_READING_SHARE = 0.2
-"""Maximum share of the time that is spent on reading such a file."""
-
+READ_AGAIN_S = 0.25  # minimum interval between two readings of a file that is not a feed, s
+MAX_READING_SHARE = 0.2  # maximum share of the time that is spent on reading such a file
 CLOSE_TIMEOUT_S = 0.5
 DEVICE_CLOSE_TIMEOUT_S = 10.0
 """Timeout for an audio device, s. Exiting before the device is closed can crash the program."""
@@ -190,46 +186,24 @@ class Stream:
             yield data
 
 
-ANALYSE_EVERY_S = 0.5
-"""Minimum interval between two searches for cheers, s."""
-
-MAX_ANALYSIS_SHARE = 0.1
-"""Maximum share of the time that is spent on searching for cheers."""
-
+ANALYSE_EVERY_S = 0.5  # minimum interval between two searches for cheers, s
+MAX_ANALYSIS_SHARE = 0.1  # maximum share of the time that is spent on searching for cheers
 LONGEST_S = 27 * 3600.0
 """Duration that is analysed, s, the maximum of an audio file too. Later samples are ignored."""
 
 
 class LoudnessMonitor:
-    """Measures the loudness of a live sound and detects cheers in it.
+    """Meter for the loudness of a live sound, which also detects its cheers.
 
     Loudness and cheers equal those of a file with the same sound. Only ten values per second are
     stored. The background is averaged over a minute ahead too, so a cheer of the last minute may
-    still change a little.
+    still change a little. `on_timeline` receives a timeline of the whole sound so far.
 
-    Parameters
-    ----------
-    sample_rate
-        Sample rate, Hz, 4000 or more.
-    channels
-        Number of channels.
-    on_timeline
-        Function that receives a timeline of the whole sound so far.
-    now
-        Clock, s.
-
-    Raises
-    ------
-    InputError
-        The loudness cannot be measured at this rate or with this number of channels.
+    InputError unless the sound has 1 to 64 channels at `MIN_RATE` (4000) to 768000 Hz.
     """
 
     def __init__(
-        self,
-        sample_rate: int,
-        channels: int,
-        on_timeline: Callable[[Timeline], None],
-        now: Callable[[], float] = time.monotonic,
+        self, sample_rate: int, channels: int, on_timeline: Callable[[Timeline], None]
     ) -> None:
         if sample_rate < MIN_RATE or sample_rate > 768_000 or not 1 <= channels <= 64:
             raise InputError(
@@ -241,7 +215,7 @@ class LoudnessMonitor:
         self._meter = StepMeter(sample_rate, weights_of(layout) if layout else (1.0,) * channels)
         self._waiting: list[NDArray[np.floating[Any]]] = []
         self._frames = self._measured = 0
-        self._on_timeline, self._now = on_timeline, now
+        self._on_timeline = on_timeline
         self._next_at = 0.0
 
     def feed(self, block: NDArray[np.floating[Any]]) -> None:
@@ -259,10 +233,10 @@ class LoudnessMonitor:
         self._measured += whole
         for start in range(0, whole, self._rate):  # the meter requires whole seconds
             self._meter.feed(sound[start : start + self._rate])
-        start_s = self._now()
+        start_s = time.monotonic()
         if start_s >= self._next_at:
             self._report()
-            took_s = self._now() - start_s
+            took_s = time.monotonic() - start_s
             self._next_at = start_s + max(ANALYSE_EVERY_S, took_s / MAX_ANALYSIS_SHARE)
 
     def end(self) -> None:

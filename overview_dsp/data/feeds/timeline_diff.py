@@ -15,6 +15,7 @@ format: `{"whole": {...}}`. Applying a difference twice has the same result as a
 
 The module also defines the announcement of a new event: a timeline with this event only. A short
 tap moves the disk over it, with the same preset, so it feels and sounds as on the full timeline.
+The announcement of a withdrawn event has it three times, so no new event feels like it.
 """
 
 from __future__ import annotations
@@ -43,10 +44,7 @@ _LIST_FIELDS = ("notes", "gaps", "gap_reasons")
 def timeline_diff(old: Timeline, new: Timeline) -> dict[str, Any]:
     """Return the difference with which `apply_diff` turns `old` into `new`.
 
-    Raises
-    ------
-    InputError
-        The curve has too many points.
+    InputError for a curve with too many points.
     """
     if new.rules is None and old.rules is None and old.signal is new.signal:
         parts = _parts(old, new)
@@ -159,27 +157,29 @@ def _changed(events: tuple[Event, ...], change: Mapping[str, Any], key: str) -> 
     return (*result, *(event for event in added if event not in result))
 
 
-EVENT_POSITION = 0.04
-"""Position of the announced event, 0 to 1 of its surface."""
-
+WITHDRAWN_POSITIONS = (0.01, 0.035, 0.06)  # positions of a withdrawn event: it is felt three times
+EVENT_POSITION = 0.04  # position of the announced event, 0 to 1 of its surface
 TAP_POSITION = 0.08
 """Position of the tap. The event is halfway, so the disk moves when it passes the event."""
 
 TAP_HOLD_S = 0.25
 """Duration of the tap, s. Under every bundled preset the disk has passed the event by then."""
 
-ANNOUNCEMENT_S = 0.8
-"""Time from the tap until the timeline is under the disk again, s."""
+ANNOUNCEMENT_S = 0.8  # time from the tap until the timeline is under the disk again, s
 
 
-def announcement_change(event: Event) -> dict[str, Any]:
-    """Return the entry of a recorded take for the announcement of an event."""
-    return {"pattern": {"kind": event.kind, "weight": event.weight}}
+def announcement_change(event: Event, withdrawn: bool = False) -> dict[str, Any]:
+    """Return the entry of a recorded take for the announcement of a new or withdrawn event."""
+    pattern: dict[str, Any] = {"kind": event.kind, "weight": event.weight}
+    return {"pattern": pattern | {"withdrawn": True} if withdrawn else pattern}
 
 
 def announcement_of(pattern: Mapping[str, Any]) -> Timeline:
     """Return the announcement of an event's kind and weight; InputError if it is invalid."""
-    if not isinstance(pattern, Mapping) or pattern.keys() != {"kind", "weight"}:
+    keys = pattern.keys() - {"withdrawn"} if isinstance(pattern, Mapping) else None
+    if keys != {"kind", "weight"} or pattern.get("withdrawn", True) is not True:
         raise InputError(f"pattern is {quoted(pattern)}; must have the keys kind and weight")
-    event = event_of({"time_s": EVENT_POSITION, **pattern})
-    return Timeline("something is new", 1.0, (event,))
+    places = WITHDRAWN_POSITIONS if "withdrawn" in pattern else (EVENT_POSITION,)
+    fields = {key: pattern[key] for key in keys}
+    events = tuple(event_of({"time_s": place, **fields}) for place in places)
+    return Timeline("something is new", 1.0, events)

@@ -14,7 +14,9 @@ import json
 import os
 import re
 import stat
-from collections.abc import Callable
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -65,6 +67,12 @@ _STAMPED = re.compile(
 )
 """Beginning of a chapter (`[0:12]`) or a log line (`[03.05.24, 18:20]`, `[Wed Oct`)."""
 
+
+def _is_json(text: str) -> bool:
+    begins = text.lstrip()[:16]
+    return begins[:1] in ("{", "[") and not _STAMPED.match(begins)
+
+
 UNNAMED = "unnamed"
 """Name of the file for data without a name."""
 
@@ -107,6 +115,8 @@ class LoadOptions:
         Called with the fraction of the file that is read, 0 to 1, by slow formats.
     max_depth
         Maximum nesting level of JSON, instead of `MAX_DEPTH`.
+    group
+        Text of one of the series of `load_timelines` in each column, by index of the column.
     """
 
     duration_s: float | None = None
@@ -120,11 +130,12 @@ class LoadOptions:
     max_depth: int | None = None
     kind: str | None = None
     label: str | None = None
+    group: Mapping[int, str] | None = None
 
     def names_set(self) -> frozenset[str]:
-        """Return the names of the options that are set, except `progress`."""
+        """Return the names of the options that users set, except `progress`."""
         names = {name for name, value in vars(self).items() if value is not None}
-        return frozenset(names - {"progress"})
+        return frozenset(names - {"progress", "group"})
 
     @property
     def counts(self) -> bool:
@@ -249,14 +260,13 @@ def parse_json(text: str, where: str) -> object:
     """
 
     def whole(digits: str) -> int | float:
-        # Python rejects ints of more than 4300 digits; as a float they are infinite
-        return int(digits) if len(digits) < 400 else float(digits)
+        # as a float such an int is infinite, and Python rejects one of more than 4300 digits
+        return int(digits) if len(digits) < sys.float_info.max_10_exp else float(digits)
 
     def unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
         table = dict(pairs)
         if len(table) != len(pairs):
-            keys = [key for key, _ in pairs]
-            twice = next(key for key in keys if keys.count(key) > 1)
+            twice = next(key for key, n in Counter(key for key, _ in pairs).items() if n > 1)
             raise InputError(f"{where}: the key {quoted(twice)} is given twice; remove one")
         return table
 
@@ -298,6 +308,8 @@ class DataFile:
         Compressed file that was unpacked to `path`, or None.
     label
         Name of the data in error messages, if they are not a file of the user.
+    notes
+        Notes of the timeline about how the file was opened.
     """
 
     path: Path
@@ -306,6 +318,7 @@ class DataFile:
     options: LoadOptions = field(default_factory=LoadOptions)
     origin: Path | None = None
     label: str = ""
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def open(
@@ -367,7 +380,7 @@ class DataFile:
         if self._decoded(marked) is not None:
             return marked
         text = self._decoded(WINDOWS) if marked == "utf-8" else None
-        if text is None or CONTROL & set(text) or text.lstrip()[:1] in ("{", "["):
+        if text is None or CONTROL & set(text) or _is_json(text):
             return None
         return WINDOWS
 
@@ -390,19 +403,12 @@ class DataFile:
         """True if the file is text that begins with a bracket of JSON."""
         if self.head_text is None:
             return False
-        begins = self.head_text.lstrip()[:16]
-        return begins[:1] in ("{", "[") and not _STAMPED.match(begins)
+        return _is_json(self.head_text)
 
     @cached_property
     def text(self) -> str:
         """Whole file as text; InputError if it is too large (`text_limit_mb`) or not text."""
-        limit_mb = self.text_limit_mb
-        if self.size > limit_mb * 2**20:
-            raise InputError(
-                f"{self.where}: {self.size / 2**20:.0f} MB, more than the {limit_mb:g} MB that "
-                "are read; cut it into parts, keep fewer points, or raise the limit with max_mb "
-                "(--read max-mb=MB)"
-            )
+        self.require_size(self.text_limit_mb, "cut it into parts, keep fewer points")
         try:
             with open(self.path, "rb") as stream:
                 # not more than the initial size, if the file grows
@@ -413,6 +419,14 @@ class DataFile:
             raise InputError(
                 f"{self.where}: too large for this machine's memory; cut it into parts"
             ) from error
+
+    def require_size(self, limit_mb: float, remedy: str) -> None:
+        """Raise InputError with a remedy if the file is larger than a limit."""
+        if self.size > limit_mb * 2**20:
+            raise InputError(
+                f"{self.where}: {self.size / 2**20:.0f} MB, more than the {limit_mb:g} MB that "
+                f"are read; {remedy}, or raise the limit with max_mb (--read max-mb=MB)"
+            )
 
     @property
     def text_limit_mb(self) -> float:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Sequence
 
 from overview_dsp.data.readers.data_file import DataFile
-from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
+from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.column_roles import (
     is_wordy,
     kind_and_label_columns,
@@ -32,7 +31,7 @@ _PACKED = {
 _AS_EVENTS = "write the events as CSV with the columns time and event"
 _XML = "<?xml"
 
-_PAGE = re.compile(r"<!doctype html|<html\b", re.I)
+_PAGE = re.compile(r"<!doctype html|<html\b|^\s*<(?:head|body)\b", re.I)
 _LOGIN = re.compile(r"type\s*=\s*[\"']?password", re.I)
 _FEED = re.compile(r"<(?:rss|feed|rdf:rdf)\b", re.I)
 _LYRICS = re.compile(r"\[(?:ti|ar|al|au|by|re|ve|offset|length):|\[\d{1,3}:\d\d\.\d{2,3}\]", re.I)
@@ -118,7 +117,7 @@ def _lacking(columns: Columns, head: Head) -> str:
     for i, column in enumerate(columns):
         if timed is None and head[i] and not looks_numeric(head[i]):
             timed = i if detected_format(column, head[i]) is not None else None
-    numbers = [i for i in range(len(columns)) if i != timed and _is_numeric(head[i])]
+    numbers = [i for i in range(len(columns)) if i != timed and looks_numeric(head[i])]
     words = [i for i in range(len(columns)) if i != timed and is_wordy(head[i])]
     kind, label = kind_and_label_columns(columns)
     if timed is None:
@@ -141,8 +140,3 @@ def _lacking(columns: Columns, head: Head) -> str:
 
 def _column(columns: Columns, i: int) -> str:
     return f"column {quoted(columns[i].header)}"
-
-
-def _is_numeric(cells: Sequence[object]) -> bool:
-    known = [cell for cell in cells if not is_missing(cell)]
-    return bool(known) and looks_numeric(known)

@@ -6,12 +6,13 @@ one entry in `FORMATS`. Other packages add formats by an entry point (`plugins`)
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from types import ModuleType
 
 from overview_dsp.data.readers import native
 from overview_dsp.data.readers.audio import reader as audio
+from overview_dsp.data.readers.cardiac import edf, wfdb_reader
 from overview_dsp.data.readers.cardiac import samples_table as heart_table
-from overview_dsp.data.readers.cardiac import wfdb_reader
 from overview_dsp.data.readers.data_file import DataFile, Format
 from overview_dsp.data.readers.events import cue_lists, event_table, icalendar
 from overview_dsp.data.readers.football import (
@@ -23,7 +24,7 @@ from overview_dsp.data.readers.football import (
     wyscout,
 )
 from overview_dsp.data.readers.plugins import package_readers
-from overview_dsp.data.readers.series import series_reader
+from overview_dsp.data.readers.series import charts, series_reader
 from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
 from overview_dsp.data.readers.tables.table import Table
 
@@ -38,11 +39,20 @@ _EVENT_TABLE = frozenset({"duration_s", "time", "kind", "label", "match"})
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
 
+def _module(name: str, module: ModuleType, options: Iterable[str] = ()) -> Format:
+    matches = getattr(module, "matches", None)
+    return Format(name, module.sniff, module.read, frozenset(options), matches)
+
+
 def _series(
     name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
 ) -> Format:
     read = series_reader.reading(open_table)
     return Format(name, sniff, read, SERIES_OPTIONS, open_table=open_table)
+
+
+def _begins_with(magic: bytes) -> Callable[[DataFile], bool]:
+    return lambda source: source.head.startswith(magic)
 
 
 FORMATS: tuple[Format, ...] = (
@@ -55,42 +65,22 @@ FORMATS: tuple[Format, ...] = (
         open_table=json.JsonLinesTable,
     ),
     _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
-    Format('native timeline (JSON with the key "overview_timeline")', native.sniff, native.read),
-    Format(
-        "StatsBomb events (JSON list with period, timestamp and type)",
-        statsbomb.sniff,
-        statsbomb.read,
-    ),
+    _module('native timeline (JSON with the key "overview_timeline")', native),
+    _module("chart (MAIDR JSON: lines, bars, histograms, points)", charts, ("match", "map")),
+    _module("StatsBomb events (JSON list with period, timestamp and type)", statsbomb),
     Format(
         "StatsBomb events as a table (of statsbombpy or mplsoccer)",
         statsbomb.sniff_table,
         statsbomb.read_table,
     ),
-    Format(
-        "Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])",
-        metrica.sniff,
-        metrica.read,
-    ),
-    Format(
-        "Wyscout v2 events (JSON with matchPeriod, eventSec and tags)",
-        wyscout.sniff,
-        wyscout.read,
-        _MATCH,
-        wyscout.matches,
-    ),
-    Format(
+    _module("Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])", metrica),
+    _module("Wyscout v2 events (JSON with matchPeriod, eventSec and tags)", wyscout, _MATCH),
+    _module(
         "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
         "extra `football`)",
-        kloppy_formats.sniff,
-        kloppy_formats.read,
+        kloppy_formats,
     ),
-    Format(
-        "openfootball matches (JSON with team1, team2 and goals)",
-        openfootball.sniff,
-        openfootball.read,
-        _MATCH,
-        openfootball.matches,
-    ),
+    _module("openfootball matches (JSON with team1, team2 and goals)", openfootball, _MATCH),
     Format(
         "openfootball matches (Football.TXT: teams, score, goals in minutes)",
         openfootball.sniff_text,
@@ -98,21 +88,15 @@ FORMATS: tuple[Format, ...] = (
         _MATCH,
         openfootball.matches,
     ),
-    Format(
-        "list of minutes (CSV with minute and type or scorer)",
-        minute_list.sniff,
-        minute_list.read,
-        _MATCH,
-        minute_list.matches,
-    ),
+    _module("list of minutes (CSV with minute and type or scorer)", minute_list, _MATCH),
     Format(
         "event list (CSV with the columns time_s and kind)",
         event_table.sniff_list,
         event_table.read_list,
         _LENGTH,
     ),
-    Format("calendar (iCalendar, .ics)", icalendar.sniff, icalendar.read, _LENGTH),
-    Format("subtitles (SubRip .srt, WebVTT .vtt)", cue_lists.sniff, cue_lists.read, _LENGTH),
+    _module("calendar (iCalendar, .ics)", icalendar, _LENGTH),
+    _module("subtitles (SubRip .srt, WebVTT .vtt)", cue_lists, _LENGTH),
     Format(
         "labels (Audacity: start, end and label with tabs between)",
         cue_lists.sniff_labels,
@@ -127,25 +111,19 @@ FORMATS: tuple[Format, ...] = (
         _EVENT_TABLE,
         open_table=event_table.open_table,
     ),
-    Format(
-        "WFDB record (.hea, with .dat and .atr beside it)",
-        wfdb_reader.sniff,
-        wfdb_reader.read,
-        frozenset({"value", "map"}),
-    ),
-    Format(
+    _module("WFDB record (.hea, with .dat and .atr beside it)", wfdb_reader, ("value", "map")),
+    _module("recording (EDF, EDF+, with the extra `edf`)", edf, ("value", "map")),
+    _module(
         "ECG or pulse wave (table of samples, with rate or a column of times)",
-        heart_table.sniff,
-        heart_table.read,
-        frozenset({"rate", "value", "time", "map", "max_mb"}),
+        heart_table,
+        ("rate", "value", "time", "map", "max_mb"),
     ),
-    Format(
+    _module(
         "recording (WAV, FLAC, Ogg, MP3, AIFF and all others of libsndfile)",
-        audio.sniff,
-        audio.read,
-        frozenset({"map", "max_mb"}),
+        audio,
+        ("map", "max_mb"),
     ),
-    _series("track (GPX, TCX)", tracks.sniff, tracks.open_table),
+    _series("track (GPX, TCX, Garmin FIT with the extra `fit`)", tracks.sniff, tracks.open_table),
     _series("log (each line with a date, for map count)", logs.sniff, logs.LogTable),
     _series(
         "series (CSV, TSV: a table with a column of times and one of values)",
@@ -155,10 +133,12 @@ FORMATS: tuple[Format, ...] = (
     _series(
         "series (JSON: records, columns or pairs of times and values)", json.sniff, json.open_table
     ),
-    _series("series (NumPy .npy)", arrays.sniff_npy, arrays.open_npy),
-    _series("series (NumPy .npz)", arrays.sniff_npz, arrays.open_npz),
+    _series("series (NumPy .npy)", _begins_with(arrays.MAGIC), arrays.open_npy),
+    _series("series (NumPy .npz)", _begins_with(arrays.ZIP_MAGIC), arrays.open_npz),
     _series(
-        "series (Parquet, with the extra `parquet`)", arrays.sniff_parquet, arrays.ParquetTable
+        "series (Parquet, with the extra `parquet`)",
+        _begins_with(arrays.PARQUET_MAGIC),
+        arrays.ParquetTable,
     ),
 )
 """Formats of this package, in the order in which they are tried."""

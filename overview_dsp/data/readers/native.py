@@ -42,7 +42,7 @@ from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 
 VERSION = 1
 """Version of the format."""
@@ -188,9 +188,7 @@ def save_timeline(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     """
     path = validation.path(path, "a timeline's file")
     validation.instance(timeline, Timeline, "timeline", "ov.load_timeline gives one")
-    data = encode(timeline)
-    with atomic_file(path) as temporary:
-        temporary.write_bytes(data)
+    write_file(path, encode(timeline))
 
 
 def _series(rules: WindowRules, curve: Intensity | None) -> str:

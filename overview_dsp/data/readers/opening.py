@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions
+from overview_dsp.data.readers.tables import health, workbook
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
 
@@ -40,11 +41,13 @@ _CHUNK = 1 << 20
 _ZIP_END = b"PK\x05\x06"
 
 _GZIP, _BZIP2, _XZ, _ZIP = "gzip", "bzip2", "xz", "ZIP"
+_SHEET, _HEALTH = "spreadsheet", "Apple Health"
 _MARKS = (
     (b"\x1f\x8b\x08", _GZIP),
     (b"\xfd7zXZ\x00", _XZ),
     (b"PK\x03\x04", _ZIP),
     (b"PK\x05\x06", _ZIP),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", _SHEET),
     (b"\x28\xb5\x2f\xfd", "Zstandard"),
     (b"7z\xbc\xaf\x27\x1c", "7z"),
     (b"Rar!\x1a\x07", "RAR"),
@@ -92,7 +95,13 @@ def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[DataF
             hint = missing if isinstance(error.__cause__, FileNotFoundError) else ""
             raise InputError(f"{error}{hint}") from error
         packed = packing(source.head)
-        if packed is not None and not (packed == _ZIP and _is_arrays(source)):
+        names = _zip_names(source) if packed == _ZIP else []
+        if _SHEETS.intersection(names) or _is_open_sheet(source, names):
+            packed = _SHEET
+        elif health.member(names) or (packed is None and health.is_export(source.head)):
+            packed = _HEALTH
+        is_arrays = len(names) > 1 and all(name.endswith(".npy") for name in names)
+        if packed is not None and not is_arrays:
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="overview-"))
             source = _unpacked(source, packed, Path(folder))
         yield source
@@ -185,14 +194,22 @@ def packing(head: bytes) -> str | None:
     return next((name for mark, name in _MARKS if head.startswith(mark)), None)
 
 
+_DAMAGED = (zlib.error, lzma.LZMAError, zipfile.BadZipFile, OSError, ValueError, RuntimeError)
+"""Errors of unpacking; an encrypted archive is a RuntimeError."""
+
+
 def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
-    where, options = source.where, source.options
+    where, options, notes = source.where, source.options, source.notes
+    if packed == _SHEET:
+        options, notes = workbook.choice(source)
     limit_mb = options.max_mb if options.max_mb is not None else MAX_MB
     if packed not in _READERS:
         raise InputError(f"{where}: a {packed} archive can't be read; unpack it first")
     # readers use the name as title: "match.json" for "match.json.gz"
     name = Path(source.path.name).stem
     target = folder / ("data" if name in ("", ".", "..") else name)
+    if target == source.path:  # of an archive in an archive
+        target = folder / f"{name}.csv"
     try:
         size = _write(
             target,
@@ -204,7 +221,7 @@ def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
         raise
     except EOFError as error:
         raise InputError(f"{where}: the {packed} file is cut off; get it again") from error
-    except (zlib.error, lzma.LZMAError, zipfile.BadZipFile, OSError, ValueError) as error:
+    except _DAMAGED as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"{where}: can't be unpacked ({packed}: {reason}); get it again"
@@ -212,9 +229,12 @@ def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
     if size == 0:
         raise InputError(f"{where}: contains an empty file; check how it was made")
     inner = DataFile.open(target, options)
+    if packed != _HEALTH and health.is_export(inner.head):
+        inner = replace(inner, label=source.label or where)
+        return replace(_unpacked(inner, _HEALTH, folder), origin=source.path, label=source.label)
     if packing(inner.head) is not None:
         raise InputError(f"{where}: contains another compressed file; unpack it first")
-    return replace(inner, origin=source.path, label=source.label)
+    return replace(inner, origin=source.path, label=source.label, notes=notes)
 
 
 def _streamed(open_file: Callable[..., Any], source: DataFile) -> Iterator[bytes]:
@@ -244,7 +264,6 @@ def _xz(source: DataFile) -> Iterator[bytes]:
 
 
 def _zip(source: DataFile) -> Iterator[bytes]:
-    _check_directory(source)
     with zipfile.ZipFile(source.path) as archive:
         members = [
             member
@@ -254,8 +273,10 @@ def _zip(source: DataFile) -> Iterator[bytes]:
             and not member.filename.rsplit("/", 1)[-1].startswith(".")
         ]
         names = {member.filename for member in members}
-        if sheets := names & _SHEETS.keys():
-            raise InputError(f"{source.where}: {_SHEETS[sheets.pop()]}: save the sheet as CSV")
+        if documents := names & _DOCUMENTS.keys():
+            raise InputError(
+                f"{source.where}: {_DOCUMENTS[documents.pop()]}; save its table as CSV"
+            )
         if len(members) != 1:
             raise InputError(
                 f"{source.where}: a ZIP archive (or a document made of one) of {len(members)} "
@@ -273,25 +294,46 @@ def _zip(source: DataFile) -> Iterator[bytes]:
             ) from error
 
 
-_SHEETS = {
-    "xl/workbook.xml": "an Excel workbook",
-    "xl/workbook.bin": "an Excel workbook",
-    "content.xml": "an OpenDocument file",
+_SHEETS = frozenset({"xl/workbook.xml", "xl/workbook.bin"})
+"""Files of spreadsheets in ZIP format."""
+
+_DOCUMENTS = {
     "Index/Document.iwa": "a Numbers or Pages file",
     "word/document.xml": "a Word document",
+    "content.xml": "an OpenDocument text, drawing or presentation",
 }
-"""Documents in ZIP format, by a file that each kind contains."""
+"""Other documents in ZIP format, by a file that each kind contains."""
 
 
-def _is_arrays(source: DataFile) -> bool:
-    """Return whether a ZIP archive contains several NumPy arrays, which is read packed."""
+def _is_open_sheet(source: DataFile, names: list[str]) -> bool:
+    """Return whether an archive is an OpenDocument spreadsheet."""
+    if not {"content.xml", "mimetype"} <= {*names}:
+        return False
+    try:
+        with zipfile.ZipFile(source.path) as archive, archive.open("mimetype") as stream:
+            return b"spreadsheet" in stream.read(100)
+    except _DAMAGED:
+        return False
+
+
+def _health(source: DataFile) -> Iterator[bytes]:
+    if packing(source.head) is None:
+        yield from health.csv_parts(_streamed(open, source), source.where)
+        return
+    with zipfile.ZipFile(source.path) as archive:
+        name = health.member(archive.namelist()) or ""
+        with archive.open(name) as stream:
+            yield from health.csv_parts(iter(lambda: stream.read(_CHUNK), b""), source.where)
+
+
+def _zip_names(source: DataFile) -> list[str]:
+    """Return the names of the files in a ZIP archive; none if it is damaged."""
     _check_directory(source)
     try:
         with zipfile.ZipFile(source.path) as archive:
-            names = archive.namelist()
+            return archive.namelist()
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
-        return False  # unpacking raises the error
-    return len(names) > 1 and all(name.endswith(".npy") for name in names)
+        return []  # unpacking raises the error
 
 
 def _check_directory(source: DataFile) -> None:
@@ -313,4 +355,6 @@ _READERS: dict[str, Callable[[DataFile], Iterator[bytes]]] = {
     _BZIP2: partial(_streamed, bz2.open),
     _XZ: _xz,
     _ZIP: _zip,
+    _SHEET: workbook.csv_parts,
+    _HEALTH: _health,
 }

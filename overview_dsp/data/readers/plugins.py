@@ -16,14 +16,13 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import warnings
 from collections.abc import Iterable, Iterator
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from overview_dsp.data.readers.data_file import DataFile, Format, LoadOptions
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, OverviewWarning
+from overview_dsp.errors import InputError, warn
 
 GROUP = "overview_dsp.readers"
 
@@ -107,7 +106,7 @@ def _package(point: EntryPoint) -> str:
 
 
 def _warn(package: str, what: str) -> None:
-    warnings.warn(f"the reader of {package} {what}; it is left out", OverviewWarning, stacklevel=4)
+    warn(f"the reader of {package} {what}; it is left out", 3)
 
 
 def _error_text(error: Exception) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import tempfile
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
@@ -30,7 +29,7 @@ from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, i
 from overview_dsp.data.readers.opening import is_content, opened
 from overview_dsp.data.readers.series import series_reader
 from overview_dsp.data.readers.tables import json
-from overview_dsp.data.readers.tables.groups import group_options
+from overview_dsp.data.readers.tables.groups import groups_of
 from overview_dsp.data.readers.tables.memory import (
     TableData,
     TimelineData,
@@ -43,7 +42,7 @@ from overview_dsp.data.readers.tables.memory import (
 )
 from overview_dsp.data.readers.tables.table import ColumnTable, Table
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, OverviewWarning, quoted
+from overview_dsp.errors import InputError, quoted, warn
 
 BUNDLED: dict[str, str] = {
     "world-cup-final-2018": "world_cup_final_2018.json",
@@ -160,13 +159,12 @@ def load_timeline(
         raise InputError("time names a column of a file; time lists are only for data in memory")
     with opened(data, options, _or_bundled()) as source:
         format_hints.require_no_other_document(source)
-        candidate = _format_of(source)
+        candidate, options = _format_of(source), source.options
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
         timeline = candidate.read(source, options)
-        if source.encoding == WINDOWS:
-            return replace(timeline, notes=(READ_AS_WINDOWS, *timeline.notes))
-        return timeline
+        notes = (*source.notes, *([READ_AS_WINDOWS] if source.encoding == WINDOWS else []))
+        return replace(timeline, notes=(*notes, *timeline.notes)) if notes else timeline
 
 
 def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, Timeline]:
@@ -184,7 +182,8 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
     Returns
     -------
     dict
-        Timelines by their texts. Those that cannot be read are left out, with a warning.
+        Timelines by their texts. Those that cannot be read, and rows without a text, are left out,
+        with a warning.
 
     Raises
     ------
@@ -198,13 +197,15 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
     >>> {name: one.duration_s for name, one in ov.load_timelines(table, "station").items()}
     {'north': 9.0, 'south': 9.0}
     """
+    for name in options.keys() - vars(LoadOptions()).keys() | options.keys() & {"match", "group"}:
+        raise InputError(f"load_timelines has no option {name}, as it reads all series; remove it")
     chosen = _checked(LoadOptions(**options))
     if is_document(data):
         data = document_bytes(data)
     if not (isinstance(data, str | os.PathLike) or is_content(data)):
         _require_table(data, "not a path or data")
         table = table_of(data)
-        return _each(table, group, lambda match: _of_memory(table, None, match), chosen)
+        return _each(table, group, lambda one: _of_memory(table, None, one), chosen)
     with opened(data, chosen, "") as source:
         candidate = _format_of(source)
         if candidate.open_table is None:
@@ -214,7 +215,7 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
         with validation.prefix_errors(f"{source.where}: "):
             table = candidate.open_table(source)
         _refuse_options(chosen, f"{source.where}: {candidate.name}", candidate.options | LIMITS)
-        return _each(table, group, lambda match: candidate.read(source, match), chosen)
+        return _each(table, group, lambda one: candidate.read(source, one), chosen)
 
 
 def _each(
@@ -222,9 +223,9 @@ def _each(
 ) -> dict[str, Timeline]:
     found: dict[str, Timeline] = {}
     failed: list[tuple[str, InputError]] = []
-    for name, match in group_options(table, group).items():
+    for name, texts in groups_of(table, group).items():
         try:
-            found[name] = read(replace(options, match=match))
+            found[name] = read(replace(options, group=texts))
         except InputError as error:
             failed.append((name, error))
     if failed:
@@ -232,7 +233,7 @@ def _each(
         if not found:
             raise first
         words = f"{len(failed)} of {len(found) + len(failed)} series are left out; {name}: {first}"
-        warnings.warn(words, OverviewWarning, stacklevel=3)
+        warn(words, 2)
     return found
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline.curve_points import (
     MAX_VALUE,
     Points,
@@ -89,7 +90,14 @@ class CurveBuilder:
         missing = np.isnan(chunk)
         first = self.count
         if missing.any() or self._open is not None:
-            self._record_gaps(missing, first)
+            # runs of missing values as (last known index, next known index); -1 = none yet
+            edges = np.flatnonzero(np.diff(missing, prepend=self._open is not None)) + first
+            for edge in edges.tolist():
+                if self._open is None:
+                    self._open = edge - 1
+                else:
+                    self._holes.append((self._open, edge))
+                    self._open = None
         if self._known is None:
             if missing.all():
                 self._leading += len(chunk)
@@ -109,7 +117,7 @@ class CurveBuilder:
             self._known = float(chunk[-1])
             self._put(chunk)
 
-    def _put(self, chunk: NDArray[np.float64]) -> None:
+    def _put(self, chunk: FloatArray) -> None:
         largest = float(np.finfo(self._dtype).max)
         if self._dtype is np.float32 and np.abs(chunk).max(initial=0.0) > largest:
             raise InputError(
@@ -145,16 +153,6 @@ class CurveBuilder:
         if count:
             self._last_s = float(times[-1])
             self._times.append(times)
-
-    def _record_gaps(self, missing: NDArray[np.bool_], first: int) -> None:
-        """Record runs of missing values as (last known index, next known index); -1 = none yet."""
-        edges = np.flatnonzero(np.diff(missing, prepend=self._open is not None)) + first
-        for edge in edges.tolist():
-            if self._open is None:
-                self._open = edge - 1
-            else:
-                self._holes.append((self._open, edge))
-                self._open = None
 
     def finish(
         self,

@@ -11,16 +11,14 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline.minmax_pyramid import Level, Values, build_pyramid
 from overview_dsp.errors import InputError, quoted
 
-MAX_VALUE = 1e300
-"""Maximum magnitude of a value, so that differences stay finite."""
+MAX_VALUE = 1e300  # maximum magnitude of a value, so that differences stay finite
 
 
-def require_increasing(
-    time_s: NDArray[np.float64], first: int = 0, before: float | None = None
-) -> None:
+def require_increasing(time_s: FloatArray, first: int = 0, before: float | None = None) -> None:
     """Raise InputError for times (from point `first` on) that are negative or not increasing."""
     if before is None and len(time_s) and time_s[0] < 0.0:
         raise InputError(
@@ -89,9 +87,9 @@ def read_only_view(values: object, what: str) -> Values:
     return kept
 
 
-def float_points(values: object, what: str) -> NDArray[np.float64]:
+def float_points(values: object, what: str) -> FloatArray:
     """Return a read-only float64 copy of one row of finite numbers."""
-    points: NDArray[np.float64] = np.array(_row(values, what), dtype=np.float64)  # ours
+    points: FloatArray = np.array(_row(values, what), dtype=np.float64)  # ours
     bad = np.flatnonzero(~np.isfinite(points))
     if bad.size:
         i = int(bad[0])
@@ -151,15 +149,13 @@ class RegularTimes:
     @overload
     def __getitem__(self, index: int) -> float: ...
     @overload
-    def __getitem__(self, index: slice) -> NDArray[np.float64]: ...
-    def __getitem__(self, index: int | slice) -> float | NDArray[np.float64]:
+    def __getitem__(self, index: slice) -> FloatArray: ...
+    def __getitem__(self, index: int | slice) -> float | FloatArray:
         if isinstance(index, slice):
             return self.at(np.arange(*index.indices(self.count)))
         return self.first_s + range(self.count)[index] * self.step_s
 
-    def __array__(
-        self, dtype: DTypeLike | None = None, copy: bool | None = None
-    ) -> NDArray[np.float64]:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> FloatArray:
         every = self.at(np.arange(self.count))
         return every if dtype is None else every.astype(dtype)
 
@@ -177,10 +173,9 @@ class RegularTimes:
         >>> times.tolist()
         [0.0, 0.5, 1.0]
         """
-        every: list[float] = self[:].tolist()
-        return every
+        return list(self[:].tolist())
 
-    def at(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def at(self, index: IntArray) -> FloatArray:
         """Return the times of indices.
 
         Parameters
@@ -204,7 +199,7 @@ class RegularTimes:
         times += self.first_s
         return times
 
-    def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+    def first_from(self, times: FloatArray) -> IntArray:
         """Return the first index at or after each of the given times.
 
         Parameters
@@ -231,7 +226,7 @@ class RegularTimes:
         index += (self.at(index) < times) & (index < self.count)
         return index
 
-    def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+    def first_after(self, times: FloatArray) -> IntArray:
         """Return the first index after each of the given times.
 
         Parameters
@@ -255,22 +250,13 @@ class RegularTimes:
         return index
 
 
-Times = NDArray[np.float64] | RegularTimes
+Times = FloatArray | RegularTimes
 
-PARTS = 64
-"""Number of parts of a long curve that are read one after another."""
-
-_SHORT_RUN = 24
-"""Maximum length of runs that are processed as two overlapping spans."""
-
-_AT_A_TIME = 4096
-"""Number of runs processed together, so that their values fit a processor cache."""
-
-_LONG_RUN = 12
-"""Mean length of runs from which two reductions are faster than reordering bits."""
-
-_DIRECT = 1 << 17
-"""Maximum number of values that are read directly, without the pyramid."""
+PARTS = 64  # number of parts of a long curve that are read one after another
+_SHORT_RUN = 24  # maximum length of runs that are processed as two overlapping spans
+_AT_A_TIME = 4096  # number of runs processed together, so that their values fit a processor cache
+_LONG_RUN = 12  # mean length of runs from which two reductions are faster than reordering bits
+_DIRECT = 1 << 17  # maximum number of values that are read directly, without the pyramid
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,27 +271,25 @@ class Points:
         """Pyramid of the values, built on first use."""
         return build_pyramid(self.value)
 
-    def first_from(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+    def first_from(self, times: FloatArray) -> IntArray:
         """Return the first index whose time is at or after each of `times` (up to the count)."""
         if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_from(times)
         return np.searchsorted(self.time_s, times, side="left")
 
-    def first_after(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
+    def first_after(self, times: FloatArray) -> IntArray:
         """Return the first index whose time is after each of `times` (up to the count)."""
         if isinstance(self.time_s, RegularTimes):
             return self.time_s.first_after(times)
         return np.searchsorted(self.time_s, times, side="right")
 
-    def times_of(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def times_of(self, index: IntArray) -> FloatArray:
         """Return the times of indices."""
         if isinstance(self.time_s, RegularTimes):
             return self.time_s.at(index)
         return self.time_s[index]
 
-    def interpolate(
-        self, times: NDArray[np.float64], after: NDArray[np.int64] | None = None
-    ) -> NDArray[np.float64]:
+    def interpolate(self, times: FloatArray, after: IntArray | None = None) -> FloatArray:
         """Return the values at times within the curve, linear between its points.
 
         `after` is `first_after(times)`, if known.
@@ -324,7 +308,7 @@ class Points:
         # clipped: rounding may take the mean past its ends by one unit in the last place
         return np.clip(before * (1.0 - weight) + following * weight, low, high)
 
-    def picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def picked(self, index: IntArray) -> FloatArray:
         """Return the values of ascending indices; pages of values on disk are released."""
         found = np.empty(len(index))
         for some in np.array_split(np.arange(len(index)), PARTS):
@@ -333,7 +317,7 @@ class Points:
                 _forget(self.value)
         return found
 
-    def extremes(self, first: NDArray[np.int64], stop: NDArray[np.int64]) -> tuple[float, float]:
+    def extremes(self, first: IntArray, stop: IntArray) -> tuple[float, float]:
         """Return minimum and maximum of the values from first[i] to stop[i] - 1, for all i.
 
         The spans ascend, and are disjoint and not empty.
@@ -361,7 +345,7 @@ class Points:
             high = max(high, float(np.maximum.reduceat(level.high, edges)[::2].max()))
         return low, high
 
-    def runs(self, edges: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def runs(self, edges: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return mean and maximum of the values of each run from edges[i] to edges[i + 1] - 1.
 
         Edges, shape (n + 1,), ascend. The ends of long runs are rounded to bins of at most half the
@@ -378,14 +362,12 @@ class Points:
             largest[some] = _largest(high[begin:end], at)
         return total / np.maximum(ends - starts, 1), largest
 
-    def lows(self, edges: NDArray[np.int64]) -> NDArray[np.float64]:
+    def lows(self, edges: IntArray) -> FloatArray:
         """Return the minimum of each run; edges as in `runs`."""
         (low,), starts = self._bins(edges, ("low",))
         return np.minimum.reduceat(low, starts).astype(np.float64)
 
-    def _bins(
-        self, edges: NDArray[np.int64], names: tuple[str, ...]
-    ) -> tuple[list[Values], NDArray[np.int64]]:
+    def _bins(self, edges: IntArray, names: tuple[str, ...]) -> tuple[list[Values], IntArray]:
         """Return rows of a level, or the values themselves, and the begin of each run in them."""
         first, stop = int(edges[0]), int(edges[-1])
         wanted = (stop - first) / (len(edges) - 1) / 2.0
@@ -401,7 +383,7 @@ class Points:
         return rows, np.minimum(at[:-1], len(rows[0]) - 1)
 
 
-def _largest(row: Values, starts: NDArray[np.int64]) -> Values:
+def _largest(row: Values, starts: IntArray) -> Values:
     """Return the same as `np.maximum.reduceat`, faster for many short runs.
 
     A surface requests 65 537 runs. The maximum of short runs of similar length is that of two
@@ -414,7 +396,11 @@ def _largest(row: Values, starts: NDArray[np.int64]) -> Values:
     least, most = int(lengths.min()), int(lengths.max())
     span = 1 << (least.bit_length() - 1) if least > 0 else 0
     if most <= min(2 * span, _SHORT_RUN):
-        return _of_two_spans(row, starts, ends, span)
+        width = 1
+        while width < span:  # the largest of `width` values from each on
+            row = np.maximum(row[:-width], row[width:])
+            width *= 2
+        return np.asarray(np.maximum(row[starts], row[ends - span]))
     bits = row.view(np.dtype(f"i{row.dtype.itemsize}"))
     if len(row) < _LONG_RUN * len(starts):
         return _ordered(np.maximum.reduceat(_ordered(bits), starts)).view(row.dtype)
@@ -423,17 +409,6 @@ def _largest(row: Values, starts: NDArray[np.int64]) -> Values:
     if below.any():
         largest = np.where(below, np.minimum.reduceat(bits, starts), largest)
     return largest.view(row.dtype)
-
-
-def _of_two_spans(
-    row: Values, starts: NDArray[np.int64], ends: NDArray[np.int64], span: int
-) -> Values:
-    """Return the maximum of runs of `span` to 2 * `span` values; `span` is a power of two."""
-    width = 1
-    while width < span:  # the largest of `width` values from each on
-        row = np.maximum(row[:-width], row[width:])
-        width *= 2
-    return np.maximum(row[starts], row[ends - span])
 
 
 def _ordered(bits: NDArray[Any]) -> NDArray[Any]:
@@ -445,12 +420,11 @@ def _ordered(bits: NDArray[Any]) -> NDArray[Any]:
     return flipped
 
 
-def _every(first: NDArray[np.int64], stop: NDArray[np.int64]) -> NDArray[np.int64]:
+def _every(first: IntArray, stop: IntArray) -> IntArray:
     """Return the indices from first[i] to stop[i] - 1, for all i in order."""
     lengths = stop - first
     begins = np.cumsum(lengths) - lengths
-    index: NDArray[np.int64] = np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths)
-    return index
+    return np.asarray(np.arange(int(lengths.sum())) + np.repeat(first - begins, lengths))
 
 
 def _forget(values: NDArray[np.floating[Any]]) -> None:

@@ -7,43 +7,23 @@ https://archive.physionet.org/physiobank/annotations.shtml. A rhythm lasts until
 from __future__ import annotations
 
 import re
+import tomllib
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from operator import attrgetter
+from pathlib import Path
+from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, quoted
 
-KIND = "rhythm"
-"""Kind of events whose labels contain a rhythm code."""
+KIND = "rhythm"  # kind of events whose labels contain a rhythm code
+HEART_CODES: dict[str, dict[str, Any]] = tomllib.loads(
+    Path(__file__).with_name("heart_codes.toml").read_text(encoding="utf-8")
+)
+"""Codes of rhythms, beats and other annotations of heart recordings, from `heart_codes.toml`."""
 
-RHYTHMS: dict[str, str] = {
-    "N": "normal rhythm",
-    "NSR": "normal rhythm",
-    "AB": "atrial bigeminy",
-    "AFIB": "atrial fibrillation",
-    "AFL": "atrial flutter",
-    "ASYS": "asystole",
-    "B": "ventricular bigeminy",
-    "BI": "first-degree heart block",
-    "BII": "second-degree heart block",
-    "HGEA": "high-grade ventricular ectopic activity",
-    "IVR": "idioventricular rhythm",
-    "J": "nodal (AV junctional) rhythm",
-    "NOD": "nodal (AV junctional) rhythm",
-    "NOISE": "noise",
-    "P": "paced rhythm",
-    "PM": "paced rhythm",
-    "PREX": "pre-excitation (Wolff-Parkinson-White)",
-    "SBR": "sinus bradycardia",
-    "SVTA": "supraventricular tachyarrhythmia",
-    "T": "ventricular trigeminy",
-    "VER": "ventricular escape rhythm",
-    "VF": "ventricular fibrillation",
-    "VFIB": "ventricular fibrillation",
-    "VFL": "ventricular flutter",
-    "VT": "ventricular tachycardia",
-}
+RHYTHMS: dict[str, str] = HEART_CODES["rhythms"]
 """Names of rhythm codes, without the opening bracket."""
 
 _CODE = re.compile(r"rhythm \((\w+)\)?")
@@ -58,8 +38,7 @@ def rhythm_name(label: str) -> str:
     return label if found is None else RHYTHMS.get(found[1], f"rhythm {found[1]}")
 
 
-MAX_EVENTS = 500_000
-"""Maximum number of events of a file: they take 400 MB."""
+MAX_EVENTS = 500_000  # maximum number of events of a file: they take 400 MB
 
 
 @dataclass(frozen=True)
@@ -136,10 +115,7 @@ class Event:
 def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
     """Return events sorted by time; events of equal time keep their order.
 
-    Raises
-    ------
-    InputError
-        An event is after the end, or has the same time, kind and label as another.
+    InputError for an event after the end, or one with time, kind and label of another.
     """
     if not isinstance(events, tuple | list) or not all(isinstance(e, Event) for e in events):
         raise InputError(f"events is {quoted(events)}; give a tuple of Event")

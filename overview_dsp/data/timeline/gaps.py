@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray
 from overview_dsp.errors import InputError, quoted
 
 Gaps = tuple[tuple[float, float], ...]
@@ -15,12 +15,9 @@ Gaps = tuple[tuple[float, float], ...]
 
 
 def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
-    """Return gaps sorted by start.
+    """Return gaps sorted by start; InputError unless they are pairs 0 <= start < end <= duration_s.
 
-    Raises
-    ------
-    InputError
-        A gap is not a pair 0 <= start < end <= duration_s, or two gaps overlap.
+    Two gaps may not overlap.
     """
     hint = "a gap is (start_s, end_s) with 0 <= start < end <= duration"
     if not isinstance(gaps, tuple | list):
@@ -51,17 +48,8 @@ def sorted_gaps(gaps: object, duration_s: float) -> Gaps:
 def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
     """Return the reasons of gaps in the order of the sorted gaps, empty if none is known.
 
-    Parameters
-    ----------
-    reasons
-        A text for each of the `gaps`, or an empty tuple.
-    gaps
-        Validated gaps in their original order.
-
-    Raises
-    ------
-    InputError
-        A reason is not a text, or there is not one for each gap.
+    `reasons` has a text for each of the `gaps`, which are in their original order, or is empty;
+    else InputError.
     """
     hint = 'give one text per gap, "" if it is unknown'
     if not isinstance(reasons, tuple | list):
@@ -75,7 +63,7 @@ def sorted_reasons(reasons: object, gaps: object) -> tuple[str, ...]:
     return tuple(text for _, text in sorted(zip(starts, texts, strict=True), key=lambda p: p[0]))
 
 
-def in_gap(gaps: Gaps, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+def in_gap(gaps: Gaps, at: FloatArray) -> BoolArray:
     """Return which of the times `at`, shape (n,), lie inside a gap, its two ends excluded."""
     if not gaps:
         return np.zeros(at.shape, dtype=np.bool_)

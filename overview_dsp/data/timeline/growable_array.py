@@ -25,31 +25,21 @@ class Store:
         self.count = 0
 
     def append(self, values: NDArray[Any]) -> None:
-        """Add a copy of the values, shape (n,).
-
-        Raises
-        ------
-        OutputError
-            The temporary folder is full.
-        """
+        """Add a copy of the values, shape (n,); OutputError if the temporary folder is full."""
         self.count += len(values)
         self._chunks.append(np.array(values, dtype=self._dtype))
         if self._file is None and self.count * self._dtype.itemsize > SPILL_BYTES:
             self._file = tempfile.TemporaryFile(prefix="overview-")  # noqa: SIM115
         if self._file is not None:
-            self._spill()
-
-    def _spill(self) -> None:
-        assert self._file is not None
-        try:
-            for chunk in self._chunks:
-                self._file.write(chunk.data)
-        except OSError as error:
-            raise OutputError(
-                f"the temporary folder {tempfile.gettempdir()} can't take a long series: "
-                f"{error.strerror or error}; free some space, or set TMPDIR to another"
-            ) from error
-        self._chunks.clear()
+            try:
+                for chunk in self._chunks:
+                    self._file.write(chunk.data)
+            except OSError as error:
+                raise OutputError(
+                    f"the temporary folder {tempfile.gettempdir()} can't take a long series: "
+                    f"{error.strerror or error}; free some space, or set TMPDIR to another"
+                ) from error
+            self._chunks.clear()
 
     def finish(self) -> NDArray[Any]:
         """Return all values, shape (count,), read-only."""

@@ -14,9 +14,9 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline.curve_points import (
     Points,
     RegularTimes,
@@ -42,27 +42,19 @@ def _same_times(one: Times, other: Times) -> bool:
     return np.array_equal(one, other)
 
 
-SAMPLED = 1 << 14
-"""Number of random samples from which percentiles of a long curve are computed."""
-
+SAMPLED = 1 << 14  # number of random samples from which percentiles of a long curve are computed
 
 RARE = 0.98
 """Percentile of the excess over the surrounding means, as a fraction; peaks are above it."""
 
-STANDS_OUT = 3.0
-"""Minimum excess of a peak, as a multiple of the usual spread, above common noise."""
-
-MATTERS = 0.02
-"""Minimum excess of a peak, as a fraction of the range of the window."""
-
-SAMPLE_STEP = 7
-"""Step between the positions at which the usual excess is measured."""
-
+STANDS_OUT = 3.0  # minimum excess of a peak, as a multiple of the usual spread, above common noise
+MATTERS = 0.02  # minimum excess of a peak, as a fraction of the range of the window
+SAMPLE_STEP = 7  # step between the positions at which the usual excess is measured
 WIDENED = 1.0 / 2048.0
 """Width to which a peak is extended on either side, as a fraction of the surface."""
 
 
-def with_peaks(mean: NDArray[np.float64], top: NDArray[np.float64]) -> NDArray[np.float64]:
+def with_peaks(mean: FloatArray, top: FloatArray) -> FloatArray:
     """Return the value at each position, shape (n,), from means and maxima there."""
     around = mean.copy()
     np.maximum(around[1:], mean[:-1], out=around[1:])
@@ -239,7 +231,7 @@ class Intensity:
         """Index of the first point, and of the last one + 1."""
         return 0, self.count
 
-    def scale(self, known: NDArray[np.bool_]) -> tuple[float, float]:
+    def scale(self, known: BoolArray) -> tuple[float, float]:
         """Return the values that become 0 and 1: the percentiles of the known points.
 
         If they are equal (most values of rainfall are 0), minimum and maximum are used.
@@ -321,10 +313,10 @@ class Intensity:
             return float(self.value[0]), float(self.value[0])
         return self.points.extremes(*self._known(gaps))
 
-    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _picked(self, index: IntArray) -> FloatArray:
         return self.points.picked(index)
 
-    def _known(self, gaps: Gaps) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _known(self, gaps: Gaps) -> tuple[IntArray, IntArray]:
         """Return the runs of points (first, stop) outside of gaps, or all points without any."""
         first, stop = self._between
         starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
@@ -336,7 +328,7 @@ class Intensity:
         some = firsts < stops
         return (firsts[some], stops[some]) if some.any() else (np.array([first]), np.array([stop]))
 
-    def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, times: FloatArray) -> FloatArray:
         """Evaluate the curve, linear between its points.
 
         Parameters
@@ -360,7 +352,7 @@ class Intensity:
             return np.full(times.shape, float(self.value[0]))
         return self._filled(times, None)
 
-    def along(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def along(self, times: FloatArray) -> FloatArray:
         """Evaluate the curve at evenly spaced times, each for the points nearest to it.
 
         For up to 65 536 points this is `at`. For more points, it is the mean of the points nearest
@@ -399,9 +391,7 @@ class Intensity:
         felt[np.searchsorted(times, self.last_s, side="right") :] = 0.0
         return felt
 
-    def band(
-        self, times: NDArray[np.float64], gaps: Gaps = ()
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def band(self, times: FloatArray, gaps: Gaps = ()) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return minimum, mean and maximum around each of some times, for a picture.
 
         Each time represents the points nearest to it; without any, all three are `at`.
@@ -443,8 +433,8 @@ class Intensity:
         return low, mean, high
 
     def _runs_outside(
-        self, edges: NDArray[np.int64], gaps: Gaps
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        self, edges: IntArray, gaps: Gaps
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return minimum, mean and maximum of runs of points outside of gaps; NaN without any."""
         starts, ends = np.array(gaps, dtype=np.float64).reshape(-1, 2).T + self._shift
         inside = np.clip(self.points.first_after(starts), edges[0], edges[-1])
@@ -508,9 +498,7 @@ class Intensity:
         values = np.concatenate((self.at(times[:1]), values, self.at(times[-1:])))
         return Intensity(shifted[apart], values[apart], self.unit, self.percentiles)
 
-    def _filled(
-        self, times: NDArray[np.float64], after: NDArray[np.int64] | None
-    ) -> NDArray[np.float64]:
+    def _filled(self, times: FloatArray, after: IntArray | None) -> FloatArray:
         """Interpolate inside the curve, 0 outside."""
         inside = (times >= self.first_s) & (times <= self.last_s)
         result = np.zeros(times.shape, dtype=np.float64)
@@ -520,7 +508,7 @@ class Intensity:
         result[inside] = self.points.interpolate(within, None if after is None else after[inside])
         return result
 
-    def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _clipped(self, times: FloatArray) -> FloatArray:
         return times
 
     def __repr__(self) -> str:
@@ -536,7 +524,7 @@ class CurveWindow(Intensity):
     """
 
     _start: float
-    _bounds: NDArray[np.float64]
+    _bounds: FloatArray
     _inner: tuple[int, int]
     _ends_s: tuple[float, float]
 
@@ -544,25 +532,24 @@ class CurveWindow(Intensity):
         bounds = np.array([low, high]) + whole._shift
         points = whole.points
         inner = int(points.first_after(bounds)[0]), int(points.first_from(bounds)[1])
-        for name, value in (
-            ("unit", whole.unit),
-            ("percentiles", whole.percentiles),
-            ("points", points),
-            ("_start", whole._shift + start),
-            ("_bounds", bounds),
-            ("_inner", inner),
-            ("_ends_s", (low - start, high - start)),
-        ):
-            self.__dict__[name] = value
+        self.__dict__.update(
+            unit=whole.unit,
+            percentiles=whole.percentiles,
+            points=points,
+            _start=whole._shift + start,
+            _bounds=bounds,
+            _inner=inner,
+            _ends_s=(low - start, high - start),
+        )
 
     @property
-    def time_s(self) -> NDArray[np.float64]:
+    def time_s(self) -> FloatArray:
         """Times of the points and of the two ends, computed on request."""
         inner = self.points.times_of(np.arange(*self._inner)) - self._start
         return np.concatenate((self._ends_s[:1], inner, self._ends_s[1:]))
 
     @property
-    def value(self) -> NDArray[np.float64]:
+    def value(self) -> FloatArray:
         """Values of the points and of the two ends, computed on request."""
         low, high = self.points.interpolate(self._bounds)
         first, stop = self._inner
@@ -596,7 +583,7 @@ class CurveWindow(Intensity):
         ends = self.points.interpolate(self._bounds)[known]
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
 
-    def _picked(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _picked(self, index: IntArray) -> FloatArray:
         # pages stay in memory for the next zoom step
         return self.points.value[index].astype(np.float64)
 
@@ -608,12 +595,12 @@ class CurveWindow(Intensity):
     def _between(self) -> tuple[int, int]:
         return self._inner
 
-    def _clipped(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _clipped(self, times: FloatArray) -> FloatArray:
         # rounding of the shift may take a time past an end
         return np.clip(times, *self._bounds)
 
 
-def _counted(points_s: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.int64]:
+def _counted(points_s: FloatArray, times: FloatArray) -> IntArray:
     """Return the number of points at or before each of evenly spaced times."""
     last = len(times) - 1
     begins = np.ceil(np.clip((points_s - times[0]) / (times[1] - times[0]), 0.0, last))

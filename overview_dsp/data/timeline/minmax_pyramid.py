@@ -17,17 +17,10 @@ from overview_dsp.data.timeline.growable_array import Store
 Values = NDArray[np.floating[Any]]
 """float32 or float64."""
 
-BIN = 16
-"""Values per bin of the lowest level; its size is three sixteenths of the values."""
-
-RATIO = 4
-"""Bins of one level per bin of the next."""
-
-FEW = 1024
-"""The highest level has fewer bins than this."""
-
-CHUNK = 1 << 20
-"""Values read at a time."""
+BIN = 16  # values per bin of the lowest level; its size is three sixteenths of the values
+RATIO = 4  # bins of one level per bin of the next
+FEW = 1024  # the highest level has fewer bins than this
+CHUNK = 1 << 20  # values read at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +80,7 @@ def _runs(values: Values, combine: np.ufunc, dtype: type[np.float64] | None = No
     if short:
         values = np.concatenate((values, np.repeat(values[-1:], short)))
     bins = values.reshape(-1, RATIO)
-    result: Values = combine.reduce(bins, axis=1, dtype=dtype)
-    return result
+    return np.asarray(combine.reduce(bins, axis=1, dtype=dtype))
 
 
 def build_pyramid(values: Values) -> tuple[Level, ...]:

@@ -13,9 +13,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from overview_dsp import validation
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
@@ -202,7 +203,7 @@ class Timeline:
         as_is = curve.percentiles == EXTREMES and low >= 0.0 and high <= 1.0
         return (0.0, 1.0) if as_is else (low, high - low)
 
-    def intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+    def intensity_at(self, times: ArrayLike) -> FloatArray:
         """Evaluate the curve, linear between its points.
 
         Parameters
@@ -226,7 +227,7 @@ class Timeline:
         flat = at.reshape(-1)  # a scalar too: boolean indexing needs an axis
         return np.where(self.has_data(flat), self._curve_at(flat), 0.0).reshape(at.shape)
 
-    def normalised_intensity_at(self, times: ArrayLike) -> NDArray[np.float64]:
+    def normalised_intensity_at(self, times: ArrayLike) -> FloatArray:
         """Evaluate the curve, scaled to 0 to 1.
 
         If all points outside of gaps are within [0, 1], values are not scaled. Otherwise the
@@ -258,7 +259,7 @@ class Timeline:
         scaled = np.clip(self._curve_at(flat) - low, 0.0, span) / span
         return np.where(self.has_data(flat), scaled, 0.0).reshape(at.shape)
 
-    def normalised_levels(self, steps: int) -> NDArray[np.float64]:
+    def normalised_levels(self, steps: int) -> FloatArray:
         """Evaluate the curve, scaled to 0 to 1, at evenly spaced times from start to end.
 
         This is for a surface: each time represents the points nearest to it. For few points, it is
@@ -292,10 +293,10 @@ class Timeline:
             levels[np.searchsorted(at, curve.last_s, side="right") :] = 0.0
         return levels
 
-    def _curve_at(self, at: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _curve_at(self, at: FloatArray) -> FloatArray:
         return np.zeros(at.shape) if self.intensity is None else self.intensity.at(at)
 
-    def has_data(self, at: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def has_data(self, at: FloatArray) -> BoolArray:
         """Return whether the curve has data at each time.
 
         Parameters
@@ -367,10 +368,8 @@ class Timeline:
             end - start,
         )
         intensity = self.intensity.cut(start, end) if self.intensity is not None else None
-        notes = (
-            *self.notes,
-            f"the window from {self.moment_text(start)} to {self.moment_text(end)}",
-        )
+        span = f"the window from {self.moment_text(start)} to {self.moment_text(end)}"
+        notes = (*self.notes, span)
         if not own_events and not details and intensity is None:
             unit = self.intensity.unit if self.intensity is not None else ""
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
@@ -515,8 +514,7 @@ class Timeline:
 
     def _repr_html_(self) -> str:
         """Return the display in a notebook: a summary and the curve."""
-        begin = "" if self.start is None else self.moment_text(0.0)
-        return timeline_page(self, begin)
+        return timeline_page(self, "" if self.start is None else self.moment_text(0.0))
 
     # --- values that a window takes from its whole timeline instead
 
@@ -526,7 +524,7 @@ class Timeline:
         return self.events
 
     @cached_property
-    def _ranks(self) -> NDArray[np.int64]:
+    def _ranks(self) -> IntArray:
         """Ranks of the details for selection into windows."""
         return ranks(self.details)
 

@@ -18,9 +18,7 @@ from functools import partial
 
 from overview_dsp.data.timeline.event import Event
 
-MOST_TICKS = 26
-"""Maximum number of ticks that can still be counted by touch."""
-
+MOST_TICKS = 26  # maximum number of ticks that can still be counted by touch
 KINDS = (
     "century", "decade", "year", "month", "week", "day", "hour", "quarter_hour", "minute", "second",
 )  # fmt: skip
@@ -53,9 +51,7 @@ _HALF_NAMES = ("first half", "second half", "extra time", "extra time, second ha
 _SHORT_S = 120.0
 """Tolerance for the length of a half, s."""
 
-_LATE_S = 60.0
-"""Latest beginning of a match on its timeline, s."""
-
+_LATE_S = 60.0  # latest beginning of a match on its timeline, s
 _MATCH_KINDS = frozenset({"goal", "own_goal", "near_miss", "yellow_card", "red_card", "foul"})
 _MATCH_LABELS = ("kick-off", "half-time")
 
@@ -108,15 +104,7 @@ def halves_of(events: Sequence[Event]) -> tuple[Half, ...]:
 
 
 def ticks(start: datetime | None, duration_s: float) -> tuple[Event, ...]:
-    """Return the ticks strictly inside a timeline.
-
-    Parameters
-    ----------
-    start
-        Moment of time 0, whose local time counts, or None.
-    duration_s
-        Length in s.
-    """
+    """Return the ticks strictly inside a timeline; `start` (its local time counts) may be None."""
     return _chosen(_WHOLE_S, start, 0.0, duration_s)
 
 
@@ -125,16 +113,9 @@ def window_ticks(
 ) -> tuple[Event, ...]:
     """Return the ticks strictly inside a window, on a time axis that begins with it.
 
-    Parameters
-    ----------
-    start
-        Moment at which the window begins, None without a calendar.
-    from_s
-        Beginning of the window on the timeline, s; ticks without a calendar count from 0.
-    duration_s
-        Length of the window, s.
-    halves
-        Halves of a match on the timeline, whose minutes become ticks.
+    `start`: moment at which the window begins, None without a calendar.
+    `from_s`: its beginning on the timeline, s; ticks without a calendar count from 0.
+    `halves`: halves of a match on the timeline, whose minutes become ticks.
     """
     if halves and start is None:
         return _finest(

@@ -20,7 +20,6 @@ warning.
 from __future__ import annotations
 
 import re
-import warnings
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
@@ -28,7 +27,7 @@ from datetime import UTC, datetime, timedelta
 from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import length_s
-from overview_dsp.errors import InputError, OverviewWarning, quoted
+from overview_dsp.errors import InputError, quoted, warn
 
 HINT = (
     "give seconds (90.5), m:ss, h:mm:ss, 15min, 6h, 3d or 2w after the start, a date "
@@ -37,15 +36,9 @@ HINT = (
 )
 """Allowed expressions, for error messages."""
 
-ZOOM_PART = 10.0
-"""Zoom factor for an event: a tenth of the timeline, nine minutes of a match."""
-
-ZOOM_LEAD = 0.75
-"""Position of the event in its window: the time before it is more important."""
-
-NARROWEST_S = 0.5
-"""Minimum width of a window, s (or the whole timeline, if it is shorter)."""
-
+ZOOM_PART = 10.0  # zoom factor for an event: a tenth of the timeline, nine minutes of a match
+ZOOM_LEAD = 0.75  # position of the event in its window: the time before it is more important
+NARROWEST_S = 0.5  # minimum width of a window, s (or the whole timeline, if it is shorter)
 _EVENT = re.compile(r"(?P<kind>[a-z0-9_]*[a-z_][a-z0-9_]*):(?P<number>\d{1,9})", re.A)
 _FROM = re.compile(rf"(?P<from>{_EVENT.pattern}|start|end)(?:(?P<sign>[+-])(?P<offset>.+))?", re.A)
 _EPOCH = datetime(1970, 1, 1)
@@ -62,11 +55,8 @@ class _Moment:
 def parse_time_expression(text: str, timeline: Timeline) -> float:
     """Return the seconds from the start to a written moment, within [0, duration_s].
 
-    Raises
-    ------
-    InputError
-        The text is not a moment, is outside the timeline, names a missing event, or is a date in a
-        timeline without calendar. A date or offset beyond an end issues an OverviewWarning.
+    InputError if the text is not a moment, is outside the timeline, names a missing event, or is a
+    date in a timeline without calendar. OverviewWarning for a date or offset beyond an end.
     """
     moment = _parsed(text, timeline)
     limited = _limited(text, moment, timeline)
@@ -78,10 +68,7 @@ def parse_time_expression(text: str, timeline: Timeline) -> float:
 def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
     """Return the window (start_s, end_s) between two written moments.
 
-    Raises
-    ------
-    InputError
-        As `parse_time_expression`, or the window is empty.
+    Errors as in `parse_time_expression`, and InputError if the window is empty.
     """
     moments = [_parsed(text, timeline) for text in (start, end)]
     first, last = (
@@ -99,12 +86,8 @@ def window_of(timeline: Timeline, start: str, end: str) -> tuple[float, float]:
 def zoom_window(timeline: Timeline, text: str) -> tuple[float, float]:
     """Return the window (start_s, end_s) around an event: `goal:1`, or `goal:1:90` for 90 s.
 
-    The event is at three quarters of the window, except near the ends of the timeline.
-
-    Raises
-    ------
-    InputError
-        The text is not the number of an event with an optional width, or the event is missing.
+    The event is at three quarters of the window, except near the ends of the timeline. InputError
+    for a missing event, and for a text that is not its number with an optional width.
     """
     name, _, width_text = text.strip().partition(":")
     number, _, width_text = width_text.partition(":")
@@ -192,10 +175,9 @@ def _limited(text: str, moment: _Moment, timeline: Timeline) -> float:
     if not moment.is_limited or within == moment.time_s:
         return moment.time_s
     end = "start" if within == 0.0 else "end"
-    warnings.warn(
+    warn(
         f"{text} lies beyond the timeline's {end} and stops there ({timeline.moment_text(within)})",
-        OverviewWarning,
-        stacklevel=3,
+        2,
     )
     return within
 
@@ -209,12 +191,7 @@ def _reach(timeline: Timeline) -> str:
 class Zoom:
     """Window of a timeline that can be scaled and moved, within the ends.
 
-    Parameters
-    ----------
-    timeline
-        Whole timeline.
-    start_s, end_s
-        Window, 0 <= start_s < end_s <= duration_s; InputError otherwise.
+    InputError unless 0 <= start_s < end_s <= duration_s of the whole timeline.
     """
 
     timeline: Timeline

@@ -21,16 +21,24 @@ or those of the Nordic languages except Finnish.
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta, timezone
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from overview_dsp.arrays import IntArray
 
 NS = 1_000_000_000
 """Nanoseconds in a second."""
 
 DAY_NS = 86_400 * NS
 
-_EPOCH_DAY = date(1970, 1, 1).toordinal()
+Whole = int | IntArray
+
 _PIVOT = 69
 """Two-digit years from here are in the 1900s, those below in the 2000s (POSIX)."""
 
@@ -41,27 +49,8 @@ _NAMED_ZONES_MIN = {
 }  # fmt: skip
 """Offsets of zones with different names in summer and winter."""
 
-_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_MONTH_OF = {
-    name: month
-    for month, names in enumerate(
-        (
-            "jan gen ene sty oca", "feb fev lut sub", "mar mrt mrz", "apr abr avr kwi nis",
-            "may mai mei mag maj", "jun juin giu cze haz", "jul juil lug lip tem",
-            "aug ago aou sie agu", "sep set wrz eyl", "oct okt ott out paz eki", "nov lis kas",
-            "dec dez dic des gru ara",
-        ),
-        1,
-    )
-    for name in names.split()
-}  # fmt: skip
-"""Month by the first three letters of its name without accents, four of `juin` and `juil`."""
-
-_WEEKDAYS = (
-    "mo tu we th fr sa su di mi do so lu ma me je ve ju vi gi se te qu wo vr za zo ti on to lo po "
-    "wt sr cz pi ni pa ca sø lø"
-)
-"""First two letters of days of the week in these languages, without accents."""
+_NAMES = tomllib.loads(Path(__file__).with_name("months.toml").read_text(encoding="utf-8"))
+_ENGLISH: list[str] = _NAMES["english"]
 
 # --- parts of patterns, by the names of their groups
 
@@ -124,7 +113,7 @@ FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
 """Patterns of dates by name of the form; the first that matches is used."""
 
 _LINE_CLOCK = r"(?P<h>\d\d):(?P<min>\d\d):(?P<s>\d\d)"
-_LINE_MONTH = rf"(?P<name>{'|'.join(name.title() for name in _MONTHS)})"
+_LINE_MONTH = rf"(?P<name>{'|'.join(name[:3].title() for name in _ENGLISH)})"
 LINE_FORMS = {
     "iso": re.compile(
         r"(?P<y>\d{4})([-/])(?P<m>\d\d)\2(?P<d>\d\d)[T ](?P<h>\d\d):(?P<min>\d\d)(?::(?P<s>\d\d))?"
@@ -189,11 +178,36 @@ def moment(text: str, *forms: str) -> Moment | None:
         for pattern in FORMS[form]:
             found = pattern.fullmatch(text)
             if found is not None:
-                built = _built(found.groupdict())
+                built = _built(found, lambda begin, end: int(text[begin:end]))
                 if built is not None:
-                    return built
+                    seconds, fraction, offset = built
+                    return Moment(seconds * NS + fraction, offset)
                 break
     return None
+
+
+def moments(
+    text: str, form: str, number: Callable[[int, int], IntArray]
+) -> tuple[Whole, Whole, Whole | None] | None:
+    """Return the moments of texts that differ in digits only; None if one is wrong.
+
+    Parameters
+    ----------
+    text, form
+        The first text, and the form of all.
+    number
+        Function from the begin and end of digits in all texts to their numbers.
+
+    Returns
+    -------
+    tuple
+        Seconds since 1970 in UTC, nanoseconds after them, offsets from UTC in minutes (None: no
+        zone was written).
+    """
+    match = next(filter(None, (pattern.fullmatch(text) for pattern in FORMS[form])), None)
+    if match is None or "w" in match.re.groupindex:
+        return None
+    return _built(match, number)
 
 
 def in_line(line: str, form: str) -> str | None:
@@ -205,7 +219,7 @@ def in_line(line: str, form: str) -> str | None:
     clock = f"{found['h'].zfill(2)}:{found['min']}:{found['s'] or '00'}"
     if form == "chat":
         return f"{found['a']} {clock}{f' {half}M' if (half := found['half']) else ''}"
-    month = found.get("m") or f"{_MONTHS.index(found['name'].lower()) + 1:02}"
+    month = found.get("m") or f"{_month(found['name'], False):02}"
     fraction = f".{found['f']}" if found.get("f") else ""
     letters = found.get("letters", "")
     zone = found.get("zone", "").strip() or (letters if letters in _NAMED_ZONES_MIN else "")
@@ -218,14 +232,14 @@ def clock_s(text: str) -> float | None:
     if found is None or int(found["s"]) >= 60 or (found["h"] and int(found["min"]) >= 60):
         return None
     whole = int(found["h"] or 0) * 3600 + int(found["min"]) * 60 + int(found["s"])
-    return whole + _fraction_ns(found["f"]) / NS
+    return whole + int((found["f"] or "0").ljust(9, "0")) / NS
 
 
 def day_clock_s(text: str) -> float | None:
     """Return the seconds since midnight of `8:00`, `18:30:15`, `8:00 PM`."""
     found = _DAY_CLOCK.fullmatch(text)
-    ns = None if found is None else _clock_ns(found.groupdict())
-    return None if ns is None else ns / NS
+    clock = found and _clock(found.groupdict(""), lambda name: int(found[name] or 0))
+    return (clock[0] * NS + clock[1]) / NS if clock else None
 
 
 def length_s(text: str) -> float | None:
@@ -256,63 +270,94 @@ def match_minute(text: str) -> tuple[int, int | None, float | None] | None:
     )
 
 
-def _built(found: dict[str, str | None]) -> Moment | None:
-    """Return the moment of the groups of a pattern, None for a wrong value."""
-    written = found.get("y") or ""
-    year = int(written)
-    if len(written) == 2:
-        year += 1900 if year >= _PIVOT else 2000
-    month, day = int(found.get("m") or 1), int(found.get("d") or 1)
+def _built(match: re.Match[str], number: Callable[[int, int], Any]) -> tuple[Any, Any, Any] | None:
+    """Return seconds since 1970, nanoseconds and offset of a match, None for a wrong value.
+
+    `number` returns whole numbers, or arrays of them: the arithmetic is that of both.
+    """
+    found = match.groupdict("")
+
+    def part(name: str, default: int = 0) -> Any:
+        return number(*match.span(name)) if found.get(name) else default
+
+    year, month, day = part("y"), part("m", 1), part("d", 1)
+    if len(found["y"]) == 2:
+        year = year + 2000 - 100 * (year >= _PIVOT)
     if found.get("q"):
-        month = 3 * int(found["q"] or 1) - 2
+        month = 3 * part("q") - 2
     weekday = found.get("weekday")
-    if weekday and _plain(weekday)[:2] not in _WEEKDAYS.split():
+    if weekday and plain_letters(weekday)[:2] not in _NAMES["weekdays"]:
         return None
-    name = found.get("name")
-    if name:
-        plain = _plain(name)
-        month = _MONTH_OF.get(plain[:3]) or _MONTH_OF.get(plain[:4]) or 0
-    try:
-        if found.get("w"):
-            days = date.fromisocalendar(year, int(found["w"] or 1), 1).toordinal() - _EPOCH_DAY
-        else:
-            days = date(year, month, day).toordinal() - _EPOCH_DAY
-    except ValueError:  # the 30th of February, month 13, year 0
+    if name := found.get("name"):
+        month = _month(name, is_alone=not found.get("d"))
+    leap = (year % 4 == 0) & ((year % 100 != 0) | (year % 400 == 0))
+    length = 30 + (month + month // 8) % 2 - (month == 2) * (2 - leap)
+    clock = _clock(found, part)
+    if _any((year < 1) | (month < 1) | (month > 12) | (day < 1) | (day > length)) or clock is None:
         return None
-    clock_ns = _clock_ns(found) if found.get("h") else 0
-    if clock_ns is None:
-        return None
-    ns = days * DAY_NS + clock_ns
+    # days by years that begin in March
+    since = year - (month <= 2)
+    days = since * 365 + since // 4 - since // 100 + since // 400
+    days = days + (153 * ((month + 9) % 12) + 2) // 5 + day - 719_469
+    if found.get("w"):
+        try:
+            monday = date.fromisocalendar(year, number(*match.span("w")), 1)
+        except ValueError:  # week 54
+            return None
+        days = monday.toordinal() - date(1970, 1, 1).toordinal()
+    seconds, fraction = days * 86_400 + clock[0], clock[1]
     zone = found.get("zone")
     if not zone:
-        return Moment(ns)
+        return seconds, fraction, None
     offset = _NAMED_ZONES_MIN.get(zone, 0)
     if zone[0] in "+-−":
-        figures = zone[1:].replace(":", "").ljust(4, "0")
-        if int(figures[:2]) >= 24 or int(figures[2:]) >= 60:
+        begin, end = match.span("zone")
+        hours, minutes = number(begin + 1, begin + 3), number(end - 2, end) if len(zone) > 3 else 0
+        if _any((hours >= 24) | (minutes >= 60)):
             return None
-        offset = (int(figures[:2]) * 60 + int(figures[2:])) * (1 if zone[0] == "+" else -1)
-    return Moment(ns - offset * 60 * NS, offset)
+        offset = (hours * 60 + minutes) * (1 if zone[0] == "+" else -1)
+    return seconds - offset * 60, fraction, offset
 
 
-def _plain(name: str) -> str:
+def _any(wrong: Any) -> bool:
+    return bool(wrong if isinstance(wrong, bool) else wrong.any())
+
+
+@lru_cache(maxsize=256)
+def _month(name: str, is_alone: bool) -> int:
+    """Return the month of a name or its beginning; 0 for another word, or a beginning of several.
+
+    Without a day (`is_alone`) other letters than three or all of a name are a word of something
+    else, unless they are English.
+    """
+    plain = plain_letters(name)
+    english = [i for i, full in enumerate(_ENGLISH, 1) if full.startswith(plain)]
+    if len(english) == 1:
+        return english[0]
+    months = {
+        i
+        for i, names in enumerate(_NAMES["others"], 1)
+        if any(full.startswith(plain) for full in names.split())
+        and (not is_alone or plain in names.split() or len(plain) == 3)
+    }
+    return months.pop() if len(months) == 1 else 0
+
+
+def plain_letters(name: str) -> str:
     """Return a name in lower case without accents."""
     letters = unicodedata.normalize("NFKD", name.casefold())
     return "".join(letter for letter in letters if not unicodedata.combining(letter))
 
 
-def _clock_ns(found: dict[str, str | None]) -> int | None:
-    """Return the nanoseconds since midnight, None for an impossible time."""
-    hour, minute, second = (int(found[part] or 0) for part in ("h", "min", "s"))
+def _clock(found: dict[str, str], part: Callable[[str], Any]) -> tuple[Any, Any] | None:
+    """Return the seconds since midnight and nanoseconds, None for an impossible time."""
+    hour, minute, second = part("h"), part("min"), part("s")
     half = found.get("half")
     if half:
-        if not 1 <= hour <= 12:
+        if _any((hour < 1) | (hour > 12)):
             return None
         hour = hour % 12 + (12 if half in "Pp" else 0)
-    if minute >= 60 or second >= 60 or hour > 24 or (hour == 24 and (minute or second)):
+    clock = hour * 3600 + minute * 60 + second
+    if _any((minute >= 60) | (second >= 60) | (clock > 86_400)):
         return None
-    return (hour * 3600 + minute * 60 + second) * NS + _fraction_ns(found["f"])
-
-
-def _fraction_ns(figures: str | None) -> int:
-    return int((figures or "0").ljust(9, "0"))
+    return clock, part("f") * 10 ** (9 - len(found.get("f", "")))

@@ -20,8 +20,8 @@ from itertools import groupby
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import IntArray
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.ticks import KINDS
 
@@ -57,7 +57,7 @@ class Rules(Protocol):
         """Yield the events, most important first, at different samples."""
 
 
-def ranks(details: Sequence[Event]) -> NDArray[np.int64]:
+def ranks(details: Sequence[Event]) -> IntArray:
     """Return the rank of each detail (sorted by time) for selection into windows, from 0."""
     count = len(details)
     bits = max(1, (count - 1).bit_length())
@@ -80,16 +80,9 @@ def window_events(
 ) -> tuple[Event, ...]:
     """Return the events of a window, by time.
 
-    Parameters
-    ----------
-    events_in_window
-        Events of the timeline in the window; all are kept.
-    marks
-        Ticks of the window.
-    ruled, details
-        Events that may be added, most important first.
-    duration_s
-        Length of the window, s.
+    `events_in_window`: events of the timeline in the window; all are kept.
+    `marks`: ticks of the window.
+    `ruled`, `details`: events that may be added, most important first.
     """
     counts = Counter(event.kind for event in events_in_window)
     background = [event for event in events_in_window if counts[event.kind] > MOST_OF_A_KIND]
@@ -99,17 +92,13 @@ def window_events(
     found = (event for event in ruled if event.time_s not in sampled)
     kept = len(taken)
     _fill(taken, found, MOST_BY_RULE, duration_s)
-    taken[kept:] = _lighter(taken[kept:])
+    # more than `HEAVY` events found by rules all have less weight
+    share = min(1.0, HEAVY / max(1, len(taken) - kept))
+    taken[kept:] = [replace(event, weight=event.weight * share) for event in taken[kept:]]
     taken += background
     for _, alike in groupby(_other(details, taken), key=lambda event: event.weight):
         _fill(taken, [*alike], MOST_DETAILS, duration_s)
     return tuple(sorted(taken, key=lambda event: event.time_s))
-
-
-def _lighter(found: list[Event]) -> list[Event]:
-    """Return events found by rules, all with less weight if there are more than `HEAVY`."""
-    share = min(1.0, HEAVY / max(1, len(found)))
-    return [replace(event, weight=event.weight * share) for event in found]
 
 
 def _clear(

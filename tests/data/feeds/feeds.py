@@ -6,7 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line, lines_of_timeline
+from overview_dsp.data.feeds.feed_lines import (
+    KEYS,
+    apply_parsed,
+    encode_line,
+    lines_of_timeline,
+    parse_line,
+)
 from overview_dsp.data.readers.events import event_table
 
 MATCHES = (
@@ -21,6 +27,14 @@ MATCHES = (
 
 def matches(folder: Path) -> list[ov.Timeline]:
     return [ov.load_timeline(folder / name) for name in MATCHES]
+
+
+def apply_line(live: ov.LiveTimeline, line: bytes | str) -> str:
+    """Apply a line of a feed to a timeline; return its key."""
+    key, document = parse_line(line)
+    if key in KEYS:
+        apply_parsed(live, key, document)
+    return key
 
 
 def apply_all(live: ov.LiveTimeline, timeline: ov.Timeline) -> None:

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, apply_line, encode_line
-from tests.data.feeds.feeds import apply_all, lines_of
+from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES, Lines, encode_line
+from tests.data.feeds.feeds import apply_all, apply_line, lines_of
 
 HEADER = {"overview_feed": 1, "title": "A - B", "expected_duration_s": 5700}
 
@@ -51,6 +51,20 @@ def test_each_kind_of_line_has_its_effect():
     assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 0 events>"
 
 
+def test_whoever_sees_the_end_sees_the_final_title(monkeypatch):
+    live = timeline_of({"event": {"time_s": 5, "kind": "foul"}})
+    titles = []
+    end = ov.LiveTimeline.end
+
+    def end_and_look(self, duration_s=None):
+        titles.append(self.snapshot().title)
+        end(self, duration_s)
+
+    monkeypatch.setattr(ov.LiveTimeline, "end", end_and_look)
+    apply_line(live, encode_line({"end": 90, "title": "A 1-0 B"}))
+    assert titles == ["A 1-0 B"]
+
+
 @pytest.mark.parametrize(
     ("line", "word"),
     [
@@ -69,6 +83,8 @@ def test_each_kind_of_line_has_its_effect():
         (b'{"gap": [9, 3]}', "before its end"),
         (b'{"retract": null}', "object"),
         (b'{"end": -3}', "above 0"),
+        (b'{"end": -3, "title": "A 1-0 B"}', "above 0"),
+        (b'{"end": 90, "title": "A 1-0 B", "notes": 3}', "list of strings"),
         (b'{"overview_feed": 2}', "must be 1, the version"),
         (b'{"overview_feed": 1, "layout": "half"}', "whole, so far"),
         (b"[" * 100_000, "JSON"),

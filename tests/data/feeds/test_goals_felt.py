@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
+from overview_dsp.data.feeds.feed_lines import encode_line
 from overview_dsp.measure.perceived_level import stroke_feel, strokes
-from tests.data.feeds.feeds import MATCHES, lines_of
+from tests.data.feeds.feeds import MATCHES, apply_line, lines_of
 
 RATE = 16_000
 GOALS = ("goal", "own_goal")

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.data.feeds import feed_history
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
-from tests.data.feeds.feeds import MATCHES, lines_of, read_prefix
+from overview_dsp.data.feeds.feed_lines import encode_line
+from tests.data.feeds.feeds import MATCHES, apply_line, lines_of, read_prefix
 
 KINDS = st.sampled_from(["goal", "foul", "period", "near_miss", "deal"])
 TIMES = st.integers(0, 6000).map(float)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import tracemalloc
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
+from overview_dsp.data.feeds.feed_lines import encode_line
+from tests.data.feeds.feeds import apply_line
 
 
 def hour_of(live, hour):

@@ -18,12 +18,12 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.data.feeds import follower as follower_module
 from overview_dsp.data.feeds import network_sources, sources
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
+from overview_dsp.data.feeds.feed_lines import encode_line
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.data.feeds.sources import LoudnessMonitor
 from overview_dsp.data.readers import native
 from overview_dsp.live.inputs.feeds import open_source
-from tests.data.feeds.feeds import lines_of
+from tests.data.feeds.feeds import apply_line, lines_of
 from tests.data.feeds.servers import FeedServer, wait_until
 
 

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 
 import overview_dsp as ov
-from overview_dsp.data.feeds.feed_lines import apply_line, encode_line
+from overview_dsp.data.feeds.feed_lines import encode_line
 from overview_dsp.data.feeds.timeline_diff import apply_diff, timeline_diff
-from tests.data.feeds.feeds import lines_of
+from tests.data.feeds.feeds import apply_line, lines_of
 from tests.data.timeline.strategies import timelines
 
 

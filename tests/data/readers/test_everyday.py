@@ -11,18 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.events.timeline_builder import are_kinds, kind_of
-from overview_dsp.data.readers.tables.column_names import (
-    EVENT_EXTRAS,
-    EVENT_KINDS,
-    EVENT_LABELS,
-    EVENT_TIMES,
-)
+from overview_dsp.data.readers.events.timeline_builder import ListEntry, kind_of, with_kinds
+from overview_dsp.data.readers.tables.column_names import NAMES
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import InputError
 from tests.data.readers.shapes import all_shapes
 from tests.data.readers.tables.test_robustness import changed, check, relaxed
 
+EVENT_ROLES = ("event_times", "event_kinds", "event_labels", "event_extras")
+EVENT_WORDS = (*(word for role in EVENT_ROLES for word in NAMES[role]), "x")
 LISTS = tuple(shape.data for shape in all_shapes() if shape.kinds)
 
 
@@ -52,9 +49,13 @@ def test_words_become_a_kind_unless_they_are_a_sentence(words: str, kind: str) -
 
 
 def test_names_that_come_again_are_kinds_and_others_are_not() -> None:
-    assert are_kinds(["laugh", "cough", "laugh", "laugh"])
-    assert not are_kinds(["Ann", "Bob", "Cy"])
-    assert not are_kinds(["laugh", "laugh", "laugh and then a long, long story"])
+    def kinds(*texts: str) -> list[str]:
+        listed = [ListEntry(0.0, text, "", "line 1", None) for text in texts]
+        return [one.kind_text for one in with_kinds(listed, "label")]
+
+    assert kinds("laugh", "cough", "laugh", "laugh") == ["laugh", "cough", "laugh", "laugh"]
+    assert kinds("Ann", "Bob", "Cy") == ["label"] * 3
+    assert kinds("laugh", "laugh", "laugh and then a long, long story") == ["label"] * 3
 
 
 def test_labels_of_one_thing_each_keep_their_words(tmp_path: Path) -> None:
@@ -222,9 +223,7 @@ def test_a_changed_list_gives_a_timeline_or_a_short_error(
 
 @relaxed
 @given(
-    names=st.lists(
-        st.sampled_from((*EVENT_TIMES, *EVENT_KINDS, *EVENT_LABELS, *EVENT_EXTRAS, "x")), max_size=6
-    ),
+    names=st.lists(st.sampled_from(EVENT_WORDS), max_size=6),
     cells=st.lists(
         st.sampled_from(("0:45", "goal", "x", "", "1", "08:30", '"', "2014-01-01", "9e9", "-3")),
         max_size=18,

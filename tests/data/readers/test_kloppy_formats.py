@@ -82,7 +82,7 @@ def test_a_providers_match_has_its_goals(
     timeline = load_timeline(copied(tmp_path, name))
     assert timeline.title == title
     assert [label for _, label in told(timeline, "goal", "own_goal")] == goals
-    assert not any("but its goals make" in note for note in timeline.notes)
+    assert not any("but its goals add up to" in note for note in timeline.notes)
     assert {"foul", "near_miss", "period"} <= timeline.kinds().keys()
     assert len(timeline.details) > 500
 
@@ -111,7 +111,9 @@ def test_own_goals_count_for_the_other_team(tmp_path: Path) -> None:
         "1-0 Petersen",
         "2-0 own goal, Pléa",  # made up for kloppy's tests
     ]
-    assert any("has the final score 1-0, but its goals make 2-0" in note for note in timeline.notes)
+    assert any(
+        "has the final score 1-0, but its goals add up to 2-0" in note for note in timeline.notes
+    )
 
 
 def test_a_shoot_out_and_times_outside_of_a_period_are_left_out(tmp_path: Path) -> None:

@@ -148,16 +148,13 @@ def test_json_that_is_not_utf8_gives_a_one_line_error(tmp_path: Path) -> None:
     refused(tmp_path / "x", "text that isn't UTF-8 .save it as UTF-8.")
 
 
-@pytest.mark.parametrize(
-    ("inside", "words"),
-    [("xl/workbook.xml", "x: an Excel workbook: save the sheet as CSV"),
-     ("content.xml", "x: an OpenDocument file: save the sheet as CSV")],
-)  # fmt: skip
-def test_a_spreadsheet_is_named_as_one(inside: str, words: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("inside", ["xl/workbook.xml", "content.xml"])
+def test_a_spreadsheet_is_named_as_one(inside: str, tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "x", "w") as document:
         document.writestr("mimetype", "a spreadsheet's")
         document.writestr(inside, "<x/>")
-    refused(tmp_path / "x", words)
+    # with and without the package that reads spreadsheets
+    refused(tmp_path / "x", r"x: not a readable spreadsheet|reading a spreadsheet \(a CSV file")
 
 
 def test_a_matlab_file_without_sound_is_named_as_one(tmp_path: Path) -> None:
@@ -249,3 +246,27 @@ def test_importing_timelines_is_light() -> None:
     base = code.replace(", overview_dsp.data.timeline", ", overview_dsp")
     alone = subprocess.run([sys.executable, "-c", base], capture_output=True, text=True, check=True)
     assert found.stdout == alone.stdout
+
+
+@pytest.mark.parametrize("name", ["MAC address", "ID3", "fLaC"])
+def test_a_table_whose_header_is_the_mark_of_a_sound_is_a_table(name: str) -> None:
+    text = f"{name},time,level\n" + "".join(f"a,{10 * i},{i * i}\n" for i in range(5))
+    curve = load_timeline(text.encode(), value="level", time="time").intensity
+    assert curve is not None
+    assert curve.value.tolist() == [0.0, 1.0, 4.0, 9.0, 16.0]
+
+
+@pytest.mark.parametrize("digits", [308, 310, 350, 400, 5000])
+def test_a_number_of_any_length_in_json_gives_a_one_line_error(digits: int) -> None:
+    rows = f'[{{"time": 1, "value": {"9" * digits}}}, {{"time": 2, "value": 3}}]'
+    with pytest.raises(InputError) as caught:
+        load_timeline(rows.encode())
+    assert "\n" not in str(caught.value)
+
+
+def test_a_log_of_an_old_windows_is_text(tmp_path: Path) -> None:
+    lines = [f"[03.05.24, 18:{20 + i}] Müller: Grüße {i}" for i in range(5)]
+    (tmp_path / "chat.txt").write_bytes("\n".join(lines).encode("cp1252"))
+    curve = load_timeline(tmp_path / "chat.txt", map="count").intensity
+    assert curve is not None
+    assert curve.time_s[-1] >= 240.0

@@ -75,6 +75,12 @@ def test_the_same_list_written_otherwise_is_the_same(text: str, tmp_path: Path) 
         "time,scorer\n1,A\n",
         "time,action\n12:30,walk\n12:31,run\n",
         "minute,value\n1,3\n",
+        "minute,player,heart_rate,zone\n1,Ann,120,green\n2,Ann,150,red\n3,Ann,130,green\n",
+        "minutes,name,price,signal\n1,a,3,hold\n2,a,4,tor\n3,a,3,hold\n4,a,5,buy\n",
+        "minute,flow,light\n1,30,red\n2,40,yellow\n3,50,red\n",
+        "minute,flow,light\n1,30,red\n2,40,\n3,50,\n",
+        "minute,side,flow,light\n1,left,30,red\n2,right,40,green\n3,left,50,red\n",
+        "minute,name,hr,color\n1,Ann,120,yellow\n2,Ann,150,blue\n",
     ],
 )
 def test_a_table_of_something_else_is_left_to_other_readers(text: str, tmp_path: Path) -> None:
@@ -253,11 +259,109 @@ def test_a_shoot_out_is_left_out() -> None:
         ("Full Time", "", "match_end", ""),
         ("Kick-off", "", "period", ""),
         ("Period", "half-time", "half_end", ""),
+        ("GOAL! Jones scores (1-0)", "", "goal", ""),
+        ("Goal by Hill", "", "goal", ""),
+        ("GOAL - Jones", "", "goal", ""),
+        ("Jones scores the penalty", "", "goal", "pen"),
+        ("Penalty for France", "", "", ""),
+        ("Penalty for France, not scored", "", "near_miss", "penalty missed"),
+        ("Goal line clearance", "", "", ""),
+        ("Goal attempt by Hill", "", "", ""),
+        ("GOAL! Disallowed after a check", "", "", "cancelled"),
+        ("but what a save", "", "", ""),
+        ("Smith fouls Jones", "", "foul", ""),
+        ("Chance for Jones, wide", "", "near_miss", ""),
+        ("saved by our keeper", "", "near_miss", "saved"),
+        ("Tor! Meier trifft", "", "goal", ""),
+        ("Torwart", "", "", ""),
+        ("Elfmetertor", "", "goal", "pen"),
+        ("Elfmeter verschossen", "", "near_miss", "penalty missed"),
+        ("Gelbe Karte Huber", "", "yellow_card", ""),
+        ("Gelb-Rote Karte", "", "red_card", "second yellow"),
+        ("Eigentor Schulz", "", "own_goal", ""),
+        ("But de Mbappé", "", "goal", ""),
+        ("Deuxième carton jaune", "", "red_card", "second yellow"),
+        ("Gol de Messi", "", "goal", ""),
+        ("Gol anulado", "", "", "cancelled"),
+        ("Tarjeta roja", "", "red_card", ""),
+        ("Doppia ammonizione", "", "red_card", "second yellow"),
+        ("Jones nearly scores from 20 yards", "", "", ""),
+        ("Smith should have scored", "", "", ""),
+        ("Substitution: Smith, who scored, off", "", "", ""),
+        ("Half time: Smith scored twice", "", "half_end", ""),
+        ("Formation converted to 4-4-2", "", "", ""),
+        ("Foul by Kenneth Paal", "", "foul", ""),
+        ("Foul", "Emmanuel Latte Lath", "foul", ""),
+        ("Substitution: Latte Lath on", "", "", ""),
+        ("Shot", "Shot by Tor Hansen saved", "near_miss", "saved"),
+        ("Shot", "Schuss neben das Tor", "", ""),
+        ("Chance", "Kopfball über das Tor", "", ""),
+        ("Goal! No, offside", "", "", "cancelled"),
+        ("But! Refusé pour hors-jeu", "", "", "cancelled"),
+        ("Tor! Zählt nicht", "", "", "cancelled"),
+        ("Goal of the month vote", "", "", ""),
+        ("Goal in danger as Smith breaks", "", "", ""),
+        ("Goal - line tech", "", "", ""),
+        ("Gol contra el Madrid", "", "", ""),
+        ("Gol contra", "", "own_goal", ""),
+        ("Elfmeter", "", "", ""),
+        ("Elfmeter", "verschossen", "near_miss", "penalty missed"),
+        ("Elfmeter", "verwandelt", "goal", "pen"),
+        ("Penalti", "fallo", "near_miss", "penalty missed"),
+        ("Rigore", "parato", "near_miss", "penalty missed"),
+        ("Penalty scored by Kane", "", "goal", "pen"),
+        ("Palo de Messi", "", "near_miss", "on the post"),
+        ("Elfmeter verwandelt", "", "goal", "pen"),
+        ("verwandelter Foulelfmeter", "", "goal", "pen"),
+        ("Handelfmeter verwandelt", "Yilmaz", "goal", "pen"),
+        ("Strafstoß verwandelt", "", "goal", "pen"),
+        ("Foulelfmeter verschossen", "", "near_miss", "penalty missed"),
+        ("Tooooooor! Lang mit dem 3:2", "", "goal", ""),
+        ("Siegtreffer", "", "goal", ""),
+        ("Lattentreffer", "", "near_miss", "on the post"),
+        ("Lang trifft nur die Latte", "", "near_miss", "on the post"),
+        ("Ampelkarte", "", "red_card", "second yellow"),
+        ("Meier sieht Gelb", "", "yellow_card", ""),
+        ("Meier sieht die Rote Karte", "", "red_card", ""),
     ],
 )
 def test_words_mean_a_football_kind(words: str, details: str, kind: str, detail: str) -> None:
-    found = meaning(normalize_terms(words), normalize_terms(details), own=False, penalty=False)
+    further = normalize_terms(details, is_detail=True)
+    found = meaning(normalize_terms(words), further, own=False, penalty=False)
     assert found == (kind, detail)
+
+
+TOLD = ["3,Foul von Schmidt", "17',Tor! Meier trifft (1:0)", "45+2,Gelbe Karte", "60,Auswechslung"]
+
+
+@pytest.mark.parametrize(
+    "header", ["Minute,Was", "minute,what happened", "time,Text", "Min.,Notiz"]
+)
+def test_a_match_in_ones_own_words_is_read_whatever_its_column_is_called(
+    header: str, tmp_path: Path
+) -> None:
+    (tmp_path / "x.csv").write_text(rows(*TOLD, header=header))
+    timeline = load_timeline(tmp_path / "x.csv")
+    assert told(timeline) == [
+        (180.0, "foul", "Foul von Schmidt 3'"),
+        (1020.0, "goal", "Tor! Meier trifft (1:0) 17'"),
+        (2820.0, "yellow_card", "45+2'"),
+    ]
+    assert any("1 Auswechslung" in note for note in timeline.notes)
+
+
+def test_the_words_of_the_guide_are_read_as_it_says() -> None:
+    guide = (Path(__file__).parents[3] / "docs/guide/data.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^\| `([a-z_]+)` \| (.+?) \| (.+?) \|$", guide, re.M)
+    lines = [line for line in lines if line[0] in TERMS]
+    assert len(lines) == len(TERMS)
+    for kind, *columns in lines:
+        for word in re.findall(r"`(.+?)`", " ".join(columns)):
+            found = meaning(normalize_terms(word), "", own=False, penalty=False)
+            assert found[0] == kind, word
+
+
+TERMS = ("goal", "own_goal", "near_miss", "yellow_card", "red_card", "foul")
 
 
 @pytest.mark.parametrize(
@@ -383,3 +487,34 @@ def test_the_real_list_of_goals_is_exact(data_folder: Path) -> None:
     final = load_timeline(path, match="2018-07-15 France Croatia")
     assert final.title == "France 4-2 Croatia, 2018-07-15"
     assert [e.kind for e in final.events if "goal" in e.kind] == ["own_goal"] + ["goal"] * 5
+
+
+@pytest.mark.parametrize(
+    ("header", "last"),
+    [("Minute;Was", "45+2"), ("Minute;Was", "44"), ("Spielminute;Ereignis", "45+2"),
+     ("Minute;Was passiert ist", "45.+2")],
+)  # fmt: skip
+def test_a_match_in_sentences_stays_one_with_more_unknown_rows(header: str, last: str) -> None:
+    unknown = ("Der Trainer tobt", "Regen", "Viel Betrieb", "Pause fuer die Fans")
+    rows = [
+        "14;Tor! Brandt",
+        f"{last};gelbe Karte",
+        *(f"{50 + i};{t}" for i, t in enumerate(unknown)),
+    ]
+    timeline = load_timeline("\n".join([header, *rows, ""]).encode())
+    assert [e.kind for e in timeline.events if e.kind != "period"] == ["goal", "yellow_card"]
+    (note,) = [note for note in timeline.notes if note.startswith("omitted")]
+    assert "1 Der Trainer tobt" in note
+
+
+@pytest.mark.parametrize(
+    ("rows", "note"),
+    [
+        (["12,Goal,A,Croatia", "30,Foul,B,Croatia"], "only the team 'Croatia' is named: the score"),
+        (["12,Goal,A,Croatia", "30,Foul,B,France", "40,Goal,C,"], "1 goal has no team: the score"),
+    ],
+)
+def test_a_score_that_cannot_be_counted_is_noted(rows: list[str], note: str) -> None:
+    text = "\n".join(["minute,type,player,team", *rows, ""])
+    (found,) = [one for one in load_timeline(text.encode()).notes if "score" in one]
+    assert found.startswith(note)

@@ -73,7 +73,9 @@ def test_extra_time_is_laid_out_and_a_shoot_out_left_out_and_noted() -> None:
 def test_goals_that_do_not_make_the_score_are_noted() -> None:
     timeline = decode(openfootball(fixture(score={"ft": [3, 1]})))
     assert timeline.title.startswith("Northport 3-1 Sudbury")
-    assert any("has the final score 3-1, but its goals make 2-1" in note for note in timeline.notes)
+    assert any(
+        "has the final score 3-1, but its goals add up to 2-1" in note for note in timeline.notes
+    )
 
 
 def test_a_match_without_goals_is_a_match_without_goals() -> None:
@@ -180,7 +182,7 @@ def test_every_match_of_the_real_cup_is_read(data_folder: Path) -> None:
     penalties = stoppage = 0
     for number in range(1, 65):
         timeline = decode(document, str(number))
-        assert not any("but its goals make" in note for note in timeline.notes), timeline.title
+        assert not any("but its goals add up to" in note for note in timeline.notes), timeline.title
         for event in timeline.events:
             if event.kind in counts:
                 counts[event.kind] += 1

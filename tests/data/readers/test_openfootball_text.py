@@ -78,7 +78,8 @@ def test_goals_are_at_their_minutes_for_their_team(cup: Path) -> None:
         "3-3 Chico 90+4'",
     ]
     assert any(
-        "the file has the final score 4-2, but its goals make 3-3" in note for note in final.notes
+        "the file has the final score 4-2, but its goals add up to 3-3" in note
+        for note in final.notes
     )
 
 

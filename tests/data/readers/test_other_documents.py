@@ -20,6 +20,7 @@ DOCUMENTS = [
     ("song.txt", "\n[00:01.00]one, two\n[00:02.50]three, four\n", "lyrics", "time and label"),
     ("page.html", "<!DOCTYPE html>\n<html><p>1,2\n3,4\n</html>", "web page", "table as CSV"),
     ("table.csv", "\ufeff<html><table><tr><td>1</td></tr></table></html>", "web page", "CSV"),
+    ("part.csv", "<head><title>1,2</title></head>\n<body>3,4</body>", "web page", "CSV"),
     ("xhtml.csv", '<?xml version="1.0"?><html><body>a</body></html>', "web page", "CSV"),
     ("data.csv", LOGIN, "login page", "sign in"),
     ("data.json", LOGIN.lower(), "login page", "sign in"),

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.design.presets.library import best_preset
+from overview_dsp.design.presets.library import fitting_preset
 from overview_dsp.errors import InputError
 from tests.data.readers.shapes import Shape, all_shapes
 
@@ -60,6 +60,6 @@ def test_a_shape_is_read_right_or_refused_with_the_fix(shape: Shape, tmp_path: P
     assert tuple(event.kind for event in timeline.events) == shape.kinds
     assert timeline.duration_s == pytest.approx(shape.duration_s or shape.seconds[-1])
     assert timeline.intensity is None  # no crowd without football
-    assert best_preset(timeline.kinds()) == "plain"
+    assert fitting_preset(timeline.kinds()).preset == "plain"
     if shape.note:
         assert any(shape.note in note for note in timeline.notes)

@@ -10,7 +10,7 @@ import pytest
 
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.presets.library import best_preset
+from overview_dsp.design.presets.library import fitting_preset
 from overview_dsp.errors import InputError
 from tests.data.timeline.test_every_zoom import SERIES
 
@@ -191,12 +191,12 @@ def test_a_list_without_footballs_words_is_no_match(tmp_path: Path) -> None:
     timeline = load_timeline(write(tmp_path, MEETING))
     assert timeline.duration_s == 55.0 * 60.0
     assert timeline.intensity is None
-    assert best_preset(timeline.kinds()) == "plain"
+    assert fitting_preset(timeline.kinds()).preset == "plain"
     assert timeline.kinds() == {"welcome": 1, "goals_of_the_year": 1, "break": 1, "award": 1}
     football = MEETING.replace("award", "yellow card").replace("welcome", "goal")
     match = load_timeline(write(tmp_path, football))
     assert match.duration_s >= 90.0 * 60.0
-    assert best_preset(match.kinds()) == "football"
+    assert fitting_preset(match.kinds()).preset == "football"
 
 
 def test_an_event_id_that_is_there_twice_is_noted(tmp_path: Path) -> None:

@@ -119,7 +119,9 @@ def test_a_companion_whose_score_differs_is_noted(tmp_path: Path) -> None:
     write(tmp_path, [other], "matches.json")
     timeline = load_timeline(write(tmp_path, wyscout_match()))
     assert timeline.title.startswith("Northport City 4-3 Sudbury")
-    assert any("has the final score 4-3, but its goals make 1-3" in note for note in timeline.notes)
+    assert any(
+        "has the final score 4-3, but its goals add up to 1-3" in note for note in timeline.notes
+    )
 
 
 @pytest.mark.parametrize("content", ["{", "[1]", "{}", '[{"wyId": 2499773}]', "\x00", "hello"])

@@ -14,7 +14,7 @@ from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S, ZOOM_LEAD
 from overview_dsp.data.timeline.window_events import MOST_BY_RULE
 from overview_dsp.design.presets.library import load_preset
-from overview_dsp.signal.surface import build_surface
+from overview_dsp.signal.surface.build import build_surface
 
 BUNDLED = ("world-cup-final-2018", "made-up-share")
 

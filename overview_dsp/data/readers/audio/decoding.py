@@ -123,7 +123,7 @@ _MASK = re.compile(r"^\s*Channel Mask\s*: 0x([0-9A-F]+)", re.MULTILINE)
 # the chunks with the samples; for W64 and RF64 libsndfile reports only the size of the file
 _SAMPLE_CHUNKS = {"data", "SSND", "Data Size"}
 _FILE_CHUNKS = {"W64": "riff", "RF64": "Riff size"}
-# programs write sizes from here on, such as 0xffffffff or 0x7ffffff0, while the size is unknown
+# programs write a size of at least this value when they do not know the size (0xffffffff)
 _UNKNOWN_FROM = 0x7FFFF000
 _OGG_LAST_PAGE = 0x04
 _TAIL_BYTES = 65_536 + 512
@@ -193,10 +193,10 @@ class Recording:
 
 def is_recording(source: DataFile) -> bool:
     """Return whether the file is a recording, including formats that must be converted first."""
+    if source.head_text is not None:  # a table may begin with MAC or ID3
+        return False
     if _unsupported(source) or any(_has(source, mark, offset) for mark, offset in _SUPPORTED):
         return True
-    if source.head_text is not None:
-        return False
     if begins_with_frames(source.head):
         return True
     # formats without a signature, by their suffix: libsndfile would search any other file for MPEG
@@ -269,14 +269,15 @@ def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recordin
         raise InputError(
             f"{where}: {_channels(channels)} at {rate} Hz; must be at least {MIN_RATE} Hz and at "
             f"most {MAX_SAMPLES_PER_S} samples per second, all channels together: resample the "
-            "file or reduce its channels"
+            "file or reduce the number of channels"
         )
     limit = max_mb if max_mb is not None else float(MAX_DECODED_MB)
     size = frames * channels * 2 / 2**20
     if size > limit:
         raise InputError(
             f"{where}: {size:.0f} MB of samples ({frames / rate / 3600.0:.1f} h), more than the "
-            f"{limit:g} MB allowed; cut the file into parts, or raise the limit with max_mb"
+            f"{limit:g} MB allowed; cut the file into parts, or raise the limit with max_mb "
+            "(--read max-mb=MB)"
         )
     mask = _MASK.search(log)
     weights = weights_of_mask(int(mask[1], 16), channels) if mask else None
@@ -284,7 +285,9 @@ def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recordin
         layout = layout_of(channels, file.subtype in ("VORBIS", "OPUS"))
         weights = weights_of(layout) if layout else (1.0,) * channels
         if channels > 2:
-            speakers = " ".join(layout) if layout else "equal, because no layout is usual"
+            speakers = (
+                " ".join(layout) if layout else "equally loud, as there is no standard layout"
+            )
             notes.append(f"the {channels} channels were read as {speakers}")
     if not any(weights):
         weights = (1.0,) * channels  # a single LFE channel would have no loudness

@@ -17,9 +17,9 @@ longer are a gap.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis import cheers
 from overview_dsp.data.analysis.loudness import (
     MOMENTARY_STEPS,
@@ -82,7 +82,7 @@ def _measure(recording: Recording, options: LoadOptions) -> Steps:
     return meter.finish()
 
 
-def read_samples(samples: NDArray[np.float64], options: LoadOptions) -> Timeline:
+def read_samples(samples: FloatArray, options: LoadOptions) -> Timeline:
     """Return the timeline of samples in memory, frames x channels (takes `rate`, `map`)."""
     frames, channels = samples.shape
     rate = options.rate

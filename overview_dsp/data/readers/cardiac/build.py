@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from overview_dsp.data.analysis import rhythm
-from overview_dsp.data.analysis.heart_signal import Signal, Spans, recorded
+from overview_dsp.data.analysis.heart_signal import Signal, recorded
 from overview_dsp.data.analysis.heartbeats import Detection
 from overview_dsp.data.analysis.rhythm import NORMAL, OTHER_SHAPE, Beats
+from overview_dsp.data.analysis.runs import Spans
 from overview_dsp.data.analysis.series_events import rules_of
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.timeline.event import Event

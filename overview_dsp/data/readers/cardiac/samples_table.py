@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import MIN_RATE, find_beats
 from overview_dsp.data.readers.cardiac.build import (
@@ -44,6 +45,7 @@ from overview_dsp.data.readers.tables.table import (
     CellLocation,
     Cells,
     Column,
+    as_list,
     cell_locator,
     first_rows,
 )
@@ -237,8 +239,9 @@ def _layout_of(source: DataFile) -> _Layout | None:
         return None
     decimal_mark = choose_decimal_mark(head, range(len(head)), dialect.separator)
     numeric = tuple(_is_numeric(column, decimal_mark) for column in head)
-    if not all(known or _are_times(column) for known, column in zip(numeric, head, strict=True)):
-        return None  # a column of text: a series, not samples
+    for is_numeric, column in zip(numeric, head, strict=True):
+        if not is_numeric and any(_moment_of(cell) is None for cell in _known(column)):
+            return None  # a column of text: a series, not samples
     return _Layout(dialect, head, decimal_mark, numeric)
 
 
@@ -249,11 +252,6 @@ def _head_table(source: DataFile, dialect: Dialect) -> DelimitedTable:
 def _is_numeric(cells: Sequence[str | None], decimal_mark: str) -> bool:
     known = _known(cells)
     return bool(known) and all(_number(cell, decimal_mark) is not None for cell in known)
-
-
-def _are_times(cells: Sequence[str | None]) -> bool:
-    """Return whether all cells that are not missing are clock times or dates."""
-    return all(_moment_of(cell) is not None for cell in _known(cells))
 
 
 def _known(cells: Sequence[str | None]) -> list[str]:
@@ -318,7 +316,7 @@ def _columns(
     value: int,
     time: int | None,
     progress: Callable[[float], None],
-) -> tuple[NDArray[np.float32], NDArray[np.float64] | None, datetime | None]:
+) -> tuple[NDArray[np.float32], FloatArray | None, datetime | None]:
     """Read a column of values and one of times.
 
     Returns
@@ -333,7 +331,7 @@ def _columns(
         A cell is invalid or missing. The message contains line and column.
     """
     values: list[NDArray[np.float32]] = []
-    times: list[NDArray[np.float64]] = []
+    times: list[FloatArray] = []
     clock = _Clock()
     count = 0
     for chunk in table.chunks([value] if time is None else [value, time]):
@@ -359,8 +357,9 @@ def _columns(
 
 def _numbers(
     cells: Cells, locate: Callable[[int], CellLocation], decimal_mark: str, needed: bool = False
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the numbers of a column; `needed`: a missing number is an error."""
+    cells = as_list(cells)
     try:
         plain = np.array(cells, dtype=np.float64)
     except ValueError:
@@ -393,7 +392,7 @@ class _Clock:
 
     start: Moment | None = None
 
-    def read(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
+    def read(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         found = np.empty(len(cells))
         for i, cell in enumerate(cells):
             time = _moment_of(_bare(cell))
@@ -412,7 +411,7 @@ class _Clock:
 
 def _times(
     layout: _Layout, time: int, cells: Cells, locate: Callable[[int], CellLocation], clock: _Clock
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Return the times of a column, numbers in the unit of the column."""
     if layout.numeric[time]:
         return _numbers(cells, locate, layout.decimal_mark, needed=True)
@@ -454,9 +453,7 @@ def _rate_of(source: DataFile, layout: _Layout, time: int, unit: str) -> float |
     return 1.0 / mean if mean > 0.0 else None
 
 
-def _format_of(
-    layout: _Layout, time: int, times: NDArray[np.float64], unit: str
-) -> tuple[Format, str]:
+def _format_of(layout: _Layout, time: int, times: FloatArray, unit: str) -> tuple[Format, str]:
     """Return the format of the times, and how it was found if neither header nor option name it."""
     if not layout.numeric[time]:
         return Format("clock" if _is_clock(layout.head[time]) else "iso"), ""
@@ -481,10 +478,9 @@ def _is_clock(cells: Sequence[str | None]) -> bool:
 
 
 def _resample(
-    times: NDArray[np.float64], values: NDArray[np.float32]
+    times: FloatArray, values: NDArray[np.float32]
 ) -> tuple[float, NDArray[np.float32], tuple[str, ...]]:
     """Return the rate, the values at regular intervals (NaN in gaps), and notes."""
-    notes: list[str] = []
     steps = np.diff(times)
     if len(steps) == 0:
         raise InputError("the file has one row of data; must be several seconds of samples")
@@ -509,7 +505,7 @@ def _resample(
         )
     index = rounded.astype(np.int64)
     if np.array_equal(index, np.arange(len(index))):
-        return 1.0 / step, values, tuple(notes)
+        return 1.0 / step, values, ()
     grid = np.full(int(index[-1]) + 1, np.nan, np.float32)
     grid[index] = values
     # rounding can put two samples into one interval, which leaves a single empty one beside it
@@ -518,6 +514,4 @@ def _resample(
     single = np.flatnonzero(empty[1:-1] & ~empty[:-2] & ~empty[2:]) + 1
     grid[single] = (grid[single - 1] + grid[single + 1]) / 2.0
     gaps = int(np.count_nonzero(steps >= _GAP_STEPS * usual + step))
-    if gaps:
-        notes.append(f"the times have {gaps} gaps")
-    return 1.0 / step, grid, tuple(notes)
+    return 1.0 / step, grid, (f"the times have {gaps} gaps",) if gaps else ()

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from overview_dsp import validation
-from overview_dsp.data.analysis.heart_signal import Spans
 from overview_dsp.data.analysis.heartbeats import find_beats, silent_parts
 from overview_dsp.data.analysis.rhythm import BEATS, OTHERS, Beats
+from overview_dsp.data.analysis.runs import Spans
 from overview_dsp.data.readers.cardiac.build import (
     Description,
     beats_of,

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.heartbeats import MIN_RATE
 from overview_dsp.data.readers.cardiac.wfdb_header import (
     NO_FILE,
@@ -62,7 +62,7 @@ class RecordSignal:
     def _signal(self) -> HeaderSignal:
         return self.header.signals[self.index]
 
-    def read(self, first: int, end: int) -> NDArray[np.float64]:
+    def read(self, first: int, end: int) -> FloatArray:
         """Return samples in the header's unit, NaN for missing ones; InputError if unreadable."""
         per_frame = self._signal.per_frame
         low, high = first // per_frame, -(-end // per_frame)
@@ -71,7 +71,7 @@ class RecordSignal:
         whole = np.concatenate(parts) if parts else np.zeros(0)
         return whole[first - low * per_frame : end - low * per_frame]
 
-    def _decoded(self, low: int, high: int) -> NDArray[np.float64]:
+    def _decoded(self, low: int, high: int) -> FloatArray:
         file, per_frame = self._signal.file, self._signal.per_frame
         if file == NO_FILE:
             return np.full((high - low) * per_frame, np.nan)
@@ -87,11 +87,11 @@ class RecordSignal:
         return samples
 
     @cached_property
-    def _whole(self) -> NDArray[np.float64]:
+    def _whole(self) -> FloatArray:
         """All samples, because wfdb cannot read a part of a record without a length."""
         return self._decode()
 
-    def _decode(self, **span: int) -> NDArray[np.float64]:
+    def _decode(self, **span: int) -> FloatArray:
         wfdb: Any = require_package("wfdb", "reading a WFDB record", "ecg")
         try:
             record = wfdb.rdrecord(
@@ -127,7 +127,7 @@ class JoinedSignal:
         first, count, _ = self.parts[-1]
         return first + count
 
-    def read(self, first: int, end: int) -> NDArray[np.float64]:
+    def read(self, first: int, end: int) -> FloatArray:
         """Return samples, with NaN in segments that lack the signal."""
         samples = np.full(end - first, np.nan)
         for start, count, signal in self.parts:
@@ -159,8 +159,13 @@ def signal_of(header: Header, selector: str | None) -> RecordSignal | JoinedSign
     index = _select([signal.name for signal in header.signals], selector, header.where)
     frames = header.frames if header.frames is not None else frames_in_files(header)
     if not frames:
-        raise InputError(f"{header.where}: the record has no samples; write its length in line 1")
-    if header.frames is None and frames * len(header.signals) > MAX_UNSIZED_SAMPLES:
+        raise InputError(
+            f"{header.where}: the record has no samples; write its number of samples in line 1"
+        )
+    if (
+        header.frames is None
+        and frames * sum(one.per_frame for one in header.signals) > MAX_UNSIZED_SAMPLES
+    ):
         raise InputError(
             f"{header.where}: line 1 has no length, which a record of this size requires; write "
             f"{frames} after the rate"
@@ -189,7 +194,7 @@ def _joined_signal(header: Header, selector: str | None) -> JoinedSignal:
     if not names:
         raise InputError(f"{header.where}: no segment has a signal; download the record again")
     name = names[_select(names, selector, header.where)]
-    per_frame = 1
+    per_frame = 0
     found: list[tuple[int, RecordSignal | None]] = []
     for segment_name, frames in header.segments:
         segment_header = headers.get(segment_name)
@@ -206,14 +211,14 @@ def _joined_signal(header: Header, selector: str | None) -> JoinedSignal:
                 f"must be {frames}, as in the record"
             )
         found.append((frames, RecordSignal(segment_header, index, frames)))
-        if per_frame not in (1, signals[index].per_frame):
+        if per_frame not in (0, signals[index].per_frame):
             raise InputError(
                 f"{header.where}: the rate of {name} changes in the segment {segment_name}; must "
                 "be constant"
             )
         per_frame = signals[index].per_frame
     parts: list[tuple[int, int, RecordSignal | None]] = []
-    first = 0
+    first, per_frame = 0, per_frame or 1  # without a signal
     for frames, signal in found:
         parts.append((first, frames * per_frame, signal))
         first += frames * per_frame
@@ -231,7 +236,7 @@ def _check(signal: RecordSignal | JoinedSignal, header: Header) -> None:
     if signal.rate < MIN_RATE:
         raise InputError(
             f"{header.where}: the rate of {signal.name} is {signal.rate:g} Hz; must be at least "
-            f"{MIN_RATE:g} to find beats: choose another signal with value"
+            f"{MIN_RATE:g} to find beats: choose another signal with value (--value-column)"
         )
 
 
@@ -264,3 +269,8 @@ def best_signal(names: list[str]) -> int:
             if pattern.search(name.strip()):
                 return i
     return 0
+
+
+def is_heart(name: str) -> bool:
+    """Return whether a signal is called like an ECG or a pulse wave."""
+    return _ECG.search(name.strip()) is not None or _PULSE.search(name.strip()) is not None

@@ -69,16 +69,12 @@ def _listed(lines: list[str]) -> list[ListEntry]:
                 f"line {i + 1}: {quoted(line)} is not the time of a cue; must have the form "
                 "00:01:02,500 --> 00:01:04,000"
             )
-        following = itertools.takewhile(_is_caption, lines[i + 1 :])
+        following = itertools.takewhile(lambda ln: ln.strip() and "-->" not in ln, lines[i + 1 :])
         text = " ".join(html.unescape(_STYLE.sub("", " ".join(following))).split())
         sound = _SOUND.fullmatch(text)
         kind = kind_of(sound[1]) if sound else ""
         listed.append(ListEntry(begin, kind or _KIND, "" if kind else text, f"line {i + 1}", end))
     return listed
-
-
-def _is_caption(line: str) -> bool:
-    return bool(line.strip()) and "-->" not in line
 
 
 def sniff_labels(source: DataFile) -> bool:

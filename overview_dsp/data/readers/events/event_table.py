@@ -52,6 +52,7 @@ from overview_dsp.data.readers.tables.cells import is_missing, parse
 from overview_dsp.data.readers.tables.column_roles import (
     Roles,
     TimeChoice,
+    clock_note,
     is_event_table,
     is_wordy,
     named_time_column,
@@ -59,7 +60,7 @@ from overview_dsp.data.readers.tables.column_roles import (
 )
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Accepts, detect, header_dialect
-from overview_dsp.data.readers.tables.groups import require_single_series, select_group
+from overview_dsp.data.readers.tables.groups import require_single_series, selected_group
 from overview_dsp.data.readers.tables.json import is_single, tables_in
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
@@ -81,7 +82,7 @@ from overview_dsp.data.readers.tables.time_column import (
 from overview_dsp.data.timeline.event import MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 
 COLUMNS = ("time_s", "kind", "label", "weight")
 """Columns of an event list; the first two are required."""
@@ -134,13 +135,15 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
-    if options.match is not None:
-        table = select_group(table, options.match)
+    table = selected_group(table, options) or table
     head = first_rows(table, _HEAD)
     roles = roles_of(table.columns, head, options)
     _reject_beats(table, head[roles.time])
     columns = (roles.time,) if roles.clock is None else (roles.time, roles.clock)
-    choice = with_settled_order(table, TimeChoice(columns, roles.format, " "))
+    notes = (clock_note(table.columns, *columns),) if roles.unmarked else ()
+    choice = with_settled_order(
+        table, TimeChoice(columns, roles.format, " ", notes, roles.unmarked)
+    )
     require_single_series(table, choice, [] if roles.kind is None else [roles.kind], events=True)
     return _Reader(table, roles, choice).timeline(title, options.duration_s)
 
@@ -372,9 +375,7 @@ def encode(timeline: Timeline) -> bytes:
 
 def save_events(timeline: Timeline, path: str | os.PathLike[str]) -> None:
     """Write the events as an event list; on any error no file is written."""
-    data = encode(timeline)
-    with atomic_file(path) as temporary:
-        temporary.write_bytes(data)
+    write_file(path, encode(timeline))
 
 
 def _described(description: ListDescription, table: Table) -> ListDescription:

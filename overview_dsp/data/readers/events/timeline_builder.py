@@ -77,15 +77,13 @@ def kind_of(text: str) -> str:
     return kind if len(kind) <= _MAX_KIND_LENGTH and kind.count("_") < _MAX_KIND_WORDS else ""
 
 
-def are_kinds(texts: Sequence[str]) -> bool:
-    """Return whether texts are event kinds, of which at least a quarter are repeats."""
-    kinds = [kind_of(text) for text in texts]
-    return all(kinds) and 4 * len(set(kinds)) <= 3 * len(kinds)
-
-
 def with_kinds(listed: Sequence[ListEntry], default_kind: str = DEFAULT_KIND) -> list[ListEntry]:
-    """Return the list as it is if all its texts are kinds, else events of one kind with labels."""
-    if are_kinds([one.kind_text for one in listed]):
+    """Return the list as it is if all its texts are kinds, else events of one kind with labels.
+
+    At least a quarter of kinds are repeats.
+    """
+    kinds = [kind_of(one.kind_text) for one in listed]
+    if all(kinds) and 4 * len(set(kinds)) <= 3 * len(kinds):
         return list(listed)
     return [replace(one, kind_text=default_kind, label=one.kind_text) for one in listed]
 

@@ -219,7 +219,7 @@ def _companion(
             if path != source.path and candidate.size <= MAX_BYTES and is_companion(candidate):
                 found.append(candidate)
     if len(found) > 1:
-        # for several matches in a folder: the file whose name begins with most of the same letters
+        # for several matches in a folder: the name with the longest common prefix
         prefixes = [os.path.commonprefix([source.path.name, f.path.name]) for f in found]  # noqa: RUF071
         longest = max(map(len, prefixes))
         best = [one for one, same in zip(found, prefixes, strict=True) if len(same) == longest]
@@ -321,7 +321,8 @@ def _classify(event: Any) -> Iterator[tuple[str, str]]:
         elif result == "GOAL":
             yield "goal", "pen" if penalty else ""
         elif result in _NEAR_MISS or "WOODWORK" in names:
-            yield "near_miss", "penalty saved" if penalty else _NEAR_MISS.get(result, "on the post")
+            how = _NEAR_MISS.get(result, "on the post")
+            yield "near_miss", f"penalty {how}" if penalty else how
         elif penalty:
             yield "near_miss", "penalty missed"
     elif _mapping(raw.get("type")).get("name") == "CARD":  # Metrica

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.data.timeline.time_parsing import plain_letters
 from overview_dsp.errors import InputError, quoted
 
 GOALS = frozenset({"goal", "own_goal"})
@@ -166,12 +166,15 @@ def match_timeline(
         with validation.prefix_errors(f"{one.location}: " if one.location else ""):
             events.append(Event(one.time_s, one.kind, label))
     counted = None if uncounted else (score[0], score[1])
-    if counted is None:
-        all_notes.append(f"{uncounted} goals have no team of the match: the score is not counted")
-    elif final is not None and final != counted:
+    if len(teams) == 1 and any(one.kind in GOALS for one in match_events):
+        all_notes.append(f"only the team {quoted(teams[0])} is named: the score is not counted")
+    elif counted is None and known:
+        some = "1 goal has" if uncounted == 1 else f"{uncounted} goals have"
+        all_notes.append(f"{some} no team: the score is not counted")
+    elif final is not None and counted is not None and final != counted:
         all_notes.append(
-            f"the file has the final score {final[0]}-{final[1]}, but its goals make "
-            f"{counted[0]}-{counted[1]}; the title has the final score"
+            f"the file has the final score {final[0]}-{final[1]}, but its goals add up to "
+            f"{counted[0]}-{counted[1]}; the final score is used"
         )
     intensity, derived, derived_notes = derive_intensity(events, end_s)
     title, shown_score = default_title, final or counted
@@ -236,7 +239,8 @@ def short_name(full_name: str) -> str:
             particles = []
     if particles:
         names.append(" ".join(particles))
-    return " ".join(names[-2:] if len(names) > 2 else names[-1:])
+    is_family = len(names) == 2 and names[0].lower() in _PARTICLES  # a family name alone
+    return " ".join(names[-2:] if len(names) > 2 or is_family else names[-1:])
 
 
 _MAX_MATCHES_SHOWN = 4
@@ -245,9 +249,7 @@ _NOT_WORD = re.compile(r"[\W_]+")
 
 def normalize_text(text: str) -> str:
     """Return text for comparison: lower case, no accents, words separated by one space."""
-    letters = unicodedata.normalize("NFKD", text.casefold())
-    letters = "".join(letter for letter in letters if not unicodedata.combining(letter))
-    return _NOT_WORD.sub(" ", letters).strip()
+    return _NOT_WORD.sub(" ", plain_letters(text)).strip()
 
 
 def select_match(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> int:

@@ -12,10 +12,10 @@
     2018-07-15,France,Croatia,Croatia,Ivan Perišić,28,FALSE,FALSE
 
 `COLUMNS` lists the accepted names of the columns, which may be in any order. Other columns are
-ignored. Commas, semicolons, tabs or bars separate the fields. `type` is converted to a football
-event kind (`Goal`, `own goal`, `SavedShot`, `Second Yellow`, or `Card` with `red` in another
-column). Rows of other types, such as substitutions, corners and passes, are omitted and counted in
-a note.
+ignored. Commas, semicolons, tabs or bars separate the fields. `type`, or else the first column
+with such texts, is converted to a football event kind (`Goal`, `own goal`, `SavedShot`, `Gelbe
+Karte`, `GOAL! Jones scores`, or `Card` with `red` in another column), by `vocabulary.py`. Rows of
+other types, such as substitutions, corners and passes, are omitted and counted in a note.
 
 - A list with seconds (`12:34`, or columns minute and second) has exact times from 0.
 - A list of minutes only may count from 0 or from 1. An event is at its minute times 60 s, so the
@@ -54,43 +54,15 @@ from overview_dsp.data.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
-from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
+from overview_dsp.data.readers.football.vocabulary import is_sentence, meaning, normalize_terms
+from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 
-COLUMNS: dict[str, tuple[str, ...]] = {
-    "minute": (
-        "minute", "min", "mins", "minutes", "match minute", "minute label", "time elapsed",
-    ),
-    "clock": ("time", "clock", "match time", "game time", "game clock"),
-    "added": (
-        "added", "added time", "added minutes", "offset", "extra", "extra minute", "minute extra",
-        "time extra", "extra min", "stoppage", "stoppage time", "injury time", "minute stoppage",
-    ),
-    "second": ("second", "sec", "seconds", "secs"),
-    "period": ("period", "half", "period id", "match period", "game period", "period name"),
-    "kind": (
-        "type", "event", "kind", "event type", "type name", "event name", "incident",
-        "incident type", "action", "action type", "result", "outcome", "what", "category",
-    ),
-    "details": (
-        "detail", "details", "outcome", "result", "card", "card type", "subtype", "sub type",
-        "outcome type", "shot outcome", "event detail", "goal type", "situation", "description",
-        "qualifier",
-    ),
-    "player": ("player", "player name", "scorer", "name", "goalscorer", "goal scorer", "athlete"),
-    "team": ("team", "team name", "club", "side", "squad", "h a", "for team", "scoring team"),
-    "home": ("home team", "home", "h team", "hometeam", "home team name", "home club", "team1"),
-    "away": ("away team", "away", "a team", "awayteam", "away team name", "away club", "team2"),
-    "date": ("date", "match date", "matchdate", "game date", "utc date", "kickoff"),
-    "match": ("match id", "matchid", "game id", "gameid", "match", "game", "fixture", "fixture id"),
-    "own": ("own goal", "owngoal", "own", "is own goal", "og"),
-    "penalty": ("penalty", "pen", "is penalty"),
-    "label": ("label", "text", "comment", "note", "commentary"),
-}  # fmt: skip
+COLUMNS: dict[str, list[str]] = column_names.MINUTE_LIST
 """Accepted column names, in lower case and without punctuation and accents."""
 
 PROVENANCE_GOALS = (
@@ -108,30 +80,19 @@ STOPPAGE_NOTE = (
 
 _MIDDLE_S = 30.0
 _ROWS_CHECKED = 50
-_NOT_SPECIFIC = ("", "period", "half_end", "match_end")  # other tables have starts and ends, too
+_PERIOD_KINDS = ("period", "half_end", "match_end")  # other tables have starts and ends, too
+_NOT_SPECIFIC = ("", *_PERIOD_KINDS)
+_COLOURS = frozenset({"red", "yellow", "p", "pen", "g", "second yellow card"})
 _FOOTBALL = re.compile(
     r"substitut|^sub$|corner|offside|throw in|free kick|goal kick|penalty|\bvar\b|tackle|assist"
 )
 _YES = frozenset({"true", "t", "1", "1.0", "yes", "y", "x", "og", "pen", "p"})
 _NO = frozenset({"", "false", "f", "0", "0.0", "no", "n", "na", "nan", "none", "null", "-"})
 _NONE = frozenset({"", "na", "n/a", "nan", "none", "null", "-"})
-_PERIODS: dict[int | None, tuple[str, ...]] = {
-    1: ("1", "1h", "h1", "first half", "1st half", "first", "1st", "firsthalf", "p1", "ht1"),
-    2: ("2", "2h", "h2", "second half", "2nd half", "second", "2nd", "secondhalf", "p2", "ht2"),
-    3: (
-        "3", "e1", "et1", "1et", "extra time 1", "extra time first half", "p3", "extra time",
-        "first period of extra time",
-    ),
-    4: (
-        "4", "e2", "et2", "2et", "extra time 2", "extra time second half", "p4",
-        "second period of extra time",
-    ),
-    5: (
-        "5", "p", "pso", "so", "penalties", "penalty shootout", "shootout", "shoot out", "pens",
-        "penalty shoot out",
-    ),
-    None: ("pre match", "prematch", "post game", "postgame", "full time", "14", "10", "16"),
-}  # fmt: skip
+_PERIODS = {
+    int(key) if key.isdigit() else None: names
+    for key, names in column_names.MINUTE_LIST_PERIODS.items()
+}
 _HOME = frozenset({"h", "home", "1"})
 _AWAY = frozenset({"a", "away", "2"})
 
@@ -182,7 +143,7 @@ def sniff(source: DataFile) -> bool:
     if "minute" in columns and any("scorer" in name for name in columns.get("player", [])):
         return True
     # other tables have minutes, types and teams, too
-    return "kind" in columns and _has_football_kinds(source.head_text, columns, timed[0])
+    return _has_football_kinds(source.head_text, columns, timed[0])
 
 
 def matches(source: DataFile) -> list[str]:
@@ -241,7 +202,7 @@ def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
             kicks += 1
             continue
         if not kind:
-            omitted[normalize_terms(row.get("kind")) or "no type"] += 1
+            omitted[row.get("kind") or "no type"] += 1
             continue
         minute = _minute(row)
         if minute.period == SHOOT_OUT:
@@ -314,10 +275,11 @@ def _match_event(
     if kind == "own_goal" and not scores and team is not None:
         team = 1 - team if len(teams) == 2 else None
     player = short_name(row.get("player"))
+    text = row.get("label") or (row.get("kind") if is_sentence(row.get("kind")) else "")
     if not player and kind in GOALS:
-        player = row.get("label")
+        player, detail = text, detail if row.get("label") else ""
     elif not player:
-        detail = detail or row.get("label")
+        detail = text or detail
     written = str(minute) if minute.seconds is None else ""
     return MatchEvent(clock.time_s(minute), kind, team, player, detail, written, row.location)
 
@@ -342,23 +304,44 @@ def _teams(rows_: Sequence[_Row]) -> list[str]:
 
 
 def _rows(text: str) -> list[_Row]:
-    listed: list[_Row] = []
-    columns: dict[str, list[str]] | None = None
-    headers: dict[str, str] = {}
-    for line, fields in records(text):
-        if columns is None:
-            columns = _columns(list(fields))
-            headers = {key: names[0] for key, names in columns.items()}
-        values = {key: fields[names[0]] for key, names in columns.items()}
+    found = list(records(text))
+    if not found:
+        raise InputError("the list has no rows below the header; add one row per event")
+    rows = [fields for _, fields in found]
+    columns = _with_kinds(_columns(list(rows[0])), rows[:_ROWS_CHECKED])
+    headers = {key: names[0] for key, names in columns.items()}
+    listed = []
+    for line, fields in found:
+        values = {key: fields[name] for key, name in headers.items()}
         details = " ".join(
-            normalize_terms(fields[name])
+            normalize_terms(fields[name], True)
             for name in columns.get("details", [])
             if fields[name] and fields[name].lower() not in _NONE
         )
         listed.append(_Row(line, values, details, headers))
-    if not listed:
-        raise InputError("the list has no rows below the header; add one row per event")
     return listed
+
+
+def _with_kinds(
+    columns: dict[str, list[str]], rows: Sequence[dict[str, str]]
+) -> dict[str, list[str]]:
+    """Return the columns, with the first that has football events as `kind` if none is named so.
+
+    Most of its different texts must be football terms, and one more specific than a colour.
+    """
+    if "kind" in columns or any("scorer" in name for name in columns.get("player", [])):
+        return columns
+    texts = {key: names for key, names in columns.items() if key in ("label", "details")}
+    named = {names[0] for key, names in columns.items() if key not in texts}
+    for name in rows[0] if rows else ():
+        cells = [kind for fields in rows if (kind := normalize_terms(fields[name]))]
+        football = [kind for kind in cells if _is_specific(kind) or _FOOTBALL.search(kind)]
+        others = [k for k in cells if meaning(k, "", own=False, penalty=False)[0] in _PERIOD_KINDS]
+        is_clear = any(_is_specific(kind) and kind not in _COLOURS for kind in football)
+        if name not in named and is_clear and 2 * len({*football, *others}) > len({*cells}):
+            kept = {key: names for key, names in columns.items() if names != [name]}
+            return {**kept, "kind": [name]}
+    return columns
 
 
 def _columns(header: Sequence[str]) -> dict[str, list[str]]:
@@ -455,25 +438,38 @@ def _ended_period(minute: Minute, kind: str) -> int:
 def _has_football_kinds(head: str, columns: dict[str, list[str]], timed: str) -> bool:
     """Return whether the first rows have minutes and football event kinds.
 
-    With a column of teams or players one such row is enough; else half of the rows must have them.
+    With a column of teams or players, or stoppage time (45+2), one such row is enough; else half
+    of the rows must have them, a quarter under `minute`.
     """
     complete = head[: head.rfind("\n") + 1] or head
     has_sides = "team" in columns or "player" in columns
     allows_numbers = has_sides or "minute" in columns  # else numbers under `time` are seconds
     football = other = 0
+    has_stoppage = False
     try:
-        for _, fields in itertools.islice(records(complete), _ROWS_CHECKED):
-            kind = normalize_terms(fields[columns["kind"][0]])
-            details = " ".join(normalize_terms(fields[name]) for name in columns.get("details", []))
-            specific = meaning(kind, details, own=False, penalty=False)[0] not in _NOT_SPECIFIC
-            if specific and has_sides and _is_minute(fields[timed]):
+        rows = [fields for _, fields in itertools.islice(records(complete), _ROWS_CHECKED)]
+        found = _with_kinds(columns, rows)
+        if "kind" not in found:
+            return False
+        for fields in rows:
+            kind = normalize_terms(fields[found["kind"][0]])
+            names = found.get("details", [])
+            details = " ".join(normalize_terms(fields[name], True) for name in names)
+            specific = _is_specific(kind, details)
+            if specific and has_sides and "kind" in columns and _is_minute(fields[timed]):
                 return True
+            has_stoppage |= "+" in fields[timed] and _is_minute(fields[timed])
             is_football = specific or bool(_FOOTBALL.search(kind))
             football += is_football and _is_minute(fields[timed], allows_numbers)
             other += not specific
     except InputError:  # the reader reports the error
         return False
-    return football > 0 and football >= other
+    most = 3 * football if "minute" in columns and "kind" in columns else football
+    return football > 0 and (has_stoppage or most >= other)
+
+
+def _is_specific(kind: str, details: str = "") -> bool:
+    return meaning(kind, details, own=False, penalty=False)[0] not in _NOT_SPECIFIC
 
 
 def _is_minute(text: str, allows_numbers: bool = True) -> bool:

@@ -356,7 +356,10 @@ def document_of(text: str) -> dict[str, Any]:
             continue
         if line[0] in "([" and not _NUMBER.match(line) and not _DATE.match(line):
             if listed and not listed[-1]["goals1"] and not listed[-1]["goals2"]:
-                _add_goals(listed[-1], line[1:-1])
+                one, semicolon, two = line[1:-1].partition(";")
+                if not semicolon and _final(listed[-1])[0] == 0:
+                    one, two = "", one
+                listed[-1] |= {"goals1": _goals_in(one), "goals2": _goals_in(two)}
             continue
         rest = _NUMBER.sub("", line, count=1) if _NUMBER.match(line) else line
         dated = _DATE.match(rest)
@@ -407,19 +410,11 @@ def _match(line: str) -> dict[str, Any] | None:
 
 def _final(match: dict[str, Any]) -> list[int]:
     """Return the score without a shoot-out."""
-    final: list[int] = match["score"].get("et") or match["score"]["ft"]
-    return final
+    return list(match["score"].get("et") or match["score"]["ft"])
 
 
 def _pair(text: str) -> list[int]:
     return [int(number) for number in text.split("-")]
-
-
-def _add_goals(match: dict[str, Any], text: str) -> None:
-    one, semicolon, two = text.partition(";")
-    if not semicolon and _final(match)[0] == 0:
-        one, two = "", one
-    match["goals1"], match["goals2"] = _goals_in(one), _goals_in(two)
 
 
 def _goals_in(text: str) -> list[dict[str, Any]]:

@@ -26,6 +26,7 @@ The players' actions with the ball (`BALL_TOUCHES`) are shown in windows only.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -116,8 +117,15 @@ def read_table(source: DataFile, options: LoadOptions) -> Timeline:
     text = source.text
     with validation.prefix_errors(f"{source.where}: "):
         rows = [{Column.of(k).name: v for k, v in row.items()} for _, row in records(text)]
-        if all(row.get("index", "").replace(".", "").isdigit() for row in rows):
-            rows.sort(key=lambda row: float(row["index"]))
+        matches = list(dict.fromkeys(filter(None, (row.get("match_id") for row in rows))))
+        if len(matches) > 1:
+            raise InputError(
+                f"events of {len(matches)} matches (match_id {', '.join(matches[:3])} ...); keep "
+                "the rows of one"
+            )
+        places = [as_number(row.get("index")) for row in rows]
+        if None not in places:
+            rows = [row for _, _, row in sorted(zip(places, itertools.count(), rows, strict=False))]
         return decode([_nested(row) for row in rows], source.stem)
 
 
@@ -128,8 +136,8 @@ def _nested(row: dict[str, str]) -> dict[str, object]:
         return next((row[n] for n in names if row.get(n, "").lower() not in _EMPTY), "")
 
     clock, period = cell("timestamp").removeprefix("0 days "), cell("period")
-    if clock.replace(".", "", 1).isdigit():  # seconds
-        minutes, seconds = divmod(float(clock), 60.0)
+    if (moment_s := as_number(clock)) is not None and moment_s >= 0:
+        minutes, seconds = divmod(moment_s, 60.0)
         clock = f"{int(minutes) // 60:02}:{int(minutes) % 60:02}:{seconds:09.6f}"
     kind = cell("type_name", "type")
     shot: dict[str, object] = {}

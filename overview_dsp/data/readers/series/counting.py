@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.series_events import Calendar, Series, WindowRules, find_events
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.series.read_plan import HEAD_ROWS
 from overview_dsp.data.readers.series.rows import RowReader, with_settled_order
 from overview_dsp.data.readers.tables.column_roles import choose_time
-from overview_dsp.data.readers.tables.table import Table, first_rows, headers_of
+from overview_dsp.data.readers.tables.table import Table, first_rows
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, quoted
@@ -40,11 +40,6 @@ _ROUND_WINDOWS = {
     "1h": 3600.0, "6h": 21_600.0, "1d": _DAY, "1w": 7 * _DAY, "30d": 30 * _DAY, "1y": 365.25 * _DAY,
     "10y": 3652.5 * _DAY, "100y": 36_525.0 * _DAY,
 }  # fmt: skip
-
-
-def counts_rows(table: Table, options: LoadOptions) -> bool:
-    """Return whether rows are counted: map is `count`, and no column has this name."""
-    return options.counts and (options.map or "").strip().lower() not in headers_of(table.columns)
 
 
 @dataclass(frozen=True)
@@ -87,9 +82,13 @@ def count_rows(table: Table, options: LoadOptions, title: str) -> Timeline:
     if not np.isfinite(last - first) or last - first > 1e15:
         raise InputError("the times span more than 30 million years; check their unit")
     windows = _windows(requested, first, last, reader.time.start(first))
-    counts = _rows_per_window(store.finish(), windows)
-    start = reader.time.start(windows.first_s)
-    return _timeline(table, reader, windows, counts, start, title)
+    seconds, counts = store.finish(), np.zeros(windows.count, np.int64)
+    for begin in range(0, len(seconds), 1 << 20):
+        part = np.asarray(seconds[begin : begin + (1 << 20)])
+        at = np.floor((part - windows.first_s) / windows.span_s).astype(np.int64)
+        # rounding may put the last row past the last window
+        counts += np.bincount(np.clip(at, 0, windows.count - 1), minlength=windows.count)
+    return _timeline(table, reader, windows, counts.astype(np.float64), title)
 
 
 def _span(option: str) -> tuple[str, float] | None:
@@ -139,29 +138,14 @@ def _since_window_start(first: float, span: float, start: datetime | None) -> fl
     return since if start - earliest > timedelta(seconds=since) else 0.0
 
 
-def _rows_per_window(seconds: NDArray[np.float64], windows: _Windows) -> NDArray[np.float64]:
-    """Return the number of rows in each window."""
-    counts = np.zeros(windows.count, np.int64)
-    for begin in range(0, len(seconds), 1 << 20):
-        part = np.asarray(seconds[begin : begin + (1 << 20)])
-        at = np.floor((part - windows.first_s) / windows.span_s).astype(np.int64)
-        # rounding may put the last row past the last window
-        counts += np.bincount(np.clip(at, 0, windows.count - 1), minlength=windows.count)
-    return counts.astype(np.float64)
-
-
 def _timeline(
-    table: Table,
-    reader: RowReader,
-    windows: _Windows,
-    counts: NDArray[np.float64],
-    start: datetime | None,
-    title: str,
+    table: Table, reader: RowReader, windows: _Windows, counts: FloatArray, title: str
 ) -> Timeline:
     span = windows.span_s
     duration_s = windows.count * span
     middle = (np.arange(windows.count, dtype=np.float64) + 0.5) * span
     unit = f"per {windows.name.removeprefix('1') if windows.name[1:].isalpha() else windows.name}"
+    start = reader.time.start(windows.first_s)
     calendar = Calendar(start, dates_only=False)
     step = np.concatenate(([np.nan], np.diff(counts)))
     series = Series(middle, counts, step, False, unit, calendar)

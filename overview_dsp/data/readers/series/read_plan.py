@@ -132,7 +132,7 @@ def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPl
         No such column, an ambiguous choice, an unknown map, or both rate and time.
     """
     head = first_rows(table, HEAD_ROWS)
-    time = choose_time(table, head, options.time, options.rate is not None)
+    time = choose_time(table, head, options.time, options.rate is not None, options.value)
     if options.rate is not None and time.columns:
         raise InputError("rate and time are both given; leave one out")
     time = with_settled_order(table, time)

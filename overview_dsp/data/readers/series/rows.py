@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.tables.cells import NumberColumn
 from overview_dsp.data.readers.tables.column_roles import TimeChoice
 from overview_dsp.data.readers.tables.table import CellLocation, Table, cell_locator
 from overview_dsp.data.readers.tables.time_column import CLOCKS, Format, TimeColumn, settle_order
 from overview_dsp.errors import InputError, quoted
 
-Rows = NDArray[np.float64]
+Rows = FloatArray
 """Rows with a time, shape (2 + columns, n): row number from 1, seconds, and the value of each
 requested column, NaN = missing."""
 
@@ -110,7 +110,7 @@ def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
         else "the order of rows (only then are they ascending)"
     )
     note = f"column {header} is read as {description}, detected from {evidence}"
-    return TimeChoice(choice.columns, Format(name, note), choice.joint, (*choice.notes, note))
+    return replace(choice, format=Format(name, note), notes=(*choice.notes, note))
 
 
 def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:

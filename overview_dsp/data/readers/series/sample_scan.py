@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis import curve_maps
 from overview_dsp.data.analysis.curve_maps import PERCENTILES
 from overview_dsp.data.analysis.extrema import Thinner
@@ -65,9 +65,6 @@ MAX_GAPS = 200_000
 
 _EVEN = 1e-6
 """Maximum deviation of evenly spaced times, as a fraction of a step."""
-
-
-Floats = NDArray[np.float64]
 
 
 def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
@@ -120,10 +117,10 @@ class SampleScan:
     _step_s: float = 0.0
     _even: bool = True
     _missing: list[float | None] = field(default_factory=list)
-    _context: Floats = field(default_factory=lambda: np.empty((3, 0)))
-    _change: Floats = field(default_factory=lambda: np.empty(0))
-    _samples: tuple[Floats, Floats, Floats] | None = None
-    _points: tuple[Floats, Floats] | None = None
+    _context: FloatArray = field(default_factory=lambda: np.empty((3, 0)))
+    _change: FloatArray = field(default_factory=lambda: np.empty(0))
+    _samples: tuple[FloatArray, FloatArray, FloatArray] | None = None
+    _points: tuple[FloatArray, FloatArray] | None = None
 
     def _begin(self, block: Rows) -> None:
         """Set what applies to all blocks, from the first one."""
@@ -153,7 +150,7 @@ class SampleScan:
         if price and not self.relative:
             self.notes.append(curve_maps.NOT_ABOVE_0)
 
-    def _require_span(self, seconds: Floats) -> None:
+    def _require_span(self, seconds: FloatArray) -> None:
         if not np.isfinite(seconds).all() or seconds[-1] - self._first_s > 1e15:
             raise InputError("the times span more than 30 million years; check their unit")
 
@@ -161,7 +158,7 @@ class SampleScan:
         header = quoted(self.plan.value_column.header)
         return InputError(f"column {header} has no value in any row; name another")
 
-    def _column(self, block: Rows, i: int) -> Floats:
+    def _column(self, block: Rows, i: int) -> FloatArray:
         """Return a column of a block, with NaN for the number that means "no value"."""
         value, absent = block[2 + i], self._missing[i]
         return value if absent is None else np.where(value == absent, np.nan, value)
@@ -176,7 +173,9 @@ class SampleScan:
             raise InputError("times are too large to be distinguished; subtract the first one")
         columns = {index: self._column(block, i) for i, index in enumerate(self.plan.columns)}
         value, level = columns[self.plan.value], columns[self.plan.mapped]
-        self._check_even(time_s)
+        if self._even:
+            ideal = np.arange(self.count, self.count + len(time_s)) * self._step_s
+            self._even = bool(np.abs(time_s - ideal).max() <= _EVEN * self._step_s)
         self.missing += int(np.isnan(value).sum())
         self.count += len(value)
 
@@ -198,7 +197,9 @@ class SampleScan:
         self._add_curve(whole, since, carried, holes, step, factors)
         self._context = whole[:, -CONTEXT_ROWS:].copy()
 
-    def _find_splits(self, columns: Mapping[int, Floats], time_s: Floats) -> dict[int, float]:
+    def _find_splits(
+        self, columns: Mapping[int, FloatArray], time_s: FloatArray
+    ) -> dict[int, float]:
         """Find share splits, add notes, and return the factor by the index of each split."""
         if not self.relative or self.plan.value_type.kind != "share":
             return {}
@@ -210,12 +211,7 @@ class SampleScan:
         self.splits = tuple(Split(int(index[s.index]), s.ratio, s.factor) for s in splits)
         return {split.index: split.factor for split in splits}
 
-    def _check_even(self, time_s: NDArray[np.float64]) -> None:
-        if self._even:
-            ideal = np.arange(self.count, self.count + len(time_s)) * self._step_s
-            self._even = bool(np.abs(time_s - ideal).max() <= _EVEN * self._step_s)
-
-    def _holes(self, time_s: NDArray[np.float64], since: int) -> NDArray[np.int64]:
+    def _holes(self, time_s: FloatArray, since: int) -> IntArray:
         """Return the indices of samples before holes, from `since` on."""
         start = self.start
         if start is not None:
@@ -224,7 +220,7 @@ class SampleScan:
         self.gap_rule = self.gap_rule or holes.rule
         return holes.after[holes.after >= since]
 
-    def _add_gaps(self, whole: Floats, since: int, holes: NDArray[np.int64]) -> None:
+    def _add_gaps(self, whole: FloatArray, since: int, holes: IntArray) -> None:
         time_s, value, level = whole[:, since:]
         value = np.where(np.isnan(level), np.nan, value)
         found = list(find_gaps(time_s, value, holes - since))
@@ -239,11 +235,11 @@ class SampleScan:
 
     def _add_curve(
         self,
-        whole: Floats,
+        whole: FloatArray,
         since: int,
         carried: int,
-        holes: NDArray[np.int64],
-        step: Floats,
+        holes: IntArray,
+        step: FloatArray,
         factors: dict[int, float],
     ) -> None:
         mapping, (time_s, _, level) = self.plan.map, whole
@@ -262,7 +258,7 @@ class SampleScan:
         if mapping.name == "volatility":
             self._change = change[-self._changes_needed(time_s) :]
 
-    def _changes_needed(self, time_s: NDArray[np.float64]) -> int:
+    def _changes_needed(self, time_s: FloatArray) -> int:
         """Return the number of changes before a block that its first volatility requires."""
         size, seconds = self.plan.map.window()
         if seconds:
@@ -380,7 +376,7 @@ def _sorted_block(plan: ReadPlan, parts: list[Rows]) -> Rows:
     return block
 
 
-def _splits(plan: ReadPlan, by_column: Mapping[int, Floats]) -> list[Split]:
+def _splits(plan: ReadPlan, by_column: Mapping[int, FloatArray]) -> list[Split]:
     if is_adjusted(plan.value_column):
         return []
     beside = {
@@ -393,7 +389,7 @@ def _splits(plan: ReadPlan, by_column: Mapping[int, Floats]) -> list[Split]:
 
 
 def _split_notes(
-    plan: ReadPlan, value: Floats, time_s: Floats, splits: list[Split], calendar: Calendar
+    plan: ReadPlan, value: FloatArray, time_s: FloatArray, splits: list[Split], calendar: Calendar
 ) -> list[str]:
     if not splits:
         return []

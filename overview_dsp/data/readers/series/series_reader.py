@@ -14,11 +14,10 @@ from overview_dsp.data.readers.series.sample_scan import scan_samples
 from overview_dsp.data.readers.tables.groups import (
     MANY_REPEATS,
     require_single_series,
-    select_group,
+    selected_group,
 )
-from overview_dsp.data.readers.tables.table import Table
+from overview_dsp.data.readers.tables.table import Table, headers_of
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError
 
 OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 """Load options of series."""
@@ -26,7 +25,7 @@ OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 MAX_MB = 8192.0
 """Maximum size of a table, MB (2**20 bytes), unless `max_mb` is set."""
 
-_TRACKS = ("GPX", "TCX")
+_TRACKS = ("GPX", "TCX", "FIT")
 
 
 def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
@@ -34,12 +33,7 @@ def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, Load
 
     def read(source: DataFile, options: LoadOptions) -> Timeline:
         limit = options.max_mb if options.max_mb is not None else MAX_MB
-        if source.size > limit * 2**20:
-            raise InputError(
-                f"{source.where}: {source.size / 2**20:.0f} MB, more than the {limit:g} MB that "
-                "are read; keep fewer columns or rows, or raise the limit with max_mb "
-                "(--read max-mb=MB)"
-            )
+        source.require_size(limit, "keep fewer columns or rows")
         with validation.prefix_errors(f"{source.where}: "):
             return series_timeline(open_table(source), options, source.stem)
 
@@ -63,10 +57,13 @@ def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Time
     InputError
         An ambiguous choice of columns, a wrong cell (with its row and column), too few rows.
     """
-    if options.match is not None:
-        table = select_group(table, options.match)
-        title = ", ".join((title, *table.texts.values())) if title else title
-    if counting.counts_rows(table, options):
+    one = selected_group(table, options)
+    if one is not None:
+        table = one
+        texts = [text for text in one.texts.values() if text is not None]
+        title = ", ".join((title, *texts)) if title else title
+    # a column may be called `count`
+    if options.counts and (options.map or "").strip().lower() not in headers_of(table.columns):
         return counting.count_rows(table, options, title)
     if options.value is None and table.kind in _TRACKS:
         options = replace(options, value=table.columns[1].header)  # speed, if known

@@ -31,10 +31,12 @@ from overview_dsp.data.readers.tables.table import (
     Table,
     require_few_columns,
 )
+from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import install_command
 
 MAGIC = b"\x93NUMPY"
+ZIP_MAGIC = b"PK\x03\x04"
 _NUMBERS = "bhilqBHILQefdg?"
 _MAX_HEADER = 100_000
 
@@ -69,16 +71,6 @@ def _cells(part: Any) -> Cells:
     if kind in "iub":
         return np.asarray(part, np.float64 if kind == "u" else np.int64)
     return np.asarray(part) if kind == "M" else [str(cell) for cell in part.tolist()]
-
-
-def sniff_npy(source: DataFile) -> bool:
-    """Return whether the file is in `.npy` format."""
-    return source.head.startswith(MAGIC)
-
-
-def sniff_npz(source: DataFile) -> bool:
-    """Return whether the file is a ZIP archive; `opened` unpacks all other archives."""
-    return source.head.startswith(b"PK\x03\x04")
 
 
 def open_npy(source: DataFile) -> ColumnTable:
@@ -187,11 +179,6 @@ MAX_ROWS = 2_000_000_000
 """Maximum number of rows: a file of a few kilobytes can contain any number of equal rows."""
 
 
-def sniff_parquet(source: DataFile) -> bool:
-    """Return whether the file is in Parquet format."""
-    return source.head.startswith(PARQUET_MAGIC)
-
-
 def _library() -> Any:
     try:
         import pyarrow.parquet
@@ -264,8 +251,7 @@ class ParquetTable(Table):
         types, kind = self._arrow.types, column.type
         if types.is_timestamp(kind):
             naive = column.cast(self._arrow.timestamp(kind.unit))
-            found = naive.to_numpy(zero_copy_only=False)
-            return np.asarray(found)
+            return np.asarray(naive.to_numpy(zero_copy_only=False))
         if types.is_date(kind):
             days = column.cast(self._arrow.date32()).cast(self._arrow.int32())
             whole = days.cast(self._arrow.int64()).fill_null(np.iinfo(np.int64).min)
@@ -276,10 +262,17 @@ class ParquetTable(Table):
             whole = column.to_numpy(zero_copy_only=False)
             if whole.dtype.kind == "i" or not whole.size or int(whole.max()) < 2**63:
                 return np.asarray(whole, dtype=np.int64)
-        if types.is_decimal(kind):
-            return [None if cell is None else float(cell) for cell in column.to_pylist()]
-        if types.is_time(kind) or types.is_duration(kind):
-            return [None if cell is None else str(cell) for cell in column.to_pylist()]
+        if (types.is_string(kind) or types.is_large_string(kind)) and column.null_count == 0:
+            column = column.cast(self._arrow.large_string())
+            _, places, text = column.buffers()
+            ends = np.frombuffer(places, np.int64)[column.offset :][: len(column) + 1]
+            data = padded(memoryview(text or b"")[ends[0] : ends[-1]])
+            if data.max() < 0x80:
+                stops = ends - (ends[0] - PAD)
+                return TextCells(data, stops[:-1], stops[1:])
+        as_cell = float if types.is_decimal(kind) else str
+        if types.is_decimal(kind) or types.is_time(kind) or types.is_duration(kind):
+            return [None if cell is None else as_cell(cell) for cell in column.to_pylist()]
         return list(column.to_pylist())
 
 

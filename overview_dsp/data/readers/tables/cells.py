@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.tables.table import CellLocation, Cells
+from overview_dsp.data.readers.tables.text_cells import TextCells
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.errors import quoted
 
@@ -26,9 +27,12 @@ _GROUPS = "'’ \u00a0\u202f_"
 NUMBER = re.compile(
     rf"(?P<open>\()?\s*(?P<sign1>[+\-−]?)\s*(?P<currency>[{_CURRENCIES}]?)\s*(?P<sign>[+\-−]?)"
     rf"(?P<digits>\d(?:[\d.,{_GROUPS}]*\d)?[.,]?|[.,]\d+)(?P<power>[eE][+\-]?\d+)?"
-    r"\s*(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
+    r"(?P<space>\s*)(?P<unit>[^\d\s().,+\-:/][^\d\s():/]{0,7})?\s*(?(open)\))",
     re.ASCII,
 )
+_SIXTIETHS = re.compile(r"(\d{1,3}):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
+"""A pace or a length such as 5:12, which is 5.2 of its first unit."""
+
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
 
@@ -59,10 +63,14 @@ def parse(text: str, decimal_mark: str) -> tuple[float, str] | None:
     # a lone surrogate for a byte that is not text; an exponent without digits
     if not unit.isprintable() or unit in ("e", "E"):
         return None
-    if unit in _MULTIPLIERS:
+    # with a space these are kelvin, bytes and tesla
+    is_unit = unit in ("K", "B", "T") and found["space"] and not found["currency"]
+    if unit in _MULTIPLIERS and not is_unit:
         value, unit = value * _MULTIPLIERS[unit], ""
     negative = "-" in (found["sign1"] + found["sign"]).replace("−", "-")
-    if negative != (found["open"] is not None):
+    if negative and found["open"]:
+        return None
+    if negative or found["open"]:
         value = -value
     return value, unit or found["currency"]
 
@@ -74,7 +82,7 @@ class NumberColumn:
     decimal_mark: str = "."
     unit: str | None = None
 
-    def values(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
+    def values(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         """Return float64 of the cells' length, NaN where there is no value.
 
         Parameters
@@ -94,10 +102,7 @@ class NumberColumn:
                 raise locate(0).error(cells[0], "is a date; name a column of numbers")
             values = cells.astype(np.float64)
         else:
-            plain = self._plain(cells)
-            if plain is None:
-                plain = np.array([self._one(cell, i, locate) for i, cell in enumerate(cells)])
-            values = plain
+            values = self._numbers(cells, locate)
         wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
         if wild.size:
             i = int(wild[0])
@@ -107,21 +112,19 @@ class NumberColumn:
             )
         return values
 
-    def _plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
-        """Return the numbers if all cells are plain numbers with the decimal mark, else None."""
-        if self.unit:
-            return None
-        try:
-            if not are_written_in(cells, f"0123456789+-eE{self.decimal_mark}"):
-                return None
-            if self.decimal_mark != ".":  # a second mark is an error of `float`
-                cells = "\n".join(cells).replace(self.decimal_mark, ".").split("\n")
-            values = np.fromiter(map(float, cells), np.float64, len(cells))
-        except (TypeError, ValueError):  # a cell that is not text, an empty one, a lone sign
-            return None
-        if values.size:
+    def _numbers(
+        self, cells: list[Any] | TextCells, locate: Callable[[int], CellLocation]
+    ) -> FloatArray:
+        """Return the numbers of texts and other values: of plain ones as columns."""
+        texts = cells if isinstance(cells, TextCells) else TextCells.of(cells)
+        if texts is None:
+            return np.array([self._one(cell, i, locate) for i, cell in enumerate(cells)])
+        found, good = texts.decimals(self.decimal_mark)
+        if self.unit is None and not np.isnan(found[good]).all():
             self.unit = ""
-        return values
+        for i in np.flatnonzero(~good).tolist():
+            found[i] = self._one(texts[i], i, locate)
+        return found
 
     def _one(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
@@ -134,6 +137,12 @@ class NumberColumn:
             except OverflowError:
                 return math.inf
         found = parse(cell.strip(), self.decimal_mark) if isinstance(cell, str) else None
+        if (
+            found is None
+            and isinstance(cell, str)
+            and (parts := _SIXTIETHS.fullmatch(cell.strip()))
+        ):
+            found = sum(float(part or 0) / 60.0**n for n, part in enumerate(parts.groups())), ""
         if found is None:
             other, name = (",", "point") if self.decimal_mark == "." else (".", "comma")
             swapped = isinstance(cell, str) and parse(cell.strip(), other) is not None
@@ -151,12 +160,6 @@ class NumberColumn:
                 "the column",
             )
         return value
-
-
-def are_written_in(cells: Iterable[str], letters: str) -> bool:
-    """Return whether texts consist of these ASCII characters; TypeError for other cells."""
-    text = "".join(cells).encode("ascii", "replace")  # "?" for any other
-    return not text.translate(None, letters.encode())
 
 
 def is_number(cell: Any) -> bool:
@@ -198,7 +201,7 @@ def is_missing(cell: Any) -> bool:
     return isinstance(cell, np.datetime64) and bool(np.isnat(cell))
 
 
-def sentinel(value: NDArray[np.float64]) -> float | None:
+def sentinel(value: FloatArray) -> float | None:
     """Return the number that means "no value" in a column, or None.
 
     It is the smallest value, one of `SENTINELS`, and further below all others than their range:

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.data.readers.data_file import LoadOptions
-from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, looks_numeric
+from overview_dsp.data.readers.tables.column_names import NAMES, UNIT_SUFFIX
 from overview_dsp.data.readers.tables.table import (
     Cells,
     Chunk,
@@ -34,7 +34,7 @@ from overview_dsp.data.readers.tables.time_column import (
     detected_format,
     requested_format,
 )
-from overview_dsp.data.timeline.time_parsing import moment
+from overview_dsp.data.timeline.time_parsing import match_minute, moment
 from overview_dsp.errors import InputError, quoted
 
 _DAYS = ("iso", "dmy", "mdy", "dmy or mdy", "month names")
@@ -76,7 +76,9 @@ class TimeChoice:
         ]
 
 
-def choose_time(table: Table, head: Head, requested: str | None, rated: bool) -> TimeChoice:
+def choose_time(
+    table: Table, head: Head, requested: str | None, rated: bool, value: str | None = None
+) -> TimeChoice:
     """Choose the time column.
 
     Parameters
@@ -89,6 +91,8 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
         `COLUMN`, `COLUMN:FORMAT` or `:FORMAT`.
     rated
         Whether rows are evenly spaced at a requested rate.
+    value
+        Requested column of values. It does not contain clocks.
 
     Raises
     ------
@@ -105,8 +109,7 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
         return TimeChoice((), Format("s"))
     found = _best(columns, head)
     if found is None:
-        parts = _year_month_day(columns, head)
-        if parts is not None:
+        if (parts := _year_month_day(columns, head)) is not None:
             return parts
         raise InputError(
             f"no column looks like times; columns are {listed(columns)}: name one with time "
@@ -116,18 +119,18 @@ def choose_time(table: Table, head: Head, requested: str | None, rated: bool) ->
     index, form = found
     if written:
         form = Format(written)
-    clock = _clock_column(columns, head, index, form)
+    values = None if value is None else column_named(columns, value)
+    clock, unmarked = _clock_column(columns, head, index, form, values)
     offset = _offset_column(columns, head, index, form)
     beside = tuple(i for i in (clock, offset) if i is not None)
-    if beside:
-        unmarked = 0 if clock is None else _unmarked_clock(columns[clock], head[clock])
-        return TimeChoice((index, *beside), form, " ", _form_notes(form), unmarked)
-    if form.name == "year":
-        parts = _year_month_day(columns, head)
-        if parts is not None:
-            return parts
     notes = _form_notes(form)
-    if columns[index].plain not in column_names.SERIES_TIMES:
+    if beside:
+        if unmarked and clock is not None:
+            notes = (*notes, clock_note(columns, index, clock))
+        return TimeChoice((index, *beside), form, " ", notes, unmarked)
+    if form.name == "year" and (parts := _year_month_day(columns, head)) is not None:
+        return parts
+    if columns[index].plain not in NAMES["series_times"]:
         notes = (*notes, f"times are taken from column {quoted(columns[index].header)}")
     return TimeChoice((index,), form, "", notes)
 
@@ -150,10 +153,18 @@ def _form_of(column: Column, cells: Sequence[Any], written: str, is_requested: b
         form = Format("s", f"the numbers of column {header} are read as seconds")
     if form is None:
         first = next((cell for cell in cells if not is_missing(cell)), None)
+        remedy = (
+            "name another column, or say how times are written with time (--time-column "
+            "COLUMN:FORMAT)"
+        )
+        if first is not None and match_minute(str(first)) is not None:
+            remedy = (
+                "minutes of a football match need goals, cards or fouls beside them; write 47 for "
+                "45+2 in other lists"
+            )
         raise InputError(
             f"column {header} holds {quoted(first) if first is not None else 'no values'}, which "
-            "isn't a time in any known way; name another column, or say how times are written "
-            "with time (--time-column COLUMN:FORMAT)"
+            f"isn't a time in any known way; {remedy}"
         )
     return form
 
@@ -170,11 +181,11 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
         if form is None:
             continue
         fixed = form.name != "year" and _is_constant(cells)  # a station's number, a table's date
-        if fixed and _clock_column(columns, head, i, form) is None:
+        if fixed and _clock_column(columns, head, i, form)[0] is None:
             continue
         name = column.plain
-        named = name in column_names.SERIES_TIMES or any(
-            word in name for word in column_names.SERIES_TIME_PARTS
+        named = name in NAMES["series_times"] or any(
+            word in name for word in NAMES["series_time_parts"]
         )
         dated = form.calendar and form.name != "year"
         if dated and form.name.startswith("epoch") and not named:
@@ -186,7 +197,7 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
             continue
         if dated:
             rank = 0 if named and name != "" else 1
-        elif named and name not in column_names.ROW_COUNTERS:
+        elif named and name not in NAMES["row_counters"]:
             rank = 2 if form.calendar else 3
         elif i == 0 and len(columns) > 1 and _rising(cells):
             rank = 4
@@ -212,33 +223,47 @@ def _float(cell: Any) -> float | None:
         return None
 
 
-def _clock_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
-    """Return the column of clock times that belongs to a column of days."""
-    dates = [_whole(cell) for cell in head[date] if not is_missing(cell)]
-    if form.name not in _DAYS or not dates or any(":" in text for text in dates):
-        return None
-    named = [
-        i
-        for i, c in enumerate(columns)
-        if any(word in c.plain for word in column_names.CLOCK_PARTS)
-    ]
-    return next(
-        (
-            i
-            for i in named
-            if i != date and (_all(head[i], _is_day_clock) or _unmarked_clock(columns[i], head[i]))
-        ),
-        None,
-    )
+def _clock_column(
+    columns: Columns, head: Head, date: int, form: Format, value: int | None = None
+) -> tuple[int | None, int]:
+    """Return the column of clocks that belongs to a column of days, and its `unmarked`."""
+    days = [_whole(cell) for cell in head[date] if not is_missing(cell)]
+    if form.name not in _DAYS or not days or any(":" in text for text in days):
+        return None, 0
+    others = [(i, column) for i, column in enumerate(columns) if i not in (date, value)]
+    for i, column in others:
+        named = any(word in column.plain for word in NAMES["clock_parts"])
+        if named and _all(head[i], _is_day_clock):
+            return i, 0
+    for i, column in others:
+        if unmarked := _unmarked_clock(column, head[i], days):
+            return i, unmarked
+    return None, 0
 
 
-def _unmarked_clock(column: Column, cells: Sequence[Any]) -> int:
-    """Return 100 for a column of clocks HHMM without marks, 1 for one of hours, 0 for others."""
+def _unmarked_clock(column: Column, cells: Sequence[Any], days: list[str]) -> int:
+    """Return 100 for a column of clocks HHMM without marks, 1 for hours of days, 0 for others."""
     texts = [_whole(cell) for cell in cells if not is_missing(cell)]
-    hour = column.plain in column_names.HOURS
-    factor = 1 if hour and all(len(text) < 3 for text in texts) else 100
-    fits = all(t.isdigit() and len(t) <= 4 and _is_day_clock(_marked(t, factor)) for t in texts)
-    return factor if texts and fits and (hour or len(set(texts)) > 1) else 0
+    if column.plain not in NAMES["clocks_without_marks"] or len(texts) != len(days):
+        return 0
+    is_hour = column.plain in NAMES["hours"] and all(len(text) < 3 for text in texts)
+    factor = 1 if is_hour else 100
+    if not all(t.isdigit() and len(t) <= 4 and _is_day_clock(_marked(t, factor)) for t in texts):
+        return 0
+    whole_days = all(_is_day(day) for day in days)
+    # a number beside each day may be a duration: hours of a day come in several rows
+    has_clocks = len(set(days)) < len(days) if is_hour else any(int(text) >= 100 for text in texts)
+    return factor if whole_days and has_clocks else 0
+
+
+def clock_note(columns: Columns, date: int, clock: int) -> str:
+    """Return the note about a column of clocks without marks."""
+    names = " and ".join(quoted(columns[i].header) for i in (date, clock))
+    return f"times are made of columns {names}"
+
+
+def _is_day(text: str) -> bool:
+    return any(moment(f"{text} 00:00", name) is not None for name in _DAYS if "or" not in name)
 
 
 def _marked(cell: Any, factor: int) -> str:
@@ -253,9 +278,7 @@ def _marked(cell: Any, factor: int) -> str:
 def _offset_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
     """Return the column of offsets from UTC, which make the hour of a clock change unique."""
     named = [
-        i
-        for i, c in enumerate(columns)
-        if c.plain in column_names.UTC_OFFSETS and form.name in _DAYS
+        i for i, c in enumerate(columns) if c.plain in NAMES["utc_offsets"] and form.name in _DAYS
     ]
     return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
@@ -302,6 +325,16 @@ def _stripped(cell: Any) -> str:
     return str(cell).strip()
 
 
+def is_code(column: Column, cells: Sequence[Any]) -> bool:
+    """Return whether a column is called like a group, with texts or whole numbers that repeat."""
+    known = [cell for cell in cells if not is_missing(cell)]
+    numbers = [_float(cell) for cell in known]
+    readings = all(n is not None for n in numbers) and (
+        len(set(numbers)) == len(numbers) or any(n != n // 1 for n in numbers if n is not None)
+    )
+    return column.plain in NAMES["groups"] and not (known and readings)
+
+
 def choose_value(
     table: Table, head: Head, requested: str | None, times: tuple[int, ...]
 ) -> tuple[int, str]:
@@ -326,11 +359,12 @@ def choose_value(
         and looks_numeric(head[i])
         and not _is_time_too(columns[i], head[i])
     ]
-    numeric = [i for i in numeric if columns[i].plain not in column_names.GROUPS] or numeric
+    numeric = [i for i in numeric if not is_code(columns[i], head[i])] or numeric
     if not numeric:
         raise InputError(
-            f"no column of numbers besides the times; columns are {listed(columns)}: name the "
-            "values with value (--value-column)"
+            f"no column of numbers besides the times; columns are {listed(columns)}: for events, "
+            "call the column of their texts event; for a series, name its values with value "
+            "(--value-column)"
         )
     offered = [columns[i] for i in numeric]
     price = preferred_price(offered)
@@ -370,15 +404,15 @@ def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
     """Return whether a column has times too, and so no values: `date` in addition to `unix`."""
     form = detected_format(column, cells)
     name = column.plain
-    named = name in column_names.SERIES_TIMES[1:8] or any(
-        word in name for word in column_names.SERIES_TIME_PARTS
+    named = name in NAMES["series_times"][1:8] or any(
+        word in name for word in NAMES["series_time_parts"]
     )
     return form is not None and form.calendar and named and name != ""
 
 
 def _is_counter(column: Column, cells: Sequence[Any]) -> bool:
     """Return whether a column counts rows."""
-    if column.plain not in column_names.ROW_COUNTERS:
+    if column.plain not in NAMES["row_counters"]:
         return False
     known = [_float(cell) for cell in cells]
     return all(
@@ -403,16 +437,13 @@ def is_adjusted(column: Column) -> bool:
 def is_price(column: Column, columns: Columns) -> bool:
     """Return whether a column is named like a price; a high or low requires a close."""
     name = _key(column)
-    if is_price_table(columns) and name in (
-        *column_names.CLOSE,
-        *column_names.OPEN,
-        *column_names.HIGH_LOW,
-    ):
+    prices = NAMES["close"] + NAMES["open"] + NAMES["high_low"]
+    if is_price_table(columns) and name in prices:
         return True
     return (
         is_adjusted(column)
         or _PRICE_OF.fullmatch(column.name) is not None
-        or name in column_names.PRICES_ALONE
+        or name in NAMES["prices_alone"]
         or name.endswith(("price", "close", "quote"))
         or name.startswith("price")
     )
@@ -421,9 +452,7 @@ def is_price(column: Column, columns: Columns) -> bool:
 def is_close(column: Column) -> bool:
     """Return whether a column is named like a closing price of an exchange."""
     name = _key(column)
-    return is_adjusted(column) or (
-        name in column_names.CLOSE and name not in column_names.OTHER_PRICES
-    )
+    return is_adjusted(column) or (name in NAMES["close"] and name not in NAMES["other_prices"])
 
 
 def _first(columns: Columns, names: Sequence[str]) -> int | None:
@@ -432,9 +461,8 @@ def _first(columns: Columns, names: Sequence[str]) -> int | None:
 
 def is_price_table(columns: Columns) -> bool:
     """Return whether there is a close and also an open, high or low."""
-    return _first(columns, column_names.CLOSE) is not None and (
-        _first(columns, column_names.OPEN) is not None
-        or _first(columns, column_names.HIGH_LOW) is not None
+    return _first(columns, NAMES["close"]) is not None and (
+        _first(columns, NAMES["open"]) is not None or _first(columns, NAMES["high_low"]) is not None
     )
 
 
@@ -442,9 +470,9 @@ def price_columns(columns: Columns) -> dict[str, int]:
     """Return the indices of the columns `adjusted`, `close`, `open` and `volume`, if present."""
     found = {
         "adjusted": next((i for i, column in enumerate(columns) if is_adjusted(column)), None),
-        "close": _first(columns, column_names.CLOSE),
-        "open": _first(columns, column_names.OPEN),
-        "volume": _first(columns, column_names.VOLUME),
+        "close": _first(columns, NAMES["close"]),
+        "open": _first(columns, NAMES["open"]),
+        "volume": _first(columns, NAMES["volume"]),
     }
     return {name: i for name, i in found.items() if i is not None}
 
@@ -455,7 +483,7 @@ def preferred_price(columns: Columns) -> int | None:
         found = price_columns(columns)
         return found.get("adjusted", found["close"])
     # a close and its volume alone
-    rest = [column for column in columns if _key(column) not in column_names.VOLUME]
+    rest = [column for column in columns if _key(column) not in NAMES["volume"]]
     if len(rest) == 1 and len(columns) == 2 and is_price(rest[0], columns):
         return columns.index(rest[0])
     return None
@@ -473,6 +501,7 @@ class Roles:
     label: int | None
     format: Format
     clock: int | None = None
+    unmarked: int = 0
     weight: int | None = None
     end: int | None = None
     length: int | None = None
@@ -488,25 +517,25 @@ def named(columns: Columns, names: Sequence[str]) -> int | None:
 
 def named_time_column(columns: Columns) -> int | None:
     """Return the index of a column named like times, with or without a unit."""
-    found = named(columns, column_names.EVENT_TIMES)
+    found = named(columns, NAMES["event_times"])
     if found is not None:
         return found
     for i, column in enumerate(columns):
-        stem = column_names.UNIT_SUFFIX.sub("", column.plain)
-        if stem in column_names.EVENT_TIMES and stem != column.plain:
+        stem = UNIT_SUFFIX.sub("", column.plain)
+        if stem in NAMES["event_times"] and stem != column.plain:
             return i
     return None
 
 
 def kind_and_label_columns(columns: Columns) -> tuple[int | None, int | None]:
     """Return the indices of the columns of kinds and of labels."""
-    return named(columns, column_names.EVENT_KINDS), named(columns, column_names.EVENT_LABELS)
+    return named(columns, NAMES["event_kinds"]), named(columns, NAMES["event_labels"])
 
 
 def is_wordy(cells: Sequence[Any]) -> bool:
     """Return whether cells are texts other than numbers."""
     known = [cell for cell in cells if not is_missing(cell)]
-    return bool(known) and not looks_numeric(known) and any(isinstance(c, str) for c in known)
+    return not looks_numeric(known) and any(isinstance(c, str) for c in known)
 
 
 def is_event_table(columns: Columns, head: Head, options: LoadOptions) -> bool:
@@ -525,18 +554,13 @@ def is_event_table(columns: Columns, head: Head, options: LoadOptions) -> bool:
     words = [i for i in (kind, label) if i is not None and i != time]
     if not any(is_wordy(head[i]) for i in words):
         return False
+    roles = ("event_extras", "event_times", "event_kinds", "event_labels")
     for i, column in enumerate(columns):
-        if i in (time, *words) or column.plain in (
-            *column_names.EVENT_EXTRAS,
-            *column_names.EVENT_TIMES,
-            *column_names.EVENT_KINDS,
-            *column_names.EVENT_LABELS,
-        ):
+        if i in (time, *words) or any(column.plain in NAMES[role] for role in roles):
             continue
         numeric = [cell for cell in head[i] if not is_missing(cell)]
-        if numeric and looks_numeric(numeric) and detected_format(column, numeric) is None:
-            return False
-        if numeric and looks_numeric(numeric) and not column_names.UNIT_SUFFIX.search(column.plain):
+        named = UNIT_SUFFIX.search(column.plain)
+        if looks_numeric(numeric) and not (named and detected_format(column, numeric)):
             return False  # a quantity: a series with additional texts
     return True
 
@@ -595,19 +619,19 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
         kind,
         label,
         form,
-        _clock_column(columns, head, time, form),
-        named(columns, column_names.EVENT_WEIGHTS),
-        named(columns, column_names.EVENT_ENDS),
-        named(columns, column_names.EVENT_LENGTHS),
-        named(columns, column_names.EVENT_IDS),
-        (form.note,) if form.note else (),
+        *_clock_column(columns, head, time, form),
+        named(columns, NAMES["event_weights"]),
+        named(columns, NAMES["event_ends"]),
+        named(columns, NAMES["event_lengths"]),
+        named(columns, NAMES["event_ids"]),
+        _form_notes(form),
     )
 
 
 def _best_time(columns: Columns, head: Head) -> int | None:
     """Return the index of a column named like times, dates before clocks."""
     for i, column in enumerate(columns):
-        if column.plain in column_names.EVENT_TIMES:
+        if column.plain in NAMES["event_times"]:
             form = detected_format(column, head[i])
             if form is not None and form.calendar:
                 return i

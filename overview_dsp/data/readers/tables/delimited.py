@@ -11,6 +11,7 @@ import codecs
 import csv
 import io
 import itertools
+from collections import Counter
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
@@ -19,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import IntArray
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.dialect import COMMENTS, Dialect, detect, header_dialect
 from overview_dsp.data.readers.tables.table import (
@@ -30,6 +32,7 @@ from overview_dsp.data.readers.tables.table import (
     Column,
     Table,
 )
+from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError
 
 BLOCK_BYTES = 1 << 20
@@ -45,9 +48,6 @@ _UTF8 = "utf-8"
 
 LONGEST_FIELD = 131_072
 """Maximum length of a field, in characters, as in Python's csv module."""
-
-_FLAT = 4
-"""All fields are split at once if at least one in this many columns is requested."""
 
 _NEWLINE = 10
 
@@ -88,8 +88,8 @@ def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
         raise InputError("no header; the first row names the columns")
     if len(dialect.header) > MAX_COLUMNS:
         raise InputError(f"{len(dialect.header)} columns in the header, more than {MAX_COLUMNS}")
-    named = [name for name in dialect.header if name]
-    twice = next((name for name in named if named.count(name) > 1), None)
+    named = Counter(name for name in dialect.header if name)
+    twice = next((name for name, count in named.items() if count > 1), None)
     if twice is not None:
         raise InputError(f"the header names the column '{twice}' twice; rename one")
     for count, (line, fields) in enumerate(DelimitedTable(text, dialect).records(), start=1):
@@ -149,11 +149,13 @@ class DelimitedTable(Table):
                 above -= 1
             if not block:
                 continue
-            whole = block if block.endswith("\n") else block + "\n"
-            marks = field_ends(whole, separator, width, dialect.comments)
+            if '"' in block or "\r" in block or not block.isascii():
+                return first
+            data = padded((block if block.endswith("\n") else block + "\n").encode())
+            marks = field_ends(data, separator, width, dialect.comments)
             if marks is None:
                 return first
-            cells = cells_of(whole, marks, separator, width, columns)
+            cells = cells_of(data, marks, width, columns)
             for begin in range(0, len(cells[0]), CHUNK_ROWS):
                 some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
                 yield Chunk(some, first, None, lines.part)
@@ -170,7 +172,7 @@ class DelimitedTable(Table):
         block = block or min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
         for first, numbers, rows in Rows(lines, dialect.separator, block):
             if first < begin:
-                skip = self._skipped(begin, first, numbers, rows)
+                skip = begin - first if numbers is None else sum(n < begin for n in numbers)
                 rows = rows[skip:]
                 first, numbers = first + skip, numbers[skip:] if numbers else None
             lengths = set(map(len, rows))
@@ -180,14 +182,6 @@ class DelimitedTable(Table):
                 continue
             cells: tuple[Any, ...] = tuple(list(map(itemgetter(i), rows)) for i in columns)
             yield Chunk(cells, first, numbers, lines.part)
-
-    def _skipped(
-        self, begin: int, first: int, numbers: list[int] | None, rows: list[list[Any]]
-    ) -> int:
-        """Return the number of rows before line `begin`."""
-        if numbers is None:
-            return min(len(rows), begin - first)
-        return sum(number < begin for number in numbers)
 
     def _tidied(
         self, first: int, numbers: list[int] | None, rows: list[list[Any]]
@@ -349,14 +343,14 @@ def _line_ends(text: str) -> int:
 
 
 def field_ends(
-    block: str, separator: str, width: int, comments: tuple[str, ...]
-) -> NDArray[np.int64] | None:
+    data: NDArray[np.uint8], separator: str, width: int, comments: tuple[str, ...] = ()
+) -> IntArray | None:
     """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.
 
     Parameters
     ----------
-    block
-        Whole lines, each with its line end.
+    data
+        Buffer (`padded`) of whole lines of ASCII characters, each with its line end.
     separator
         Character between fields.
     width
@@ -364,40 +358,24 @@ def field_ends(
     comments
         Prefixes of comment lines.
     """
-    if '"' in block or "\r" in block or not block.isascii():
-        return None
-    if block[:1] in ("\n", " ", "#") or "\n\n" in block:
-        return None
-    if _has_comment(block, comments):
-        return None
-    if separator != "\t" and (f"{separator} " in block or "\n " in block):
-        return None  # blanks before a field do not belong to it
-    data = np.frombuffer(block.encode("ascii"), np.uint8)
     ends = data == _NEWLINE
     marks = np.flatnonzero(ends | (data == ord(separator)))
     rows, left = divmod(len(marks), width)
-    if (
-        not rows
-        or left
-        or np.count_nonzero(ends) != rows
-        or not ends[marks[width - 1 :: width]].all()
-    ):
+    lines = marks[width - 1 :: width]
+    if not rows or left or np.count_nonzero(ends) != rows or not ends[lines].all():
         return None
-    longest = max(int(marks[0]), int((marks[1:] - marks[:-1]).max(initial=0)))
-    return marks if longest <= LONGEST_FIELD else None
+    length = np.diff(marks, prepend=PAD - 1) - 1
+    first = data[marks - length]
+    blank = (first == ord(" ")) & (separator != "\t")  # blanks before a field don't belong to it
+    if blank.any() or length.max() >= LONGEST_FIELD or (width == 1 and not length.all()):
+        return None
+    starts = {ord(mark[0]) for mark in comments} & set(np.unique(first[::width]).tolist())
+    return None if starts or first[0] in (ord(" "), ord("#")) else marks
 
 
 def cells_of(
-    block: str, marks: NDArray[np.int64], separator: str, width: int, columns: Sequence[int]
-) -> tuple[list[str], ...]:
+    data: NDArray[np.uint8], marks: IntArray, width: int, columns: Sequence[int]
+) -> tuple[TextCells, ...]:
     """Return the cells of these columns in a block whose fields end at `marks`."""
-    if _FLAT * len(columns) >= width:
-        flat = block.replace("\n", separator).split(separator)
-        return tuple(flat[i : len(marks) : width] for i in columns)
-    found = []
-    for i in columns:
-        stops = marks[i::width]
-        starts = (marks[i - 1 :: width] if i else np.append(-1, marks[width - 1 : -1 : width])) + 1
-        both = zip(starts.tolist(), stops.tolist(), strict=False)
-        found.append([block[start:stop] for start, stop in both])
-    return tuple(found)
+    starts = np.concatenate(([PAD], marks[:-1] + 1))
+    return tuple(TextCells(data, starts[i::width], marks[i::width]) for i in columns)

@@ -17,8 +17,8 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 from overview_dsp.data.readers.data_file import CONTROL, DataFile
-from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_numeric
+from overview_dsp.data.readers.tables.column_names import NAMES
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS
 from overview_dsp.data.timeline.time_parsing import FORMS, moment
 
@@ -160,8 +160,8 @@ def detect(
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
     header, units, first, note = _header(rows[begin:], comment)
     below = [row for i, row in rows[begin:] if i >= first]
-    if accepts is None and note and not _is_bare(below):
-        return None
+    if accepts is None and note and not (len(below) > 1 and _has_times(header[:1], below)):
+        return None  # rows without a header must begin with a time or a number
     is_table = accepts or (_has_times if source.options.counts else _is_series)
     if not is_table(header, below):
         return None
@@ -289,7 +289,7 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
     columns = [_fields(below, i) for i in range(len(header))]
     if any(looks_numeric(column) for column in columns):
         return True
-    named = any(word in name for name in names for word in column_names.TIME_HEADER_PARTS)
+    named = any(word in name for name in names for word in NAMES["time_header_parts"])
     return named and any(not column for column in columns)
 
 
@@ -297,9 +297,3 @@ def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
     """Return whether there is a column of dates or numbers, by which rows can be counted."""
     columns = [_fields(below, i) for i in range(len(header))]
     return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
-
-
-def _is_bare(rows: list[list[str]]) -> bool:
-    """Return whether two or more rows without a header begin with a time or a number."""
-    first = _fields(rows, 0)
-    return len(rows) > 1 and (looks_numeric(first) or any(map(_is_date, first)))

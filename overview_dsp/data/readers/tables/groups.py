@@ -1,27 +1,31 @@
 """Tables with several series, distinguished by columns such as `country`, `station` or `subject`.
 
 A column distinguishes series if the times repeat and its texts tell their rows apart, if the times
-start again where its text changes, or if it is called so (`column_names.GROUPS`). Such a table is
-read after `select_group`: `country=Norway`, `country=Norway, sex=f`, a text that is in one column
-only, or `country=*` for all rows as one series, if their times differ.
+start again where its text changes, or if it is called so (`groups` in column_names.toml). Such a
+table is read after `select_group`: `country=Norway`, `country=Norway, sex=f`, a text that is in one
+column only, or `country=*` for all rows as one series, if their times differ.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence, Set
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables import column_names
+from overview_dsp.arrays import FloatArray, IntArray
+from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.tables.cells import looks_numeric
-from overview_dsp.data.readers.tables.column_roles import TimeChoice
+from overview_dsp.data.readers.tables.column_names import NAMES
+from overview_dsp.data.readers.tables.column_roles import TimeChoice, is_code
 from overview_dsp.data.readers.tables.table import (
     Cells,
     Chunk,
     Column,
+    Columns,
     Table,
     as_list,
     cell_locator,
@@ -30,7 +34,7 @@ from overview_dsp.data.readers.tables.table import (
     listed,
 )
 from overview_dsp.data.readers.tables.time_column import TimeColumn, detected_format
-from overview_dsp.errors import InputError, quoted
+from overview_dsp.errors import InputError, quoted, warn
 
 MAX_GROUPS = 5_000
 """Maximum number of series that a column may distinguish."""
@@ -47,19 +51,18 @@ ALL = "*"
 _HEAD_ROWS = 200
 _SHOWN = 6
 _MOST_KEYS = 3
-_PART = re.compile(r"(?:^|,)\s*([^=,]+?)\s*=")
 
-Codes = NDArray[np.int64]
+Codes = IntArray
 
 
 class OneGroup(Table):
-    """Rows of a table in which columns have given texts, by index."""
+    """Rows of a table in which columns have given texts, by index; None stands for any text."""
 
-    def __init__(self, table: Table, texts: dict[int, str]) -> None:
+    def __init__(self, table: Table, texts: Mapping[int, str | None]) -> None:
         self._table, self.texts = table, texts
         self.kind, self.row_word = table.kind, table.row_word
         self.columns: tuple[Column, ...] = table.columns
-        self._only = {i: text for i, text in texts.items() if text != ALL}
+        self._only = {i: text for i, text in texts.items() if text is not None}
         named = [f"{quoted(self.columns[i].header)} is {quoted(t)}" for i, t in self._only.items()]
         note = f"the rows whose column {' and '.join(named)}" if named else "all rows as one series"
         self.notes = (*table.notes, note)
@@ -89,6 +92,13 @@ def _text(cell: Any) -> str:
     return str(cell).strip()
 
 
+def selected_group(table: Table, options: LoadOptions) -> OneGroup | None:
+    """Return the rows that the options `group` or `match` select; None without them."""
+    if options.group is not None:
+        return OneGroup(table, options.group)
+    return None if options.match is None else select_group(table, options.match)
+
+
 def select_group(table: Table, option: str) -> OneGroup:
     """Return the rows selected by `COLUMN=TEXT`, several of them, or a text in only one column.
 
@@ -97,25 +107,38 @@ def select_group(table: Table, option: str) -> OneGroup:
     InputError
         No row matches, or several columns contain the text.
     """
-    texts: dict[int, str] = {}
-    parts = [
-        (found, index)
-        for found in _PART.finditer(option)
-        if (index := column_named(table.columns, found[1])) is not None
-    ]
-    ends = (*(found.start() for found, _ in parts[1:]), len(option))
-    for (found, index), end in zip(parts, ends, strict=False):
-        texts |= _found(table, option, [index], option[found.end() : end].strip())
+    texts: dict[int, str | None] = {}
+    end_of_option = (len(option) + 1, 0, 0)
+    for (_, begin, index), (end, *_) in pairwise([*_parts(table.columns, option), end_of_option]):
+        texts |= _found(table, option, [index], option[begin : end - 1].strip())
     return OneGroup(
         table, texts or _found(table, option, range(len(table.columns)), option.strip())
     )
 
 
-def _found(table: Table, option: str, columns: Sequence[int], text: str) -> dict[int, str]:
+def _parts(columns: Columns, option: str) -> Iterator[tuple[int, int, int]]:
+    """Yield where each `COLUMN=` begins and ends in an option, and the column.
+
+    Names and texts may contain commas: a name is the longest text before `=` that is one.
+    """
+    begin = 0
+    for equals in (i for i, letter in enumerate(option) if letter == "="):
+        commas = (i + 1 for i in range(begin, equals) if option[i] == ",")
+        for start in (*((0,) if begin == 0 else ()), *commas):
+            index = column_named(columns, option[start:equals])
+            if index is not None:
+                yield start, equals + 1, index
+                begin = equals + 1
+                break
+
+
+def _found(
+    table: Table, option: str, columns: Sequence[int], text: str
+) -> Mapping[int, str | None]:
     """Return the column that contains a text, and the text as it is written there."""
     if text == ALL:
-        return dict.fromkeys(columns, ALL)
-    found: dict[int, str] = {}
+        return dict.fromkeys(columns)
+    found: dict[int, str | None] = {}
     examples: dict[str, None] = {}
     for chunk in table.chunks(columns):
         for i, cells in zip(columns, chunk.cells, strict=True):
@@ -124,8 +147,8 @@ def _found(table: Table, option: str, columns: Sequence[int], text: str) -> dict
             for one in dict.fromkeys(map(_text, dict.fromkeys(as_list(cells)))):
                 if len(columns) == 1 and len(examples) < 8 and one:
                     examples[one] = None
-                if one.lower() == text.lower():
-                    found.setdefault(i, one)
+                if one == text or (one.lower() == text.lower() and i not in found):
+                    found[i] = one
     if len(found) > 1:
         raise InputError(
             f"match {quoted(option)}: columns {listed([table.columns[i] for i in found])} contain "
@@ -137,32 +160,41 @@ def _found(table: Table, option: str, columns: Sequence[int], text: str) -> dict
     return found
 
 
-def group_options(table: Table, group: str) -> dict[str, str]:
-    """Return the texts of a column (or of several: `country, sex`) and the `match` of each.
+def groups_of(table: Table, group: str) -> dict[str, dict[int, str]]:
+    """Return the series of a column (or of several: `country, sex`), and their texts by column.
+
+    Rows without a text in a column belong to no series; a warning counts them.
 
     Raises
     ------
     InputError
         There is no such column, or it has too many texts.
     """
-    columns = [column_named(table.columns, name) for name in group.split(",")]
+    whole = column_named(table.columns, group)
+    names = group.split(",") if whole is None else [group]
+    columns = [column_named(table.columns, name) for name in names]
     if None in columns:
         raise InputError(f"group {quoted(group)}: no such column; columns are "
                          f"{listed(table.columns)}")  # fmt: skip
     found = [i for i in columns if i is not None]
-    rows: dict[tuple[str, ...], None] = {}
+    rows: Counter[tuple[Any, ...]] = Counter()
     for chunk in table.chunks(found):
-        rows |= dict.fromkeys(zip(*map(as_list, chunk.cells), strict=True))
+        rows.update(zip(*map(as_list, chunk.cells), strict=True))
         if len(rows) > MAX_GROUPS:
             raise InputError(f"group {quoted(group)}: more than {MAX_GROUPS} series")
-    known = dict.fromkeys(tuple(map(_text, row)) for row in rows if None not in row)
-    # "m", which stands for a missing number, is a text here
-    return {", ".join(texts): _option(table, found, texts) for texts in known if all(texts)}
-
-
-def _option(table: Table, columns: Sequence[int], texts: Sequence[str]) -> str:
-    pairs = zip(columns, texts, strict=True)
-    return ", ".join(f"{table.columns[i].header}={text}" for i, text in pairs)
+    known: dict[str, dict[int, str]] = {}
+    missing = 0
+    for row, count in rows.items():
+        # "m", which stands for a missing number, is a text here
+        texts = ["" if cell is None or cell != cell else _text(cell) for cell in row]
+        if all(texts):
+            known.setdefault(", ".join(texts), dict(zip(found, texts, strict=True)))
+        else:
+            missing += count
+    if missing:
+        headers = listed([table.columns[i] for i in found])
+        warn(f"{missing} rows have no text in {headers}; they are left out", 3)
+    return known
 
 
 def require_single_series(
@@ -183,14 +215,14 @@ def require_single_series(
         column that is called so.
     """
     texts_of = table.texts if isinstance(table, OneGroup) else {}
-    selected = {i: text for i, text in texts_of.items() if text != ALL}
+    selected = {i: text for i, text in texts_of.items() if text is not None}
     head = first_rows(table, _HEAD_ROWS)
     others = [
         i
         for i, column in enumerate(table.columns)
         if i not in (*time.columns, *used, *selected)
-        and column.plain not in column_names.UTC_OFFSETS
-        and (is_group(column) or (not events and (numbers or _is_wordy(column, head[i]))))
+        and column.plain not in NAMES["utc_offsets"]
+        and (is_group(column, head[i]) or (not events and (numbers or _is_wordy(column, head[i]))))
     ]
     if not others:
         return
@@ -198,12 +230,13 @@ def require_single_series(
     rows = len(seconds)
     several = [i for i in codes if 1 < len(names[i]) <= max(2, rows // 2)]
     told = {i: codes[i] for i in several}
-    keys = [] if events else _keys(seconds, told, table, numbers)
+    named = {i for i in told if is_group(table.columns[i], head[i])}
+    keys = [] if events else _keys(seconds, told, named, numbers)
     distinct = bool(keys)  # rows of one time can't be one series
-    if not keys and ALL not in texts_of.values():
+    if not keys and None not in texts_of.values():
         keys = _restarts(seconds, told)
         if not keys and not events:
-            keys = [i for i in several if is_group(table.columns[i])][:1]
+            keys = [i for i in several if is_group(table.columns[i], head[i])][:1]
     if not keys:
         return
     combined = list(dict.fromkeys(zip(*(codes[i].tolist() for i in keys), strict=True)))
@@ -212,7 +245,8 @@ def require_single_series(
     more = f" and {len(texts) - _SHOWN} more" if len(texts) > _SHOWN else ""
     headers = [table.columns[i].header for i in keys]
     column = f"column{'s' * (len(keys) > 1)} {' and '.join(map(quoted, headers))}"
-    chosen = _option(table, (*selected, *keys), (*selected.values(), *texts[0]))
+    first = zip((*selected, *keys), (*selected.values(), *texts[0]), strict=True)
+    chosen = ", ".join(f"{table.columns[i].header}={text}" for i, text in first)
     joined = "" if distinct else f", or {quoted(headers[0] + '=*')} for all rows as one series"
     raise InputError(
         f"{column} distinguish{'es' * (len(keys) == 1)} {len(texts)} series ({examples}{more}); "
@@ -221,9 +255,9 @@ def require_single_series(
     )
 
 
-def is_group(column: Column) -> bool:
-    """Return whether a column is called like one that distinguishes series."""
-    return column.key or column.plain in column_names.GROUPS
+def is_group(column: Column, cells: Sequence[Any]) -> bool:
+    """Return whether a column is called like one that distinguishes series, without readings."""
+    return column.key or is_code(column, cells)
 
 
 def _is_wordy(column: Column, cells: Sequence[Any]) -> bool:
@@ -232,12 +266,12 @@ def _is_wordy(column: Column, cells: Sequence[Any]) -> bool:
 
 def _coded(
     table: Table, time: TimeChoice, columns: Sequence[int]
-) -> tuple[NDArray[np.float64], dict[int, Codes], dict[int, list[str]]]:
+) -> tuple[FloatArray, dict[int, Codes], dict[int, list[str]]]:
     """Return the times of the first rows, and the columns as numbers of their texts."""
     times = TimeColumn(time.format)
     parts: dict[int, list[Codes]] = {i: [] for i in columns}
     names: dict[int, dict[str, int]] = {i: {} for i in columns}
-    seconds: list[NDArray[np.float64]] = []
+    seconds: list[FloatArray] = []
     rows = 0
     for chunk in table.chunks((*time.columns, *columns)):
         at = np.arange(rows, rows + len(chunk), dtype=np.float64)
@@ -260,10 +294,11 @@ def _coded(
     return np.concatenate(seconds or [np.empty(0)]), codes, {i: list(names[i]) for i in codes}
 
 
-def _keys(
-    seconds: NDArray[np.float64], codes: dict[int, Codes], table: Table, exact: bool
-) -> list[int]:
-    """Return the columns that tell rows of equal times apart; with `exact`, all such rows."""
+def _keys(seconds: FloatArray, codes: dict[int, Codes], named: Set[int], exact: bool) -> list[int]:
+    """Return the columns that tell rows of equal times apart; with `exact`, all such rows.
+
+    `named` are those that are called like groups.
+    """
     rows, moments = len(seconds), _numbered(seconds)
     repeats = rows - int(moments.max(initial=-1)) - 1
     keys: list[int] = []
@@ -277,18 +312,17 @@ def _keys(
         if not told:
             break
         # of columns that tell as much, one that is called so, then the first
-        i = max(told, key=lambda i: (told[i], is_group(table.columns[i]), -i))
+        i = max(told, key=lambda i: (told[i], i in named, -i))
         if told[i] <= best:
             break
         keys, best = [*keys, i], told[i]
-    named = any(is_group(table.columns[i]) for i in keys)
     enough = best == repeats if exact else 2 * best >= repeats
-    if enough and (named or repeats > MANY_REPEATS * rows):
+    if enough and (not named.isdisjoint(keys) or repeats > MANY_REPEATS * rows):
         return sorted(keys)
     return []
 
 
-def _restarts(seconds: NDArray[np.float64], codes: dict[int, Codes]) -> list[int]:
+def _restarts(seconds: FloatArray, codes: dict[int, Codes]) -> list[int]:
     """Return the column at whose changes, and nowhere else, the times start again."""
     step = np.sign(np.diff(seconds))
     wrong = step != (1.0 if np.count_nonzero(step > 0.0) * 2 >= len(step) else -1.0)

@@ -23,8 +23,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from overview_dsp.data.readers.data_file import DataFile
-from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.cells import looks_numeric
+from overview_dsp.data.readers.tables.column_names import CHART_LETTERS, NAMES
 from overview_dsp.data.readers.tables.delimited import Lines
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.table import (
@@ -52,22 +52,18 @@ def open_table(source: DataFile) -> Table:
     series = series_in(source.json)
     largest = max(series, key=lambda table: table.rows)
     if [column.header for column in largest.columns] == ["time", "column 2"]:
-        _require_order(as_list(largest.cut(0, 0, largest.rows)))
+        cells = as_list(largest.cut(0, 0, largest.rows))
+        numbers = [cell for cell in cells if isinstance(cell, int | float)]
+        steps = [b - a for a, b in itertools.pairwise(numbers)]
+        if steps and min(steps) < 0 < max(steps):
+            raise InputError(
+                "pairs whose first numbers are in no order, so not times (places?); sort them by "
+                'time, or write records such as {"time": 0, "value": 1}'
+            )
     if others := sum(table.rows > 1 for table in series if table is not largest):
         note = f"{others} other tables in the file were left out"
         largest = replace(largest, notes=(*largest.notes, note))
     return largest.checked()
-
-
-def _require_order(cells: Sequence[Any]) -> None:
-    """Raise InputError if the first numbers of pairs can't be times: they are in no order."""
-    numbers = [cell for cell in cells if isinstance(cell, int | float)]
-    steps = [b - a for a, b in itertools.pairwise(numbers)]
-    if steps and min(steps) < 0 < max(steps):
-        raise InputError(
-            "pairs whose first numbers are in no order, so not times (places?); sort them by time, "
-            'or write records such as {"time": 0, "value": 1}'
-        )
 
 
 MAX_DEPTH = 8
@@ -130,7 +126,8 @@ def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterato
         return  # positions are pairs of numbers, too
     features = value.get("features") if isinstance(value, dict) else None
     if isinstance(features, list) and value.get("type") == "FeatureCollection":
-        value = [_properties(feature) for feature in features]  # GeoJSON
+        # GeoJSON
+        value = [one.get("properties") if isinstance(one, dict) else one for one in features]
         path = f"{path}.features" if path else "features"
     if isinstance(value, list) and value:
         found = _record_list(value) or _row_list(value)
@@ -152,10 +149,6 @@ def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterato
         for i, item in enumerate(value[:_MAX_ENTRIES]):
             if isinstance(item, dict | list):
                 yield from _tables(item, f"{path}[{i}]", depth + 1, {})
-
-
-def _properties(feature: object) -> object:
-    return feature.get("properties") if isinstance(feature, dict) else feature
 
 
 def _units(value: dict[str, Any], key: str) -> dict[str, str]:
@@ -214,7 +207,7 @@ def _price_chart(value: dict[str, Any]) -> _Shape | None:
     if not isinstance(times, list) or not times or not isinstance(indicators, dict):
         return None
     quote, adjusted = (_first(indicators.get(key)) for key in ("quote", "adjclose"))
-    lists = {name: quote.get(name) for name in column_names.QUOTES} | {
+    lists = {name: quote.get(name) for name in NAMES["quotes"]} | {
         "adj close": adjusted.get("adjclose")
     }
     columns = {"time": times}
@@ -323,7 +316,7 @@ def _is_series(table: ColumnTable) -> bool:
     if not any(looks_numeric(column) for column in cells):
         return False
     for named, column in zip(table.columns, cells, strict=True):
-        if any(word in named.header.lower() for word in column_names.JSON_TIME_PARTS):
+        if any(word in named.header.lower() for word in NAMES["json_time_parts"]):
             return True
         if column and all(isinstance(cell, str) and _is_date(cell) for cell in column):
             return True
@@ -388,7 +381,7 @@ def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:
     """Return column names, with the single letters of a price chart replaced."""
     if not {"t", "o", "h", "l", "c"} <= set(names):
         return tuple(names)
-    return tuple(column_names.CHART_LETTERS.get(name, name) for name in names)
+    return tuple(CHART_LETTERS.get(name, name) for name in names)
 
 
 def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
@@ -409,7 +402,5 @@ def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:
         moved = moved or high > low
     width = len(rows[0])
     return (
-        (*column_names.CANDLE[:width], *(f"column {i}" for i in range(7, width + 1)))
-        if moved
-        else None
+        (*NAMES["candle"][:width], *(f"column {i}" for i in range(7, width + 1))) if moved else None
     )

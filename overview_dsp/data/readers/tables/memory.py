@@ -19,14 +19,9 @@ from typing import IO, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.tables.column_roles import is_price
-from overview_dsp.data.readers.tables.table import (
-    CellLocation,
-    Cells,
-    Column,
-    ColumnTable,
-    as_list,
-)
+from overview_dsp.data.readers.tables.table import CellLocation, Cells, Column, ColumnTable, as_list
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, quoted
@@ -104,7 +99,7 @@ def table_of(data: Any, times: Any = None) -> ColumnTable:
     ).checked()
 
 
-def samples_of(data: Any) -> NDArray[np.float64] | None:
+def samples_of(data: Any) -> FloatArray | None:
     """Return an array or a list of numbers as frames x channels from -1 to 1; None for other data.
 
     Whole numbers of 64 bits, as in a list, are those of 16 or 32 bits.
@@ -447,14 +442,9 @@ def is_frame(data: object) -> bool:
     if isinstance(data, np.ndarray | list | tuple | dict | type):
         return False
     interfaces = (
-        "to_numpy",
-        "__arrow_c_stream__",
-        "__dataframe__",
-        "__narwhals_dataframe__",
-        "collect",
-        "to_dataframe",
+        "to_numpy __arrow_c_stream__ __dataframe__ __narwhals_dataframe__ collect to_dataframe"
     )
-    return any(hasattr(data, name) for name in interfaces)
+    return any(hasattr(data, name) for name in interfaces.split())
 
 
 def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
@@ -589,7 +579,8 @@ def _input_column(nw: Any, column: Any) -> InputColumn:
     if kind == nw.Datetime:
         offset_min = None
         if kind.time_zone is not None:
-            offset_min = _offset_min(column)
+            first = column.drop_nulls().head(1).to_list()
+            offset_min = round(first[0].utcoffset().total_seconds() / 60.0) if first else 0
             column = column.dt.convert_time_zone("UTC").dt.replace_time_zone(None)
         return InputColumn(np.asarray(column.to_numpy()), offset_min)
     if kind == nw.Date:
@@ -599,9 +590,3 @@ def _input_column(nw: Any, column: Any) -> InputColumn:
     if kind.is_float() or kind == nw.Duration or (kind.is_integer() and not column.null_count()):
         return of_array(np.asarray(column.to_numpy()))
     return of_list(column.to_list())
-
-
-def _offset_min(column: Any) -> int:
-    """Return the offset from UTC of the first datetime in a column, min."""
-    first = column.drop_nulls().head(1).to_list()
-    return round(first[0].utcoffset().total_seconds() / 60.0) if first else 0

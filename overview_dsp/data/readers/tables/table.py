@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.data.readers.tables import column_names
+from overview_dsp.data.readers.tables.text_cells import TextCells
 from overview_dsp.errors import InputError, quoted
 
 CHUNK_ROWS = 65_536
@@ -28,20 +30,11 @@ MAX_COLUMNS = 10_000
 
 NO_ROWS = "no rows; a series has one row per time, an event list one row per event"
 
-Cells = list[Any] | NDArray[Any]
-"""One column of a chunk: text and other single values (None = missing), or an array of float64
-(NaN = missing), int64 or datetime64 (NaT = missing)."""
+Cells = list[Any] | NDArray[Any] | TextCells
+"""One column of a chunk: text and other single values (None = missing), an array of float64
+(NaN = missing), int64 or datetime64 (NaT = missing), or texts in a buffer."""
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]{1,24}?)\s*[)\]]\s*", re.DOTALL)
-
-_LAST_WORDS = {
-    "celsius": "°C", "degc": "°C", "fahrenheit": "°F", "degf": "°F", "kelvin": "K", "mm": "mm",
-    "cm": "cm", "km": "km", "kmh": "km/h", "kph": "km/h", "mph": "mph", "kg": "kg", "hpa": "hPa",
-    "mbar": "mbar", "watts": "W", "kw": "kW", "kwh": "kWh", "mwh": "MWh", "volts": "V",
-    "bpm": "bpm", "rpm": "rpm", "hz": "Hz", "khz": "kHz", "db": "dB", "lufs": "LUFS", "lux": "lux",
-    "ppm": "ppm", "pct": "%", "percent": "%",
-}  # fmt: skip
-"""Units at the end of a header (`rain_mm`), except those of time and money."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +70,7 @@ class Column:
         found = _WITH_UNIT.fullmatch(header)
         if unit or found is None or not found[1]:
             last = header.rpartition("_")[2].lower()
-            return cls(header, header, unit or _LAST_WORDS.get(last, ""))
+            return cls(header, header, unit or column_names.HEADER_UNITS.get(last, ""))
         return cls(header, found[1], found[2])
 
     @property
@@ -287,7 +280,7 @@ def as_list(cells: Cells) -> list[Any]:
     """Return cells as Python values, except datetimes, which may not fit Python's type."""
     if isinstance(cells, np.ndarray):
         return list(cells) if cells.dtype.kind == "M" else list(cells.tolist())
-    return cells
+    return cells.tolist() if isinstance(cells, TextCells) else cells
 
 
 def cell_locator(table: Table, chunk: Chunk, column: int) -> Callable[[int], CellLocation]:

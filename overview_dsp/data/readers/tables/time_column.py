@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_dsp.data.readers.tables import column_names
-from overview_dsp.data.readers.tables.cells import are_written_in, is_missing
+from overview_dsp.arrays import FloatArray
+from overview_dsp.data.readers.tables.cells import is_missing
+from overview_dsp.data.readers.tables.column_names import NAMES, TIME_UNITS
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
     Cells,
@@ -27,6 +28,7 @@ from overview_dsp.data.readers.tables.table import (
     as_list,
     split_column_option,
 )
+from overview_dsp.data.readers.tables.text_cells import PAD, TextCells
 from overview_dsp.data.timeline.time_parsing import (
     DAY_NS,
     FORMS,
@@ -35,6 +37,7 @@ from overview_dsp.data.timeline.time_parsing import (
     clock_s,
     day_clock_s,
     moment,
+    moments,
 )
 from overview_dsp.errors import InputError, quoted
 
@@ -49,6 +52,14 @@ FORMATS = ("iso", "dmy", "mdy", *EPOCHS, *PLAIN, "clock", "hhmm", "year", "excel
 
 CLOCKS = ("clock", "hhmm")
 """Clock formats: time in a recording, and time of day."""
+
+_LARGEST = 1e25
+_LONGEST_NUMBER = 40
+_LONGEST_DATE = PAD
+"""Longest texts that are read as columns."""
+
+_MOST_SHAPES = 200
+"""Most texts that differ in more than their digits: names of months, days of the week."""
 
 _YEARS = (1500.0, 2200.0)
 _DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
@@ -178,13 +189,8 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
 
 def _names_time_of_day(column: Column) -> bool:
     unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
-    return column.plain.startswith(column_names.TIME_OF_DAY_PREFIXES) or unit in (
-        "hhmm",
-        "hmm",
-        "24h",
-        "12h",
-        "localtime",
-    )
+    of_day = unit in ("hhmm", "hmm", "24h", "12h", "localtime")
+    return of_day or column.plain.startswith(NAMES["time_of_day_prefixes"])
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
@@ -238,7 +244,7 @@ def as_number(cell: Any) -> int | float | None:
     text = cell.strip()
     if _DIGITS.fullmatch(text):
         return int(text)
-    if not _DECIMAL.fullmatch(text) or len(text) > 40:
+    if not _DECIMAL.fullmatch(text) or len(text) > _LONGEST_NUMBER:
         return None
     value = float(text)
     return value if math.isfinite(value) else None
@@ -249,7 +255,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     name, size = column.plain, max(abs(number) for number in numbers)
     low = min(numbers)
     whole = all(isinstance(n, int) or float(n).is_integer() for n in numbers)
-    dated = any(word in name for word in column_names.CALENDAR_PARTS)
+    dated = any(word in name for word in NAMES["calendar_parts"])
     if whole and (length := _compact_dates(cells)):
         written = "YYYYMMDDHHMMSS"[:length]
         return Format("iso", f"numbers are read as dates {written}" if length > 8 else "")
@@ -264,7 +270,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
         per_second = NS // unit_ns
         if 631_152_000 * per_second <= low and size < 4_102_444_800 * per_second:
             return Format(epoch, f"times {_of(epoch)} were detected from their size")
-    if any(word in name for word in column_names.EPOCH_PARTS) and low >= 0 and size < 2**62:
+    if any(word in name for word in NAMES["epoch_parts"]) and low >= 0 and size < 2**62:
         per = next((e for e, u in EPOCHS.items() if size < 4_102_444_800 * (NS // u)), "epoch_ns")
         return Format(per, f"times {_of(per)} were detected from the column's name and their size")
     if unit := written_unit(column):
@@ -277,7 +283,7 @@ def _numeric_format(column: Column, cells: list[Any], numbers: list[int | float]
     bare = re.fullmatch(r"(column)?\d+", name)
     if (
         bare
-        or name in column_names.SECONDS
+        or name in NAMES["seconds"]
         or any(word in name for word in ("time", "elapsed", "date"))
     ):
         return Format("s")
@@ -288,7 +294,7 @@ def written_unit(column: Column) -> str:
     """Return the unit of plain time that a header names, one of `PLAIN`, else an empty text."""
     tail = re.search(r"[_ ](ns|us|ms|msec|s|sec|seconds|min|h)$", column.name.lower())
     for written in (column.unit.lower(), tail[1] if tail else "", column.plain):
-        unit = column_names.TIME_UNITS.get(written, written)
+        unit = TIME_UNITS.get(written, written)
         if unit in PLAIN and (unit != written or written != column.plain):
             return unit
     return ""
@@ -328,7 +334,7 @@ class TimeColumn:
     offset_min: int | None = None
     _zoned: bool | None = field(default=None, init=False)
 
-    def seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
+    def seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         """Return float64 of the cells' length, NaN where there is no time.
 
         Parameters
@@ -357,21 +363,18 @@ class TimeColumn:
                 )
         return seconds
 
-    def _seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> NDArray[np.float64]:
+    def _seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
             return self._of_datetimes(cells, locate)
-        listed = as_list(cells)
         name, fast = self.format.name, None
         if name in FORMS:
-            datetimes = self._fast_dates(listed)
-            fast = None if datetimes is None else self._of_datetimes(datetimes, locate)
-        elif name in EPOCHS:
-            fast = self._fast_whole(listed, EPOCHS[name])
-        elif name in PLAIN:
-            plain = self._fast_plain(listed)
-            fast = None if plain is None else plain * PLAIN[name]
+            dates = self._dates(cells)
+            fast = None if dates is None else self._of_datetimes(dates, locate)
+        elif name in EPOCHS or name in PLAIN:
+            fast = self._numbers(cells)
         if fast is not None:
             return fast
+        listed = as_list(cells)
         return np.array([self._one(cell, i, locate) for i, cell in enumerate(listed)], np.float64)
 
     def start(self, first_s: float) -> datetime | None:
@@ -417,7 +420,7 @@ class TimeColumn:
     def _of_number(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         name = self.format.name
         number = as_number(cell)
-        if number is None or not math.isfinite(number) or abs(number) > 1e25:
+        if number is None or not math.isfinite(number) or abs(number) > _LARGEST:
             raise self._wrong(cell, locate(i))
         if name in PLAIN:
             return float(number) * PLAIN[name]
@@ -454,7 +457,7 @@ class TimeColumn:
 
     def _of_datetimes(
         self, cells: NDArray[Any], locate: Callable[[int], CellLocation]
-    ) -> NDArray[np.float64]:
+    ) -> FloatArray:
         """Return the seconds of datetime64 cells, exact in any unit."""
         missing = np.isnat(cells)
         known = cells[~missing]
@@ -477,104 +480,94 @@ class TimeColumn:
         if wide:
             raise locate(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
         # a division is exact to the last digit, a factor of 1e-9 isn't
-        since = (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * step_ns / NS
+        since = (
+            (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * (step_ns // NS)
+        )
         seconds[~missing] = since - rest / NS
         return seconds
 
-    def _fast_dates(self, cells: list[Any]) -> NDArray[Any] | None:
-        """Return cells as datetime64 if all have one shape and one zone, or none; else None.
+    def _dates(self, cells: Cells) -> NDArray[Any] | None:
+        """Return texts as datetime64 in UTC, None if one needs the error or rule of `_one`.
 
-        The first cell gives the positions of year, month and so on. Those of all cells are moved
-        into ISO texts, which NumPy parses. It raises an error for the 30th of February.
+        Texts that differ only in digits are read together.
         """
-        if not cells or not isinstance(cells[0], str | int) or isinstance(cells[0], bool):
-            return None
-        if isinstance(cells[0], int):
-            if not all(type(cell) is int for cell in cells):
+        if not isinstance(cells, TextCells):
+            listed = as_list(cells)
+            whole = all(type(cell) is int for cell in listed)
+            found = TextCells.of(list(map(str, listed)) if whole else listed)
+            if found is None:
                 return None
-            cells = list(map(str, cells))
-        first = cells[0]
-        patterns = FORMS[self.format.name]
-        found = next((match for one in patterns if (match := one.fullmatch(first))), None)
-        try:
-            text = "".join(cells).encode("ascii")
-        except (TypeError, ValueError):  # a cell that's no text, a letter of another script
+            cells = found
+        shapes = cells.shapes(_LONGEST_DATE)
+        if shapes is None:
             return None
-        if found is None or set(map(len, cells)) != {len(first)}:
-            return None
-        spans = {name: found.span(name) for name, part in found.groupdict().items() if part}
-        year, month, day = (spans.get(name) for name in ("y", "m", "d"))
-        rest = spans.keys() - {"y", "m", "d", "h", "min", "s", "f", "sep", "zone"}
-        known = moment(first, self.format.name)
-        if rest or year is None or month is None or day is None or known is None:
-            return None
-        letters = np.frombuffer(text, np.uint8).reshape(len(cells), len(first))
-        digits = np.array([letter.isdigit() for letter in first])
-        digits[slice(*spans.get("zone", (0, 0)))] = False  # one zone
-        low, high = letters.min(axis=0), letters.max(axis=0)
-        if (low[digits] < ord("0")).any() or (high[digits] > ord("9")).any():
-            return None
-        if year[1] - year[0] != 4 or (low != high)[~digits].any():
-            return None
-        marks = {"y": "", "m": "-", "d": "-", "h": "T", "min": ":", "s": ":", "f": "."}
-        parts = []
-        for name, mark in marks.items():
-            if name in spans:
-                begin, end = spans[name]
-                parts.append(np.full((len(cells), len(mark)), ord(mark or "0"), np.uint8))
-                if end - begin == 1:  # 9 is 09
-                    parts.append(np.full((len(cells), 1), ord("0"), np.uint8))
-                parts.append(letters[:, begin:end])
-            elif name == "min" and "h" in spans:
-                parts.append(np.tile(np.frombuffer(b":00", np.uint8), (len(cells), 1)))
-        joined = np.ascontiguousarray(np.concatenate(parts, axis=1))
-        fields = joined.view(f"S{joined.shape[1]}").ravel()
-        fine = "ns" if joined.shape[1] > 26 else "us"
-        try:
-            moments: NDArray[Any] = fields.astype(f"datetime64[{fine}]")
-            days = fields.astype("S10").astype("datetime64[D]") if fine == "ns" else None
-        except ValueError:
-            return None
-        if days is not None:  # numpy wraps around, and differences have to fit too
-            furthest = int(np.abs(days.astype(np.int64)).max()) * DAY_NS
-            if max(furthest, abs(self.anchor_ns or 0)) >= 2**61 - DAY_NS:
+        at, after = np.full((2, len(cells)), 0)
+        known = np.ones(len(cells), np.bool_)
+        zoned, offset_min = self._zoned, self.offset_min
+        left = np.arange(len(cells))
+        for _ in range(_MOST_SHAPES):
+            if not left.size:
+                break
+            same = np.logical_and.reduce([part[left] == part[left[0]] for part in shapes])
+            rows, left = left[same], left[~same]
+            texts = cells[rows]
+            if is_missing(texts[0]):
+                known[rows] = False
+                continue
+            if as_text(texts[0]) != texts[0]:
                 return None
-        zoned = known.offset_min is not None
-        if self._zoned is None:
-            self._zoned, self.offset_min = zoned, known.offset_min
-        elif self._zoned != zoned:
-            return None  # `_one` raises the error
-        return moments - np.timedelta64(known.offset_min, "m") if known.offset_min else moments
+            read = moments(texts[0], self.format.name, texts.number)
+            if read is None:
+                return None
+            at[rows], after[rows], offset = read
+            if zoned is None:
+                zoned = offset is not None
+                offset_min = None if offset is None else int(np.ravel(offset)[0])
+            elif zoned != (offset is not None):
+                return None
+        if left.size:
+            return None
+        self._zoned, self.offset_min = zoned, offset_min
+        if not after.any():
+            return np.where(known, at, np.iinfo(np.int64).min).astype("datetime64[s]")
+        fine, per_second = ("us", 10**6) if not (after % 1000).any() else ("ns", NS)
+        furthest = max(int(np.abs(at).max()) * NS, abs(self.anchor_ns or 0))
+        if fine == "ns" and furthest >= 2**61 - NS:  # differences have to fit too
+            return None
+        at = at * per_second + after // (NS // per_second)
+        return np.where(known, at, np.iinfo(np.int64).min).astype(f"datetime64[{fine}]")
 
-    def _fast_whole(self, cells: list[Any], unit_ns: int) -> NDArray[np.float64] | None:
-        """Return the seconds of cells that are all whole numbers, else None."""
-        try:
-            if isinstance(cells[0], str):
-                if not are_written_in(cells, "0123456789"):
-                    return None
-                cells = list(map(int, cells))
-            elif not all(type(cell) is int for cell in cells):
+    def _numbers(self, cells: Cells) -> FloatArray | None:
+        """Return the seconds of numbers, None if one needs the error or rule of `_one`.
+
+        Times since 1970 have to be whole numbers.
+        """
+        plain = PLAIN.get(self.format.name)
+        texts = TextCells.of(cells) if isinstance(cells, list) else cells
+        if isinstance(texts, TextCells):
+            if not len(texts) or int((texts.stops - texts.starts).max()) > _LONGEST_NUMBER:
                 return None
-            whole = np.array(cells, dtype=np.int64)
-        except (TypeError, ValueError, IndexError, OverflowError):
+            found, good = texts.wholes() if plain is None else texts.decimals(".")
+            known = texts.stops > texts.starts
+            if not (good | ~known).all():
+                return None
+        else:
+            if isinstance(cells, list) and not set(map(type, cells)) <= {int, float}:
+                return None
+            found = np.asarray(cells)
+            known = np.ones(len(found), np.bool_)
+        if found.dtype.kind not in "if" or not known.any():
             return None
-        if abs(int(whole.max())) >= 2**62 or abs(int(whole.min())) >= 2**62:
+        if plain is not None:
+            size = np.abs(found[known].astype(np.float64))
+            return None if (size > _LARGEST).any() else found.astype(np.float64) * plain
+        whole, unit_ns = found[known], EPOCHS[self.format.name]
+        if whole.dtype.kind != "i" or max(-int(whole.min()), int(whole.max())) >= 2**62:
             return None
-        self._check_zone(0, cells[0], CellLocation(0))
+        self._check_zone(0, "", CellLocation(0))
         if self.anchor_ns is None:
             self.anchor_ns = int(whole[0]) * unit_ns
         begin, rest = divmod(self.anchor_ns, unit_ns)
-        return (whole - begin) / (NS // unit_ns) - rest / NS
-
-    def _fast_plain(self, cells: list[Any]) -> NDArray[np.float64] | None:
-        try:
-            if isinstance(cells[0], str):
-                if not are_written_in(cells, "0123456789.+-e"):
-                    return None
-                return np.fromiter(map(float, cells), np.float64, len(cells))
-            if not all(type(cell) in (int, float) for cell in cells):
-                return None
-            found = np.array(cells, dtype=np.float64)
-        except (TypeError, ValueError, IndexError, OverflowError):
-            return None
-        return None if np.isinf(found).any() else found
+        seconds = np.full(len(found), np.nan)
+        seconds[known] = (whole - begin) / (NS // unit_ns) - rest / NS
+        return seconds

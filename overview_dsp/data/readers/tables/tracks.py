@@ -1,9 +1,10 @@
-"""Tables of GPX and TCX tracks, with one row for each point.
+"""Tables of GPX, TCX and Garmin FIT tracks, with one row for each point.
 
 A column is present if any point has a value: `speed` (km/h, from the positions of this point and
 the one before it, or from the distance a TCX gives), `elevation` (m), `heart_rate` (bpm), `cadence`
-(1/min), `distance` (m). Points without a time are left out. All tracks and laps form one table.
-The XML is read as a stream; a document type is an error.
+(1/min), `distance` (m), `power` (W). Points without a time are left out. All tracks and laps form
+one table. The XML is read as a stream; a document type is an error. FIT files are read through
+fitdecode (extra `fit`).
 """
 
 from __future__ import annotations
@@ -18,11 +19,13 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.arrays import array_table
 from overview_dsp.data.readers.tables.table import ColumnTable
 from overview_dsp.data.timeline.time_parsing import NS, moment
 from overview_dsp.errors import InputError
+from overview_dsp.installation import require_package
 
 MAX_DEPTH = 64
 """Maximum nesting level of the XML; tracks have about ten levels."""
@@ -46,23 +49,38 @@ _VALUES = {
     "LatitudeDegrees": "lat",
     "LongitudeDegrees": "lon",
 }
-_COLUMNS = ("elevation (m)", "heart_rate (bpm)", "cadence (1/min)", "distance (m)")
+_COLUMNS = (
+    "elevation (m)", "heart_rate (bpm)", "cadence (1/min)", "distance (m)", "power (W)",
+)  # fmt: skip
+_FIT = {
+    "enhanced_altitude": "elevation (m)", "altitude": "elevation (m)", "power": "power (W)",
+    "heart_rate": "heart_rate (bpm)", "cadence": "cadence (1/min)", "distance": "distance (m)",
+    "enhanced_speed": "speed", "speed": "speed",
+}  # fmt: skip
+_SEMICIRCLES = {"position_lat": "lat", "position_long": "lon"}
 SPEED = "speed (km/h)"
-
-Floats = NDArray[np.float64]
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is XML with the root element of GPX or TCX."""
-    return source.xml_root in ("gpx", "TrainingCenterDatabase")
+    """Return whether the file is XML with the root element of GPX or TCX, or a FIT file."""
+    return source.xml_root in ("gpx", "TrainingCenterDatabase") or _is_fit(source)
+
+
+def _is_fit(source: DataFile) -> bool:
+    return source.head[8:12] == b".FIT"
 
 
 def open_table(source: DataFile) -> ColumnTable:
-    """Return the points of all tracks; InputError for broken XML, or fewer than two times."""
+    """Return the points of all tracks; InputError for a broken file, or fewer than two times."""
     times = array("d")
-    columns = {name: array("d") for name in ("lat", "lon", *_COLUMNS)}
+    columns = {name: array("d") for name in ("lat", "lon", "speed", *_COLUMNS)}
     timeless = 0
-    for point in _points(source.xml_text, source.options.report_progress):
+    points = (
+        _fit_points(source)
+        if _is_fit(source)
+        else _points(source.xml_text, source.options.report_progress)
+    )
+    for point in points:
         moment = point.pop("time", None)
         if moment is None or not math.isfinite(moment):
             timeless += 1
@@ -83,14 +101,43 @@ def open_table(source: DataFile) -> ColumnTable:
         "time": (time_s * 1e6).astype(np.int64).astype("datetime64[us]")
     }
     table[SPEED] = _speed(time_s, known["lat"], known["lon"], known["distance (m)"])
+    if _is_empty(table[SPEED]):
+        table[SPEED] = 3.6 * known["speed"]
     table |= {name: known[name] for name in _COLUMNS}
     present = [name for name, values in table.items() if not _is_empty(values)]
     if len(present) < 2:
         raise InputError("its points have times, but no positions or other values")
-    points = array_table(present, [table[name] for name in present], notes)
-    zoned = (replace(points.columns[0], zoned=True), *points.columns[1:])
-    kind = "GPX" if source.xml_root == "gpx" else "TCX"
-    return replace(points, kind=kind, columns=zoned, row_word="point")
+    found = array_table(present, [table[name] for name in present], notes)
+    zoned = (replace(found.columns[0], zoned=True), *found.columns[1:])
+    kind = "FIT" if _is_fit(source) else "GPX" if source.xml_root == "gpx" else "TCX"
+    return replace(found, kind=kind, columns=zoned, row_word="point")
+
+
+def _fit_points(source: DataFile) -> Iterator[dict[str, float]]:
+    """Yield the values of each record of a FIT file; InputError for a damaged one."""
+    fitdecode = require_package("fitdecode", "reading a FIT file", "fit")
+    try:
+        with fitdecode.FitReader(
+            str(source.path),
+            check_crc=fitdecode.CrcCheck.RAISE,
+            error_handling=fitdecode.ErrorHandling.IGNORE,
+        ) as reader:
+            for frame in reader:
+                if frame.frame_type != fitdecode.FIT_FRAME_DATA or frame.name != "record":
+                    continue
+                point: dict[str, float] = {}
+                for one in frame.fields:
+                    if one.name == "timestamp" and hasattr(one.value, "timestamp"):
+                        point["time"] = one.value.timestamp()
+                    elif isinstance(one.value, int | float):
+                        if one.name in _SEMICIRCLES:
+                            point[_SEMICIRCLES[one.name]] = one.value * 180.0 / 2**31
+                        elif one.name in _FIT:
+                            point.setdefault(_FIT[one.name], float(one.value))
+                yield point
+    # the exceptions of the decoder are not documented
+    except Exception as error:
+        raise InputError(f"a damaged FIT file ({error}); copy it from the device again") from error
 
 
 def _is_empty(values: NDArray[Any]) -> bool:
@@ -175,7 +222,9 @@ def _seconds(text: str | None) -> float:
     return math.nan if found is None else found.ns / NS
 
 
-def _speed(time_s: Floats, lat: Floats, lon: Floats, distance: Floats) -> Floats:
+def _speed(
+    time_s: FloatArray, lat: FloatArray, lon: FloatArray, distance: FloatArray
+) -> FloatArray:
     """Return the speed from the previous point to each point, km/h, NaN if unknown."""
     step_s = np.diff(time_s)
     phi, theta = np.radians(lat), np.radians(lon)

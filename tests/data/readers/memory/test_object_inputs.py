@@ -249,6 +249,9 @@ FRAMES = {
     "statsbombpy, spans": lambda: spans(statsbombpy()),
     "statsbombpy, an index": lambda: statsbombpy().set_index("id"),
     "statsbombpy, few columns": lambda: statsbombpy().drop(columns=["location", "minute"]),
+    "statsbombpy, broken indices": lambda: (
+        statsbombpy().sort_values(["period", "timestamp"]).assign(index="1.2.3")
+    ),
     "mplsoccer": mplsoccer,
     "mplsoccer as CSV": lambda: to_csv(mplsoccer()),
     "mplsoccer, spans": lambda: spans(mplsoccer()),
@@ -281,6 +284,10 @@ BROKEN = [
     Input("a card that is none", lambda: mplsoccer().assign(foul_committed_card_name="blue"),
           Refused(("card", "blue"))),
     Input("no periods", lambda: statsbombpy().assign(period=None), Refused(("period",))),
+    Input("two matches", lambda: pd.concat([mplsoccer().assign(match_id=n) for n in (7, 8)]),
+          Refused(("2 matches (match_id 7, 8", "keep the rows of one"))),
+    Input("a clock that is a square", lambda: statsbombpy().assign(timestamp="²"),
+          Refused(("timestamp", "²"))),
 ]  # fmt: skip
 
 

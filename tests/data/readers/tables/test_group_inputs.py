@@ -106,7 +106,19 @@ WEATHER = csv(
 )
 DAY = 86_400.0
 
+CASES = csv("year,station,value", list(interleaved("a", "A")))
+PLACES = csv(
+    'year,"place, land",value',
+    [(y, f'"{name}"', v) for y, name, v in interleaved("Rome, Italy", "Rome, Georgia")],
+)
+
 SELECTED = [
+    Input("one of two names in one case", CASES, Series(PERU, EACH), {"match": "station=A"}),
+    Input("the other of two names", CASES, NORWAY_READ, {"match": "station=a"}),
+    Input("a column and a name with commas", PLACES, Series(PERU, EACH),
+          {"match": "place, land=Rome, Georgia"}),
+    Input("readings under a name of groups", "time,channel\n0,1.5\n1,2.5\n2,0.5\n",
+          Series([1.5, 2.5, 0.5], [0, 1, 2])),
     Input("a country", COUNTRIES, NORWAY_READ, {"match": "country=Norway"}),
     Input("a country by its name alone", COUNTRIES, NORWAY_READ, {"match": "norway"}),
     Input("a name with a comma", QUOTED, Series(PERU, EACH), {"match": "country=Korea, Rep."}),
@@ -205,6 +217,31 @@ def test_each_series_of_a_table_becomes_a_timeline(tmp_path: Path) -> None:
         assert timeline.intensity.value.tolist() == expected
     assert list(ov.load_timelines(frame(), "symbol", value="close")) == ["AAA", "BBB"]
     assert list(ov.load_timelines(EVENTS.encode(), "subject")) == ["s1", "s2"]
+
+
+def test_series_whose_names_differ_by_case_or_contain_commas_are_read_apart() -> None:
+    each = ov.load_timelines(CASES.encode(), "station")
+    assert {name: one.intensity.value.tolist() for name, one in each.items() if one.intensity} == {
+        "a": list(NORWAY),
+        "A": list(PERU),
+    }
+    assert list(ov.load_timelines(PLACES.encode(), "place, land")) == [
+        "Rome, Italy",
+        "Rome, Georgia",
+    ]
+
+
+def test_rows_without_a_group_are_counted_in_a_warning() -> None:
+    rows = [*interleaved("A", "B"), (2004, "", 9.0), (2005, "", 9.0)]
+    with pytest.warns(ov.OverviewWarning, match=r"2 rows have no text in 'station'"):
+        each = ov.load_timelines(csv("year,station,value", rows).encode(), "station")
+    assert [len(one.intensity.value) for one in each.values() if one.intensity] == [3, 3]
+
+
+@pytest.mark.parametrize("option", ["match", "colour"])
+def test_an_option_that_chooses_no_series_is_refused(option: str) -> None:
+    with pytest.raises(ov.InputError, match=f"no option {option}"):
+        ov.load_timelines(CASES.encode(), "station", **{option: "a"})
 
 
 def test_a_series_that_cannot_be_read_is_left_out_with_a_warning() -> None:

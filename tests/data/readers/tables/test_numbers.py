@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.tables.cells import looks_numeric, parse
 from overview_dsp.data.readers.tables.decimal_mark import detect_decimal_mark
+from overview_dsp.errors import InputError
 from tests.data.readers.tables.made import load, values
 
 
@@ -15,6 +17,11 @@ from tests.data.readers.tables.made import load, values
     ("text", "value", "unit"),
     [
         ("12", 12.0, ""),
+        ("300 K", 300.0, "K"),
+        ("512 B", 512.0, "B"),
+        ("300K", 300_000.0, ""),
+        ("$3 B", 3e9, "$"),
+        ("(5)", -5.0, ""),
         ("-0.5", -0.5, ""),
         ("+.5", 0.5, ""),
         ("5.", 5.0, ""),
@@ -52,7 +59,7 @@ def test_a_number_with_a_decimal_comma(text: str, value: float) -> None:
 @pytest.mark.parametrize(
     "text",
     ["", "-", "a", "1-2", "1:30", "1/2", "12,34", "1,23,4", "1.2.3", "--5", "0x10", "1e", "١",
-     "1,2345", "5 \ud800", "2020-01-01"],
+     "1,2345", "5 \ud800", "2020-01-01", "(-5)"],
 )  # fmt: skip
 def test_a_text_that_is_not_a_number_is_parsed_as_none(text: str) -> None:
     assert parse(text, ".") is None
@@ -103,3 +110,13 @@ def test_a_currency_in_the_cells_is_the_unit(tmp_path: Path) -> None:
     assert values(timeline) == [1200.5, 900.0, 1000.0]
     assert timeline.intensity is not None
     assert timeline.intensity.unit == "$"
+
+
+def test_a_pace_is_a_number_of_its_first_unit() -> None:
+    rows = "Time;Pulse;Pace (min/km)\n0:00:00;105;6:10\n0:00:30;120;5:12\n0:01:00;130;5:30\n"
+    curve = load_timeline(rows.encode(), value="Pace (min/km)").intensity
+    assert curve is not None
+    assert curve.unit == "min/km"
+    assert curve.value == pytest.approx([6.0 + 1 / 6, 5.2, 5.5])
+    with pytest.raises(InputError, match="5:72"):
+        load_timeline(rows.replace("5:12", "5:72").encode(), value="Pace (min/km)")

@@ -11,6 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from overview_dsp.data.readers.data_file import DataFile
+from overview_dsp.data.readers.tables.arrays import ParquetTable
+from overview_dsp.data.readers.tables.table import as_list
+from overview_dsp.data.readers.tables.text_cells import TextCells
 from overview_dsp.installation import install_command
 from tests.data.readers.tables.made import load, refusal, times, values
 
@@ -81,6 +85,20 @@ def test_many_row_groups_are_one_series(tmp_path: Path) -> None:
     timeline = load(tmp_path, data)
     assert np.array_equal(values(timeline), level)
     assert timeline.duration_s == (count - 1) / 10.0
+
+
+@pytest.mark.parametrize("kind", [pa.string(), pa.large_string()])
+@pytest.mark.parametrize("odd", ["", "é", None])
+def test_texts_are_read_from_the_buffers_of_any_part(
+    tmp_path: Path, kind: Any, odd: str | None
+) -> None:
+    texts: list[str | None] = [f"{i}{'x' * (i % 7)}" for i in range(150_000)]
+    texts[70_000] = odd
+    path = tmp_path / "texts.parquet"
+    pq.write_table(pa.table({"text": pa.array(texts, kind)}), path, row_group_size=100_000)
+    chunks = list(ParquetTable(DataFile.open(path)).chunks([0]))
+    assert [cell for chunk in chunks for cell in as_list(chunk.cells[0])] == texts
+    assert sum(isinstance(chunk.cells[0], TextCells) for chunk in chunks) >= 1
 
 
 def test_a_wrong_cell_is_named_with_row_and_column(tmp_path: Path) -> None:

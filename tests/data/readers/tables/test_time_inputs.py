@@ -40,6 +40,11 @@ def hours_frame() -> pd.DataFrame:
 
 APART = "date,time,level\n20260115,0,0\n20260115,30,1\n20260115,100,4\n20260115,1245,9\n"
 HOURS = "date,hour,level\n2026-01-15,0,0\n2026-01-15,1,1\n2026-01-15,23,4\n2026-01-16,0,9\n"
+MARKED_HOURS = HOURS.replace(",0,0", ",00:00,0").replace(",1,1", ",01:00,1")
+MARKED_HOURS = MARKED_HOURS.replace(",23,4", ",23:00,4").replace(",0,9", ",00:00,9")
+MARKED = "date,hour,event\n2026-01-15,08:00,start\n2026-01-15,12:30,lunch\n2026-01-16,09:15,go\n"
+BESIDE = "date,{},level\n2026-01-15,{},0\n2026-01-16,{},1\n2026-01-17,{},4\n"
+SHIFTS = "date,time,event\n20260115,930,go\n20260115,1245,stop\n20260116,5,go\n"
 
 COMPACT = [
     dated("days", ["20260115", "20260116", "20260118"], "2026-01-15T00:00:00", [0, DAY, 3 * DAY]),
@@ -67,6 +72,35 @@ COMPACT = [
           Series([0, 1, 4, 9], [0, 30 * MIN, HOUR, 12.75 * HOUR], "2026-01-15T00:00:00")),
     Input("a day and its hour", HOURS,
           Series([0, 1, 4, 9], [0, HOUR, 23 * HOUR, DAY], "2026-01-15T00:00:00")),
+    Input("a day and a clock, noted", APART, Series([0, 1, 4, 9], [0, 30 * MIN, HOUR, 12.75 * HOUR],
+          noted="times are made of columns 'date' and 'time'")),
+    Input("events of a day and a clock", SHIFTS, Events([0, 3.25 * HOUR, 14 * HOUR + 35 * MIN],
+          ("go", "stop", "go"), "2026-01-15T09:30:00",
+          noted="times are made of columns 'date' and 'time'")),
+    Input("events of a day and an hour with marks", MARKED, Events([0, 4.5 * HOUR, 25.25 * HOUR],
+          ("start", "lunch", "go"), "2026-01-15T08:00:00")),
+    *(Input(f"days and {name}", HOURS.replace("hour", name),
+            Series([0, 1, 4, 9], [0, HOUR, 23 * HOUR, DAY], "2026-01-15T00:00:00"))
+      for name in ("hours", "hhmm", "Stunde")),
+    Input("a day and an hour with marks", MARKED_HOURS,
+          Series([0, 1, 4, 9], [0, HOUR, 23 * HOUR, DAY], "2026-01-15T00:00:00")),
+    Input("hours of work, one number a day", BESIDE.format("hour", 8, 7, 6),
+          Series([0, 1, 4], [0, DAY, 2 * DAY], "2026-01-15T00:00:00"), {"value": "level"}),
+    Input("minutes of a run under time", BESIDE.format("time", 32, 30, 41),
+          Series([0, 1, 4], [0, DAY, 2 * DAY], "2026-01-15T00:00:00"), {"value": "level"}),
+    Input("values under time", BESIDE.format("time", 1130, 1145, 1210),
+          Series([1130, 1145, 1210], [0, DAY, 2 * DAY], "2026-01-15T00:00:00"), {"value": "time"}),
+    Input("a setting that is called like a clock", BESIDE.format("timeout", 1130, 1145, 1210),
+          Series([0, 1, 4], [0, DAY, 2 * DAY], "2026-01-15T00:00:00"), {"value": "level"}),
+]  # fmt: skip
+
+TENTHS = [
+    dated("tenths of a second", ["2026-01-15 12:30:00.5", "2026-01-15 12:30:00.9",
+          "2026-01-15 12:30:01.2"], "2026-01-15T12:30:00.500000", [0, 0.4, 0.7]),
+    dated("German tenths", ["15.01.2026 12:30:00,5", "15.01.2026 12:30:00,9",
+          "15.01.2026 12:30:01,2"], "2026-01-15T12:30:00.500000", [0, 0.4, 0.7]),
+    dated("hundredths", ["2026-01-15T12:30:00.05Z", "2026-01-15T12:30:00.50Z",
+          "2026-01-15T12:30:00.75Z"], "2026-01-15T12:30:00.050000+00:00", [0, 0.45, 0.7]),
 ]  # fmt: skip
 
 THREE = [0, 31 * DAY, 59 * DAY]
@@ -97,6 +131,13 @@ MONTHS = [
           [0, 15 * MIN]),
     refused("a word that is no month", series(["15 jan 2026", "16 jan 2026", "17 jon 2026"]),
             "line 4", "17 jon 2026"),
+    dated("Austrian", ["15. Jänner 2026", "15. Feber 2026"], JAN, [0, 31 * DAY]),
+    dated("German Excel", ["Okt-20", "Nov-20", "Dez-20", "Jan-21"], "2020-10-01T00:00:00",
+          [0, 31 * DAY, 61 * DAY, 92 * DAY]),
+    dated("September, by its beginning", ["15 sept. 2026", "16 septemb. 2026", "17 sep 2026"],
+          "2026-09-15T00:00:00", [0, DAY, 2 * DAY]),
+    refused("words that begin like months", series(["15 marble 2026", "16 marble 2026"]), "'date'"),
+    refused("words without days", series(["ma 26", "ju 26", "se 26"]), "'date'"),
     refused("no months", series(["15 foo 2026", "16 foo 2026", "17 bar 2026"]), "'date'"),
 ]  # fmt: skip
 
@@ -161,7 +202,7 @@ HEARTS = [
 ]
 
 
-@parametrized(COMPACT, MONTHS, UNITS)
+@parametrized(COMPACT, TENTHS, MONTHS, UNITS)
 def test_times_are_read_right_or_refused(made: Input, tmp_path: Path) -> None:
     check(made, tmp_path)
 
