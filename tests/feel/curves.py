@@ -65,9 +65,17 @@ def steps_of(preset: ov.Preset, course: str, seconds: float = 4.0) -> Floats:
     result = ov.render(curve_of(RAMPS[course]), preset, ov.sweep(seconds), RATE)
     level, cursor = out_stroke(result.samples, result.trace, RATE)
     data = cursor if course == "rising" else 1.0 - cursor
-    # a median over so much that ribs of the surface itself don't matter
-    at = [np.median(level[np.abs(data - x) < 0.02]) for x in (0.1, 0.3, 0.5, 0.7, 0.9)]
+    half = 0.5 * whole_periods(preset, 0.16)
+    at = [level[np.abs(data - x) < half].mean() for x in (0.1, 0.3, 0.5, 0.7, 0.9)]
     return np.diff(at)
+
+
+def whole_periods(preset: ov.Preset, width: float) -> float:
+    """The width of a surface in whole periods of the preset's pattern."""
+    if preset.values["surface.pattern"] == "none":
+        return width
+    period = preset.number("surface.pattern_period_percent") / 100.0
+    return max(1, round(width / period)) * period
 
 
 def grain_db(preset: ov.Preset, seconds: float = 4.0) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.tuning import REST, VERIFIED, gaps_of
+from overview_dsp.measure.tuning import JUDGED, REST, gaps_of
 from tests.cli.running import overview
 from tests.feel.whole_matches import RATE, real_files, real_matches
 
@@ -32,7 +32,7 @@ pytestmark = pytest.mark.soak
 @pytest.mark.parametrize("name", CHARACTERS)
 def test_each_kind_is_a_step_above_the_next_at_every_speed_and_cards_in_recoils(name, data_folder):
     preset, matches = ov.load_preset(name), real_matches(data_folder)
-    for stroke in feel_report(preset, matches, VERIFIED, RATE, order=ORDER).strokes:
+    for stroke in feel_report(preset, matches, JUDGED, RATE, order=ORDER).strokes:
         gaps = {(one, other): steps for one, other, steps in stroke.gaps}
         if not stroke.name.endswith("recoil"):
             for pair in itertools.pairwise(ORDER):
@@ -41,7 +41,7 @@ def test_each_kind_is_a_step_above_the_next_at_every_speed_and_cards_in_recoils(
     with_red = [match for match in matches if "red_card" in match.kinds()]
     assert with_red
     for match in with_red:
-        for stroke in feel_report(preset, [match], VERIFIED, RATE, order=ORDER).strokes:
+        for stroke in feel_report(preset, [match], JUDGED, RATE, order=ORDER).strokes:
             gaps = {(one, other): steps for one, other, steps in stroke.gaps}
             assert gaps["red_card", "yellow_card"] >= 1.0, (match.title, stroke.name)
 

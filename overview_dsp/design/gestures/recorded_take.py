@@ -34,7 +34,7 @@ from typing import Any
 
 from overview_dsp.design.gestures.model import LONGEST_S, SOURCES, Change
 from overview_dsp.errors import InputError, warn
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 
 COLUMNS = ("time_s", "theta2_rad", "touching", "sample", "sample_rate", "source")
 CHANGES = ("set", "preset", "window", "timeline", "pattern")
@@ -62,9 +62,8 @@ def save_document(
         **about,
         "changes": [{"sample": sample, **what} for sample, what in changes],
     }
-    with atomic_file(path.with_suffix(".json")) as temporary:
-        text = json.dumps(document, ensure_ascii=False, allow_nan=False)
-        temporary.write_text(text, encoding="utf-8")
+    text = json.dumps(document, ensure_ascii=False, allow_nan=False)
+    write_file(path.with_suffix(".json"), text)
 
 
 def event_line(event: tuple[int, int, float, bool], sample_rate: float) -> str:
@@ -119,26 +118,18 @@ def load_document(path: Path) -> TakeDocument:
             len(entry.keys() & set(CHANGES)) != 1 and not (growing and entry.keys() == {"sample"})
         ):
             raise InputError(f"{location} must be one of {', '.join(CHANGES)} with its sample")
-        before = _sample_s(entry, before, rate, location)
+        sample = entry.get("sample")
+        if type(sample) is not int or not before <= sample / rate <= LONGEST_S:
+            raise InputError(
+                f"{location}.sample is {sample!r}; samples must increase, from 0 to {LONGEST_S:g} s"
+            )
+        before = sample / rate
         what = {key: value for key, value in entry.items() if key != "sample"}
         if what:
             changes.append(Change(before, what))
         else:
             played_s = before
     return TakeDocument(tuple(changes), played_s)
-
-
-def _sample_s(entry: Mapping[str, Any], before: float, rate: float, location: str) -> float:
-    sample = entry.get("sample")
-    if (
-        isinstance(sample, bool)
-        or not isinstance(sample, int)
-        or not before <= sample / rate <= LONGEST_S
-    ):
-        raise InputError(
-            f"{location}.sample is {sample!r}; samples must increase, from 0 to {LONGEST_S:g} s"
-        )
-    return sample / rate
 
 
 def _cut_short(text: bytes) -> Any:

@@ -31,12 +31,13 @@ def _position(value: float, what: str) -> float:
     return value
 
 
-def _seconds(value: float, what: str, zero: bool = False) -> float:
+def _up_to(
+    value: float, what: str, highest: float = LONGEST_S, unit: str = " s", zero: bool = False
+) -> float:
     value = validation.real(value, what)
-    if not (0.0 < value <= LONGEST_S or (zero and value == 0.0)):
-        raise InputError(
-            f"{what} {value:g} s is out of range; allowed: more than 0 and up to {LONGEST_S:g} s"
-        )
+    if not (0.0 < value <= highest or (zero and value == 0.0)):
+        allowed = f"allowed: more than 0 and up to {highest:g}{unit}"
+        raise InputError(f"{what} {value:g}{unit} is out of range; {allowed}")
     return value
 
 
@@ -68,7 +69,7 @@ def sweep(seconds: float, start: float = 0.0, end: float = 1.0) -> Gesture:
     4.0
     >>> backwards = ov.sweep(2.0, start=1.0, end=0.5)
     """
-    _seconds(seconds, "a sweep's duration")
+    _up_to(seconds, "a sweep's duration")
     _position(start, "a sweep's start")
     _position(end, "a sweep's end")
     part = _parts(seconds)
@@ -104,7 +105,7 @@ def tap(position: float, hold_seconds: float | None = None) -> Gesture:
     array([ True, False])
     """
     _position(position, "a tap's position")
-    hold = _seconds(TAP_S if hold_seconds is None else hold_seconds, "a tap's hold")
+    hold = _up_to(TAP_S if hold_seconds is None else hold_seconds, "a tap's hold")
     theta2 = np.full(2, position * HALF_TURN)
     return Gesture(np.array([0.0, hold]), theta2, np.array([True, False]), hold)
 
@@ -132,7 +133,7 @@ def pause(seconds: float) -> Gesture:
     >>> (ov.sweep(1.0) + ov.pause(2.0) + ov.tap(0.5, 1.0)).duration_s
     4.0
     """
-    _seconds(seconds, "a rest", zero=True)
+    _up_to(seconds, "a rest", zero=True)
     return Gesture(np.empty(0), np.empty(0), np.empty(0, dtype=bool), float(seconds))
 
 
@@ -170,8 +171,8 @@ def arm(seconds: float, rest_s: float = ARM_REST_S) -> Gesture:
     >>> ov.arm(2.0).duration_s
     2.1
     """
-    _seconds(seconds, "the duration of an arm's movement")
-    _seconds(rest_s, "the rest of an arm", zero=True)
+    _up_to(seconds, "the duration of an arm's movement")
+    _up_to(rest_s, "the rest of an arm", zero=True)
     part = _parts(seconds)
     return _released(seconds * part, _minimum_jerk(part), seconds + rest_s)
 
@@ -201,7 +202,7 @@ def flick(seconds: float = FLICK_S) -> Gesture:
     >>> ov.flick().duration_s, ov.flick(0.15).duration_s
     (0.4, 0.25)
     """
-    _seconds(seconds, "the duration of a flick")
+    _up_to(seconds, "the duration of a flick")
     return arm(seconds)
 
 
@@ -239,18 +240,9 @@ def scrub(position: float, width: float, hz: float, seconds: float = SCRUB_S) ->
     (4.2, np.float64(0.52))
     """
     position = _position(position, "the position of scrubbing")
-    width = validation.real(width, "the width of scrubbing")
-    if not 0.0 < width <= 1.0:
-        raise InputError(
-            f"the width of scrubbing {width:g} is out of range; allowed: more than 0 and up to 1"
-        )
-    hz = validation.real(hz, "the frequency of scrubbing")
-    if not 0.0 < hz <= FASTEST_SCRUB_HZ:
-        raise InputError(
-            f"the frequency of scrubbing {hz:g} Hz is out of range; allowed: more than 0 and up to "
-            f"{FASTEST_SCRUB_HZ:g} Hz"
-        )
-    _seconds(seconds, "the duration of scrubbing")
+    width = _up_to(width, "the width of scrubbing", 1.0, "")
+    hz = _up_to(hz, "the frequency of scrubbing", FASTEST_SCRUB_HZ, " Hz")
+    _up_to(seconds, "the duration of scrubbing")
     approach, wave_s = _parts(APPROACH_S), seconds * _parts(seconds)
     wave = position - width * np.cos(2.0 * np.pi * hz * wave_s)
     positions = [max(position - width, 0.0) * _minimum_jerk(approach), np.clip(wave, 0.0, 1.0)]

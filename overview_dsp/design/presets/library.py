@@ -5,19 +5,18 @@ from __future__ import annotations
 import operator
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import TAG_SCALES, Preset
 from overview_dsp.design.presets.validation import parse_preset
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, warn
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import MAX_BYTES, SUFFIX, read_text
-
-FOR_DATA = ("football", "series", "heart", "crowd")
-"""Bundled presets for one type of data each; `plain` is for all other data."""
+from overview_dsp.public import counted
 
 LIBRARY = Library("presets", "a preset", "OVERVIEW_PRESETS")
 
@@ -58,7 +57,9 @@ def user_presets() -> tuple[str, ...]:
     return LIBRARY.user
 
 
-preset_path = LIBRARY.path
+def preset_path(name: str | Path) -> Path:
+    """Return the file of a preset, by name or path; InputError if no such preset or file exists."""
+    return LIBRARY.path(name)
 
 
 def load_preset(name: str | Path) -> Preset:
@@ -101,31 +102,57 @@ def parse_user_preset(text: str, path: Path) -> Preset:
 
 
 LOUDNESS_UNIT = "LUFS"  # unit of a recording's curve
+FOR_ALL = "plain"  # preset for all other data
 
 
-def best_preset(kinds: Mapping[str, int], unit: str = "") -> str:
-    """Return the bundled preset that names most of these kinds of events.
+class Fit(NamedTuple):
+    """Preset that is chosen, and the numbers of kinds that it names and that there are."""
+
+    preset: str
+    named: int
+    kinds: int
+
+    def __str__(self) -> str:
+        kinds = f"{self.named} of {counted(self.kinds, 'event kind')}" if self.kinds else "a curve"
+        return f"preset {self.preset} fits the data best, with {kinds}"
+
+
+def fitting_preset(kinds: Mapping[str, int], unit: str = "") -> Fit:
+    """Return the bundled or user preset that names most of the events.
 
     It is `plain` if none names at least half of the events other than ticks. `kinds` has the number
     of events of each kind; none: a series, or a recording without cheers. `unit` is that of the
-    curve.
+    curve. Of equal presets, one whose file sets `tags.data` comes first, then
+    the user's, then one that names more of the kinds without aliases.
     """
-    if not kinds:
-        return "crowd" if unit == LOUDNESS_UNIT else "series"
     counts = {kind: n for kind, n in kinds.items() if kind not in TICKS} or dict(kinds)
-    best, most = "plain", 0
-    for name in FOR_DATA:
-        preset = load_preset(name)
+    wanted = "events" if counts else "recordings" if unit == LOUDNESS_UNIT else "series"
+    best, most = load_preset(FOR_ALL), (0, False, False, 0)
+    for preset, is_user in _candidates():
         named = sum(n for kind, n in counts.items() if preset.kind_for(kind))
-        if named > most:
-            best, most = name, named
-    return best if 2 * most >= sum(counts.values()) else "plain"
+        fits = 2 * named >= sum(counts.values()) if counts else wanted in preset.tags.data
+        direct = len(counts.keys() & preset.kinds)
+        if fits and (rank := (named, bool(preset.tags.data), is_user, direct)) > most:
+            best, most = preset, rank
+    return Fit(best.name, sum(best.kind_for(kind) is not None for kind in counts), len(counts))
 
 
-def best_preset_for(timeline: Timeline) -> str:
-    """Return the bundled preset for the kinds of a timeline (`best_preset`)."""
+def _candidates() -> Iterator[tuple[Preset, bool]]:
+    """Yield the presets that may be chosen, and whether they are the user's."""
+    for name in LIBRARY.bundled:
+        if (preset := load_preset(name)).tags.data:
+            yield preset, False
+    for name in LIBRARY.user:
+        try:
+            yield load_preset(name), True
+        except InputError as error:
+            warn(f"not considered for these data: {error}", 3)
+
+
+def fitting_preset_for(timeline: Timeline) -> Fit:
+    """Return the preset for the kinds of a timeline (`fitting_preset`)."""
     curve = timeline.intensity
-    return best_preset(timeline.kinds(), "" if curve is None else curve.unit)
+    return fitting_preset(timeline.kinds(), "" if curve is None else curve.unit)
 
 
 def _base(name: str, source: str) -> tuple[str, str]:

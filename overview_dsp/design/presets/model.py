@@ -169,9 +169,12 @@ TAG_SCALES = ("energy", "roughness", "tempo", "pleasantness")
 """Scales of a preset's feel, 1 to 5 (after VibViz: Seifi, Zhang and MacLean 2015)."""
 
 
+DATA_TYPES = ("events", "series", "recordings")
+
+
 @dataclass(frozen=True)
 class Tags:
-    """Ratings of a preset's feel, 1 (low) to 5 (high) or None, and its uses.
+    """Ratings of a preset's feel, 1 (low) to 5 (high) or None, its uses and its data.
 
     Parameters
     ----------
@@ -179,11 +182,13 @@ class Tags:
         1 to 5.
     usage : tuple of str
         Words for its uses.
+    data : tuple of {"events", "series", "recordings"}
+        Data for which it is chosen: events of its kinds, curves, or curves of loudness.
 
     Raises
     ------
     InputError
-        A number is out of range.
+        A number is out of range, or a type of data is unknown.
 
     Examples
     --------
@@ -196,6 +201,7 @@ class Tags:
     tempo: float | None = None
     pleasantness: float | None = None
     usage: tuple[str, ...] = ()
+    data: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in TAG_SCALES:
@@ -203,6 +209,10 @@ class Tags:
             if value is not None and not 1.0 <= value <= 5.0:
                 raise InputError(f"tags.{name} = {value:g} is out of range; allowed: 1 to 5")
         object.__setattr__(self, "usage", tuple(self.usage))
+        object.__setattr__(self, "data", tuple(self.data))
+        for name in self.data:
+            if name not in DATA_TYPES:
+                raise InputError(f"tags.data has {name!r}; allowed: {', '.join(DATA_TYPES)}")
 
 
 @dataclass(frozen=True)

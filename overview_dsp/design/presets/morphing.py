@@ -7,6 +7,7 @@ other.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -112,14 +113,11 @@ def _mixed_kind(
 def _mixed_modes(
     first: tuple[ClickMode, ...], second: tuple[ClickMode, ...], part: float
 ) -> tuple[ClickMode, ...]:
-    count = max(len(first), len(second))
     found = []
-    for i in range(count):
-        one = first[i] if i < len(first) else None
-        other = second[i] if i < len(second) else None
+    for one, other in itertools.zip_longest(first, second):
         # a mode of only one preset fades
         quiet = MODE_PARAMETERS["gain_db"].low
-        pair = one or replace(other, gain_db=quiet), other or replace(one, gain_db=quiet)  # type: ignore[type-var]
+        pair = one or replace(other, gain_db=quiet), other or replace(one, gain_db=quiet)
         mixed = {
             key: _mix(known, getattr(pair[0], key), getattr(pair[1], key), part)
             for key, known in MODE_PARAMETERS.items()
@@ -175,26 +173,22 @@ def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
             for key, known in KIND_PARAMETERS.items()
             if isinstance(value := getattr(kind, key), float) and key in _VARIED_KIND_KEYS
         }
-        modes = tuple(
-            replace(
-                mode,
-                frequency_hz=_moved(
-                    MODE_PARAMETERS["frequency_hz"], mode.frequency_hz, amount / 2.0, random
-                ),
-                decay_ms=_moved(MODE_PARAMETERS["decay_ms"], mode.decay_ms, amount / 2.0, random),
-            )
-            for mode in kind.modes
-        )
-        kinds[name] = replace(kind, modes=modes, **changes)
-    return Preset(
-        f"{preset.name}-{seed}",
-        f"{preset.title}, variation {seed}",
-        f"{preset.name} with random changes of all values (seed {seed}, amount {amount:g})",
-        values,
-        kinds,
-        preset.tags,
-        preset.authors,
-        preset.points,
+        modes = []
+        for mode in kind.modes:
+            moved = {
+                key: _moved(MODE_PARAMETERS[key], getattr(mode, key), amount / 2.0, random)
+                for key in ("frequency_hz", "decay_ms")
+            }
+            modes.append(replace(mode, **moved))
+        kinds[name] = replace(kind, modes=tuple(modes), **changes)
+    return replace(
+        preset,
+        name=f"{preset.name}-{seed}",
+        title=f"{preset.title}, variation {seed}",
+        description=f"{preset.name} with random changes of all values (seed {seed}, "
+        f"amount {amount:g})",
+        values=values,
+        kinds=kinds,
     )
 
 

@@ -13,7 +13,7 @@ from overview_dsp.design.presets.parameters import (
     PARAMETERS,
     SECTIONS,
 )
-from overview_dsp.design.presets.validation import MAP_DOC, SCHEMA, preset_model
+from overview_dsp.design.presets.validation import LIST_DOCS, SCHEMA, preset_model
 
 _HEAD = """# Preset parameters
 
@@ -27,6 +27,8 @@ set (or come from the extended preset); everything else has a default.
 | `title`, `description` | title, and a sentence on the feel |
 | `authors` | a list of names |
 | `[tags]` | {tags}: 1 (low) to 5 (high); `usage`: a list of words |
+| `tags.data` | a list: the data for which it is chosen: `events`, `series`, `recordings` |
+| `drop` | kinds of the extended preset that are removed: `drop = ["foul"]` |
 | `[variables]` | numbers for expressions: `height = "$hard * 0.5"` (+ - * / and brackets) |
 """
 
@@ -37,7 +39,7 @@ def reference() -> str:
     for section, members in SECTIONS.items():
         parts.append(f"## [{section}]\n\n{_table(members.values())}")
         if section == "surface":
-            drawn = MAP_DOC[0].lower() + MAP_DOC[1:]
+            drawn = LIST_DOCS["map"][0].lower() + LIST_DOCS["map"][1:]
             parts.append(f"`points` (a list of 2 to 256 numbers): {drawn}\n")
     parts.append(
         "## [kinds.NAME]\n\nAn event kind's profile and click; exactly one of the two widths. "
@@ -93,6 +95,11 @@ def json_schema() -> dict[str, Any]:
     schema["properties"]["extends"] = {
         "type": "string",
         "description": "Preset with the values that this file does not set.",
+    }
+    schema["properties"]["drop"] = {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "Kinds of the extended preset that are removed.",
     }
     schema["required"] = ["schema"]  # other keys may come from the extended preset
     for definition in schema["$defs"].values():

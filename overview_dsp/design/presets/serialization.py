@@ -19,18 +19,18 @@ def preset_to_dict(preset: Preset) -> dict[str, Any]:
         "description": preset.description,
         "values": dict(preset.values),
         "kinds": {
-            name: {
-                **vars(kind),
-                "points": list(kind.points),
-                "aliases": list(kind.aliases),
-                "modes": [vars(mode) for mode in kind.modes],
-            }
+            name: {**_lists(kind), "modes": [vars(mode) for mode in kind.modes]}
             for name, kind in preset.kinds.items()
         },
-        "tags": {**vars(preset.tags), "usage": list(preset.tags.usage)},
+        "tags": _lists(preset.tags),
         "authors": list(preset.authors),
         "points": list(preset.points),
     }
+
+
+def _lists(one: EventKind | Tags) -> dict[str, Any]:
+    fields = vars(one).items()
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in fields}
 
 
 def preset_from_dict(data: Any) -> Preset:

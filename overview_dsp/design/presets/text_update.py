@@ -1,4 +1,4 @@
-"""Update of numbers in a preset file's text, which keeps `extends`, variables and comments."""
+"""Update of values in a preset file's text, which keeps `extends`, variables and comments."""
 
 from __future__ import annotations
 
@@ -9,16 +9,26 @@ from typing import Any
 
 from overview_dsp.design.presets.expressions import is_expression
 from overview_dsp.design.presets.library import load_preset, parse_user_preset, preset_path
-from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.model import ClickMode, Preset
 from overview_dsp.design.presets.validation import SCHEMA, migrate
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 from overview_dsp.files.toml import SUFFIX, read_text
 
 DIGITS = 4  # significant digits of a tuned value; a hundredth of a JND
 
-Changes = Mapping[str, Mapping[str, float]]
-"""New values by kind and key (`height`, `width_percent`, `width_ms`)."""
+Changes = Mapping[str, Mapping[str, Any]]
+"""New values by kind and key: numbers, texts, `aliases`, `points` and `modes`."""
+
+
+def changes_between(before: Preset, after: Preset) -> Changes:
+    """Return the changed values of the kinds; a kind that is new has all its values."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, kind in after.kinds.items():
+        old = vars(before.kinds[name]) if name in before.kinds else {}
+        new = {key: value for key, value in vars(kind).items() if value is not None}
+        found[name] = {key: new[key] for key in new if key not in old or old[key] != new[key]}
+    return {name: values for name, values in found.items() if values}
 
 
 def updated_text(source: Path, changes: Changes, before: Preset) -> str:
@@ -53,7 +63,12 @@ def updated_text(source: Path, changes: Changes, before: Preset) -> str:
         kind: Any = kinds[name]
         for key, value in values.items():
             written = kind.get(key)
-            if is_expression(written):
+            if isinstance(value, tuple):
+                kind[key] = tomlkit.array()
+                kind[key].extend(vars(one) if isinstance(one, ClickMode) else one for one in value)
+            elif isinstance(value, str):
+                kind[key] = value
+            elif is_expression(written):
                 ratio = value / getattr(before.kinds[name], key)
                 kind[key] = f"({written}) * {_rounded(ratio):g}"
             else:
@@ -71,8 +86,7 @@ def save_updated(
     before, target = load_preset(name), Path(path)
     text = updated_text(preset_path(name), changes, before)
     made = parse_user_preset(text, target)
-    with atomic_file(target) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_file(target, text)
     return target, made
 
 

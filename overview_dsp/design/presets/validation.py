@@ -4,7 +4,8 @@ The model is made from the parameter table. Errors name file and line, also in a
 
 `extends = "football"` takes all values of that preset (a name, or a path from the file's folder).
 The file changes single keys, kinds and variables. A list of modes is replaced as a whole.
-Expressions of the base follow changed variables.
+Expressions of the base follow changed variables. `drop = ["goal"]` removes kinds of the base.
+`tags.data` is not inherited, so that a variation is not chosen in place of its base.
 
 | schema | change |
 |---|---|
@@ -28,6 +29,7 @@ from pydantic import Field
 
 from overview_dsp.design.presets.expressions import ExpressionError, evaluate_expressions
 from overview_dsp.design.presets.model import (
+    DATA_TYPES,
     DEFAULT_KIND,
     TAG_SCALES,
     ClickMode,
@@ -43,7 +45,7 @@ from overview_dsp.design.presets.parameters import (
     MODE_PARAMETERS,
     SECTIONS,
 )
-from overview_dsp.errors import InputError, quoted
+from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, named
 from overview_dsp.files.toml import line_of, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
@@ -153,9 +155,28 @@ def merged(layers: list[Layer]) -> dict[str, Any]:
     """Return the merged data of all layers; the first layer has priority."""
     found: dict[str, Any] = {}
     for layer in reversed(layers):
-        own = {key: value for key, value in layer.data.items() if key != "extends"}
-        found = _over(found, own)
+        own = {key: value for key, value in layer.data.items() if key not in ("extends", "drop")}
+        base = _without(found, layer)
+        if isinstance(tags := base.get("tags"), dict):
+            base = {**base, "tags": {key: tags[key] for key in tags if key != "data"}}
+        found = _over(base, own)
     return found
+
+
+def _without(base: dict[str, Any], layer: Layer) -> dict[str, Any]:
+    """Return the data of a base without the kinds that a layer drops; InputError."""
+    names, kinds = layer.data.get("drop", []), base.get("kinds", {})
+    unknown = (
+        [name for name in names if name not in [*kinds]] if isinstance(names, list) else [names]
+    )
+    if unknown:
+        raise InputError(
+            f"{_location([layer], ('drop',))}: drop has {quoted(unknown[0])}; must be a list "
+            f"of kinds of the extended preset{did_you_mean(str(unknown[0]), [*kinds])}"
+        )
+    return (
+        {**base, "kinds": {key: kinds[key] for key in kinds if key not in names}} if names else base
+    )
 
 
 def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
@@ -187,12 +208,14 @@ def layer_of(layers: list[Layer], path: Path) -> Layer:
     return layers[0]
 
 
-MAP_DOC = (
-    "Intensity map: felt share (0 to 1) at even steps of the intensity curve; default: a straight "
-    "line."
-)
-_POINTS_DOC = "Friction profile over two widths, 0 to 1, which replaces the shape."
-_ALIASES_DOC = "Other event kinds that use this one, unless the preset names them."
+LIST_DOCS = {
+    "map": "Intensity map: felt share (0 to 1) at even steps of the intensity curve; default: a "
+    "straight line.",
+    "data": "Data for which the preset is chosen: events of its kinds, series, recordings.",
+    "points": "Friction profile over two widths, 0 to 1, which replaces the shape.",
+    "modes": "Resonators of the click, struck when the disk passes.",
+    "aliases": "Other event kinds that use this one, unless the preset names them.",
+}
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
@@ -207,7 +230,7 @@ def _field(known: Parameter) -> tuple[Any, Any]:
     return kind, Field(default, description=known.doc, json_schema_extra=unit)
 
 
-def _model(name: str, parameters: Iterable[Parameter], **more: Any) -> Any:
+def _model(name: str, parameters: Iterable[Parameter], **more: Any) -> type[Strict]:
     """Return the model of a table of parameters, and of `more`."""
     fields: dict[str, Any] = {known.key: _field(known) for known in parameters}
     return pydantic.create_model(name, __base__=Strict, **fields, **more)
@@ -221,21 +244,27 @@ def _many(kind: Any, most: int | None = None, doc: str | None = None) -> tuple[A
 def preset_model() -> type[pydantic.BaseModel]:
     """Return the pydantic model of a preset file, made from the parameter table."""
     part = Annotated[float, Field(ge=0.0, le=1.0)]
-    more = {"surface": {"points": _many(part, MAX_POINTS, MAP_DOC)}}
+    more = {"surface": {"points": _many(part, MAX_POINTS, LIST_DOCS["map"])}}
     sections: dict[str, Any] = {
         section: _model(section.capitalize(), members.values(), **more.get(section, {}))
         for section, members in SECTIONS.items()
     }
     scale: Any = (Annotated[float, Field(ge=1.0, le=5.0), Allowed("1 to 5")] | None, None)
-    sections["tags"] = _model("Tags", (), **dict.fromkeys(TAG_SCALES, scale), usage=_many(str))
+    sections["tags"] = _model(
+        "Tags",
+        (),
+        **dict.fromkeys(TAG_SCALES, scale),
+        usage=_many(str),
+        data=_many(Literal[DATA_TYPES], doc=LIST_DOCS["data"]),
+    )
     kind = _model(
         "Kind",
         KIND_PARAMETERS.values(),
-        modes=_many(_model("Mode", MODE_PARAMETERS.values()), MAX_MODES),
-        points=_many(float, MAX_POINTS, _POINTS_DOC),
-        aliases=_many(str, MAX_ALIASES, _ALIASES_DOC),
+        modes=_many(_model("Mode", MODE_PARAMETERS.values()), MAX_MODES, LIST_DOCS["modes"]),
+        points=_many(float, MAX_POINTS, LIST_DOCS["points"]),
+        aliases=_many(str, MAX_ALIASES, LIST_DOCS["aliases"]),
     )
-    found: type[pydantic.BaseModel] = _model(
+    return _model(
         "Preset",
         (),
         # an alias: pydantic has a method of the file's name for it
@@ -247,7 +276,6 @@ def preset_model() -> type[pydantic.BaseModel]:
         kinds=(dict[str, kind], Field(max_length=MAX_KINDS)),  # type: ignore[valid-type]
         **{name: (model, Field(default_factory=model)) for name, model in sections.items()},
     )
-    return found
 
 
 def _is_number(value: object) -> bool:
@@ -291,7 +319,8 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
             kinds[kind_name] = EventKind(modes=modes, **members)
         except InputError as error:
             location = _location(layers, ("kinds", kind_name))
-            raise InputError(f"{location}: kinds.{kind_name}: {error}") from None
+            similar = did_you_mean(kind_name, dumped["kinds"].keys() - {kind_name})
+            raise InputError(f"{location}: kinds.{kind_name}: {error}{similar}") from None
     if DEFAULT_KIND not in kinds:
         raise InputError(
             f"{source}: kinds.{DEFAULT_KIND} is missing; add it for events of other kinds"

@@ -15,8 +15,8 @@ from overview_dsp.design.presets.parameters import (
     PARAMETERS,
     SECTIONS,
 )
-from overview_dsp.design.presets.validation import SCHEMA
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.design.presets.validation import LIST_DOCS, SCHEMA
+from overview_dsp.files.atomic import write_file
 
 
 def preset_toml(preset: Preset) -> str:
@@ -88,8 +88,7 @@ def save_preset(preset: Preset, path: str | os.PathLike[str]) -> Path:
     """
     target = validation.path(path, "a preset's file")
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    with atomic_file(target) as temporary:
-        temporary.write_text(preset_toml(preset), encoding="utf-8", newline="\n")
+    write_file(target, preset_toml(preset))
     return target
 
 
@@ -105,6 +104,10 @@ def preset_template(extended: str, base: Preset, title: str) -> str:
         f"extends = {_plain(extended)}",
         f"title = {_plain(title)}",
         f"description = {_plain(f'made from {base.name}')}",
+        "# drop = []  # Kinds of the extended preset that are removed.",
+        "",
+        "# [tags]",
+        f"# data = {_plain(base.tags.data)}  # {LIST_DOCS['data']}",
         "",
         f"# These are the values of {base.name}. To change one, remove the # before it and its",
         "# heading.",
@@ -115,12 +118,23 @@ def preset_template(extended: str, base: Preset, title: str) -> str:
             f"# {key} = {_plain(base.values[known.id])}  # {known.allowed}. {known.doc}"
             for key, known in members.items()
         ]
+        if section == "surface":
+            lines.append(f"# points = {_plain(base.points)}  # {LIST_DOCS['map']}")
     for name, kind in base.kinds.items():
         lines += ["", f"# [kinds.{_key(name)}]"]
         lines += [
-            f"# {known.key} = {_plain(getattr(kind, key))}  # {known.allowed}"
+            f"# {known.key} = {_plain(getattr(kind, key))}  # {known.allowed}. {known.doc}"
             for key, known in KIND_PARAMETERS.items()
             if getattr(kind, key) is not None
+        ]
+        modes = (
+            ", ".join(f"{key} = {_plain(getattr(mode, key))}" for key in MODE_PARAMETERS)
+            for mode in kind.modes
+        )
+        lines += [
+            f"# aliases = {_plain(kind.aliases)}  # {LIST_DOCS['aliases']}",
+            f"# points = {_plain(kind.points)}  # {LIST_DOCS['points']}",
+            f"# modes = [{', '.join(f'{{ {mode} }}' for mode in modes)}]  # {LIST_DOCS['modes']}",
         ]
     return "\n".join([*lines, ""])
 
@@ -134,4 +148,5 @@ def _plain(value: object) -> str:
 
     if isinstance(value, bool):
         return str(value).lower()
-    return f"{value:g}" if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
+    short = f"{value:g}" if isinstance(value, float) else ""
+    return short if short and float(short) == value else json.dumps(value, ensure_ascii=False)

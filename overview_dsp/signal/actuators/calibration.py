@@ -6,7 +6,6 @@ assume `REFERENCE_DB`. The gain of a user is the difference between the threshol
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ import platformdirs
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file, make_folder
+from overview_dsp.files.json_table import read_table, write_table
 from overview_dsp.signal.actuators.library import load_actuator, reference
 from overview_dsp.signal.actuators.model import MAX_CALIBRATION_DB, Actuator
 
@@ -70,7 +69,7 @@ def save_threshold(actuator: Actuator, threshold_db: float) -> None:
     True
     """
     entry = {"threshold_db": threshold_db, "gain_db": gain_for(threshold_db)}
-    _write({**_read(), reference(actuator): entry})
+    write_table(calibration_file(), {**_read(), reference(actuator): entry})
 
 
 def forget_threshold(actuator: Actuator) -> bool:
@@ -101,7 +100,7 @@ def forget_threshold(actuator: Actuator) -> bool:
     thresholds = _read()
     if thresholds.pop(reference(actuator), None) is None:
         return False
-    _write(thresholds)
+    write_table(calibration_file(), thresholds)
     return True
 
 
@@ -111,12 +110,9 @@ def gain_of(actuator: Actuator) -> float:
     entry = _read().get(name)
     if entry is None:
         return 0.0
-    gain = entry.get("gain_db") if isinstance(entry, dict) else None
-    if (
-        isinstance(gain, bool)
-        or not isinstance(gain, int | float)
-        or not -MAX_CALIBRATION_DB <= gain <= MAX_CALIBRATION_DB
-    ):
+    gain: Any = entry.get("gain_db") if isinstance(entry, dict) else None
+    is_number = isinstance(gain, int | float) and not isinstance(gain, bool)
+    if not is_number or not abs(gain) <= MAX_CALIBRATION_DB:
         raise InputError(
             f"{calibration_file()}: gain_db of {name!r} is {gain!r}; must be a number from "
             f"-{MAX_CALIBRATION_DB:g} to {MAX_CALIBRATION_DB:g}; correct or delete the file"
@@ -155,21 +151,5 @@ def apply_calibration(name: str | Path) -> Actuator:
     return replace(actuator, gain_db=gain_of(actuator))
 
 
-def _write(thresholds: dict[str, Any]) -> None:
-    path = calibration_file()
-    make_folder(path.parent)
-    with atomic_file(path) as temporary:
-        temporary.write_text(json.dumps(thresholds, indent=1, ensure_ascii=False), encoding="utf-8")
-
-
 def _read() -> dict[str, Any]:
-    path = calibration_file()
-    try:
-        thresholds = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: can't be read ({error}); correct or delete it") from None
-    if not isinstance(thresholds, dict):
-        raise InputError(f"{path}: not a table of actuators; correct or delete it")
-    return thresholds
+    return read_table(calibration_file(), "not a table of actuators")

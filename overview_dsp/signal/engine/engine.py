@@ -135,7 +135,6 @@ class Engine:
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
-        self._struck = SurfaceHistory()
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
 
     def prepare(
@@ -188,6 +187,7 @@ class Engine:
         self._i64 = self._f64.view(np.int64)
         self._u64 = self._f64.view(np.uint64)
         self._queues = ControlQueues(self._f64)
+        self._struck = SurfaceHistory(self._queues.applied_at)
         self._i64[layout.S_CLICK_CHANNEL] = 0
         self._i64[layout.S_TACTOR_CHANNEL] = 1
         self._f64[layout.S_SAMPLE_RATE] = rate
@@ -534,7 +534,7 @@ class Engine:
                 self._journal.append((number, note))
                 if surface is not None:  # it comes last
                     last = number + len(changed) - 1
-                    self._struck.add(last, surface, timeline, self._queues.applied_at)
+                    self._struck.add(last, surface, timeline)
         self._preset, self._timeline = preset, timeline
         if surface is not None:
             self._surface = surface
@@ -601,8 +601,7 @@ class Engine:
         >>> count, float(events["theta2"][0])
         (1, 1.2)
         """
-        self._require_prepared()
-        return memory_reader.read_applied(self._f64, since)
+        return memory_reader.read_applied(self.memory, since)
 
     @property
     def parameters(self) -> Mapping[str, EngineParameter]:
@@ -618,8 +617,7 @@ class Engine:
     @property
     def meters(self) -> Meters:
         """Counters and levels as of the last block."""
-        self._require_prepared()
-        return memory_reader.read_meters(self._f64, self._queues.dropped)
+        return memory_reader.read_meters(self.memory, self._queues.dropped)
 
     @property
     def torque_integral(self) -> tuple[float, float]:
@@ -628,15 +626,13 @@ class Engine:
         The difference of two readings gives the mean torque between them, including peaks shorter
         than a block. Thread: any.
         """
-        self._require_prepared()
-        samples, integral = memory_reader.read_torque_integral(self._f64)
+        samples, integral = memory_reader.read_torque_integral(self.memory)
         return samples / self._sample_rate, integral / self._sample_rate
 
     @property
     def active_input(self) -> tuple[str, float] | None:
         """Source that controls the disk and its theta2 (rad) as of the last block, or None."""
-        self._require_prepared()
-        return memory_reader.read_active_input(self._f64)
+        return memory_reader.read_active_input(self.memory)
 
     @property
     def touched(self) -> bool:
@@ -647,14 +643,12 @@ class Engine:
     @property
     def settled_at(self) -> int | None:
         """Sample since which the disk is at the input angle, past all events, or None."""
-        self._require_prepared()
-        return memory_reader.read_arrival(self._f64)
+        return memory_reader.read_arrival(self.memory)
 
     @property
     def latency_samples(self) -> int:
         """Delay of a moving input by the smoother, samples (a tap is not delayed)."""
-        self._require_prepared()
-        return round(latency(float(self._f64[layout.C_SMOOTH])))
+        return round(latency(float(self.memory[layout.C_SMOOTH])))
 
     @property
     def tail_seconds(self) -> float:
@@ -711,10 +705,7 @@ class Engine:
         ]
 
     def _pop_strikes(self) -> tuple[Strikes, list[Timeline | None]]:
-        self._require_prepared()
-        return memory_reader.pop_strikes(
-            self._f64, self._struck, self._queues.applied_at, self._sample_rate
-        )
+        return memory_reader.pop_strikes(self.memory, self._struck, self._sample_rate)
 
     def pop_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
         """Return the parameter and surface changes applied since the last call.
@@ -774,8 +765,7 @@ class Engine:
         >>> bool((vibration == result.samples[:, 1]).all())
         True
         """
-        self._require_prepared()
-        return memory_reader.tactor_of(self._f64, torque)
+        return memory_reader.tactor_of(self.memory, torque)
 
     def process(self, out: SampleArray, trace: FloatArray | None = None) -> None:
         """Overwrite a buffer with the next block; allocate nothing. Thread: audio.

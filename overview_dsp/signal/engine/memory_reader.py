@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -304,10 +303,7 @@ def read_applied(memory: FloatArray, since: int) -> tuple[NDArray[np.void], int]
 
 
 def pop_strikes(
-    memory: FloatArray,
-    history: SurfaceHistory,
-    applied_at: Callable[[int], int | None],
-    sample_rate: float,
+    memory: FloatArray, history: SurfaceHistory, sample_rate: float
 ) -> tuple[Strikes, list[Timeline | None]]:
     """Return the strikes since the last call (at most the log's size) and their timelines.
 
@@ -320,7 +316,7 @@ def pop_strikes(
     i64[layout.STRIKES_READ] = total
     at = np.arange(first, total) % layout.STRIKE_LOG
     times = memory[layout.LOG_TIME + at]
-    events, timelines = history.find(i64[layout.LOG_EVENT + at], times, now, applied_at)
+    events, timelines = history.find(i64[layout.LOG_EVENT + at], times, now)
     strikes = Strikes(
         time_s=times / sample_rate,
         event=events,

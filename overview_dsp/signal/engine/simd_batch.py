@@ -81,5 +81,4 @@ class EngineBatch:
         lane_block.process_lanes(
             self._f64, self._i64, self._u64, SIMD_WIDTH, out, frames, table, trace
         )
-        members: list[bool] = (self._i64[lane_memory.MEMBER :][:SIMD_WIDTH] == 1).tolist()
-        return members
+        return list((self._i64[lane_memory.MEMBER :][:SIMD_WIDTH] == 1).tolist())

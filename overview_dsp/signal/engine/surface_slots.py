@@ -163,7 +163,8 @@ class SurfaceHistory:
     Thread: one that changes surfaces, one that reads strikes.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, applied_at: Callable[[int], int | None]) -> None:
+        self._applied_at = applied_at
         self._surfaces: deque[_PastSurface] = deque(maxlen=MOST)
         self._lock = threading.Lock()  # never taken by the audio thread
 
@@ -173,36 +174,26 @@ class SurfaceHistory:
             self._surfaces.clear()
             self._surfaces.append(_PastSurface(-1, 0, timeline_events(surface), timeline))
 
-    def add(
-        self,
-        change: int,
-        surface: Surface,
-        timeline: Timeline,
-        applied_at: Callable[[int], int | None],
-    ) -> None:
+    def add(self, change: int, surface: Surface, timeline: Timeline) -> None:
         """Add the surface of a pushed change."""
         with self._lock:
-            self._resolve(applied_at)  # before the queue forgets it
+            self._resolve()  # before the queue forgets it
             self._surfaces.append(_PastSurface(change, None, timeline_events(surface), timeline))
 
-    def _resolve(self, applied_at: Callable[[int], int | None]) -> None:
+    def _resolve(self) -> None:
         for one in self._surfaces:
             if one.sample is None:
-                one.sample = applied_at(one.change)
+                one.sample = self._applied_at(one.change)
 
     def find(
-        self,
-        numbers: IntArray,
-        times: FloatArray,
-        now: int,
-        applied_at: Callable[[int], int | None],
+        self, numbers: IntArray, times: FloatArray, now: int
     ) -> tuple[IntArray, list[Timeline | None]]:
         """Return events and timelines of strikes from their numbers and times (samples).
 
         An event of -1 is the base surface. Later calls get strikes from sample `now` on.
         """
         with self._lock:
-            self._resolve(applied_at)
+            self._resolve()
             under = [one for one in self._surfaces if one.sample is not None]
             starts = np.array([one.sample for one in under])
             which = np.searchsorted(starts, times, side="right") - 1

@@ -2,6 +2,11 @@
 
     B = friction * ((1 + intensity_gain)**intensity + pattern_height * pattern)
 
+With `pattern_grows` this pattern is multiplied by the curve's own ratio, so that its ribs are as
+strong, relative to the friction around them, at a high value as at a low one:
+
+    B = friction * (1 + intensity_gain)**intensity * (1 + pattern_height * pattern)
+
 The intensity is the timeline's curve scaled to 0..1 and mixed with its rank, so that mostly low
 curves have perceptible changes:
 
@@ -87,8 +92,9 @@ def build_base_surface(
     period = number("surface.pattern_period_percent")
     course = pattern(made_of, cells, period)
     top = bare * number("surface.pattern_height")
+    height = top * loud if preset.values["surface.pattern_grows"] else np.full(cells + 1, top)
     if made_of != "none" and model != "detent":
-        friction += top * course
+        friction += height * course
     known = np.ones(cells + 1)
     if timeline.gaps:
         missing, ribbed = ribs(
@@ -99,7 +105,7 @@ def build_base_surface(
             number("surface.gap_period_percent"),
         )
         # ribs stand out of the pattern too
-        friction[missing] = ribbed * (ground + (top if made_of != "none" else 0.0))
+        friction[missing] = ribbed * (ground + (height.min() if made_of != "none" else 0.0))
         known[missing] = 0.0
     if timeline.known_until_s is not None:
         heaviness = OVER_THE_CURVE * (1.0 + number("surface.intensity_gain"))
@@ -122,7 +128,7 @@ def build_base_surface(
             strikes = troughs_of(course * known, impedance(preset, pull, width / 4.0, cells))
     elif modes:
         grip = number("surface.torque_ratio") if model == "bristle" else 1.0
-        strikes = crests_of(course * known, grip * top)
+        strikes = crests_of(course * known, grip * height)
     return BaseSurface(friction, energy, modes, strikes)
 
 
@@ -187,10 +193,10 @@ def crests(course: FloatArray) -> IntArray:
     return np.flatnonzero((inner > course[:-2]) & (inner >= course[2:])) + 1
 
 
-def crests_of(course: FloatArray, top: float) -> TextureStrikes:
-    """Return strikes at the crests of a pattern (0 to 1), where 1 is `top` N m s/rad."""
+def crests_of(course: FloatArray, height: FloatArray) -> TextureStrikes:
+    """Return strikes at the crests of a pattern (0 to 1), where 1 is the `height`, N m s/rad."""
     at = crests(course)
-    return TextureStrikes(at / (len(course) - 1), top * course[at])
+    return TextureStrikes(at / (len(course) - 1), height[at] * course[at])
 
 
 def troughs_of(course: FloatArray, impedance: float) -> TextureStrikes:

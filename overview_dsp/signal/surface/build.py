@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -79,31 +78,43 @@ MIN_WIDTH_CELLS = 4.0
 """Least width of a profile; narrower ones would fall between the table's points."""
 
 
-@dataclass(frozen=True, eq=False)
 class _Placed:
     """Table of the events on a surface, in the timeline's order; positions in cells."""
 
-    event: IntArray
-    centre: FloatArray
-    position: FloatArray
-    edges: FloatArray
-    release: FloatArray
-    kind: IntArray
-    span: FloatArray
+    def __init__(self, event: IntArray, angle_map: AngleMap) -> None:
+        """Start with events and centres; `fill` adds the rest."""
+        self.event = event
+        self.centre = angle_map.events[event] * CELLS
+        self.position, self.release = np.zeros((2, len(event)))
+        self.edges, self.span = np.zeros((2, len(event), 2))
+        self.kind = np.zeros(len(event), dtype=np.int64)
 
-    @classmethod
-    def of(cls, event: IntArray, angle_map: AngleMap) -> _Placed:
-        """Return a table with events and centres; `_fill_rows` adds the rest."""
-        count = len(event)
-        return cls(
-            event=event,
-            centre=angle_map.events[event] * CELLS,
-            position=np.zeros(count),
-            edges=np.zeros((count, 2)),
-            release=np.zeros(count),
-            kind=np.zeros(count, dtype=np.int64),
-            span=np.zeros((count, 2)),
-        )
+    def fill(
+        self, members: IntArray, kind: EventKind, preset: Preset, height: FloatArray, width: float
+    ) -> None:
+        """Fill position, edges, release and span of a kind's events."""
+        shape, points = shape_of(kind)
+        centre = self.centre[members]
+        margin = min(width, CELLS) / 2.0
+        position = np.minimum(np.maximum(centre, margin), CELLS - margin)
+        self.position[members] = position
+        if kind.model == "detent":
+            takes = [impedance(preset, pull, width / 2.0, CELLS) for pull in height]
+            self.release[members] = takes
+        else:
+            # a ramp that falls towards the timeline's end is above half its height there
+            there = profile(shape, position - centre, width, points)
+            self.release[members] = height * np.maximum(there, 0.5)
+        first, last = span(shape, width, points)
+        # beyond an end of the timeline the look-up stays at the end and thus in the event
+        self.span[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
+        self.span[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
+        own = np.stack([position, position], axis=1)
+        if kind.model == "viscous":
+            entry = np.array(entries(shape, width, points))
+            entered = np.isfinite(self.span[members]) & (entry != 0.0)
+            own = np.where(entered, centre[:, None] + entry, own)
+        self.edges[members] = own
 
 
 class _Layers:
@@ -222,7 +233,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
             "make surface.pattern_period_percent longer"
         )
     _warn_of_unknown(timeline.kinds(), preset)
-    placed = _Placed.of(felt, angle_map)
+    placed = _Placed(felt, angle_map)
     layers = _Layers(preset, under)
     for name, indices in by_kind.items():
         kind = preset.kinds[name]
@@ -231,7 +242,7 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         ordinary = preset.number("surface.friction") * kind.height
         height = _heights([timeline.events[i] for i in indices], name, ordinary)
         layers.lay(kind, name, members, placed.centre[members], height, width)
-        _fill_rows(placed, members, kind, preset, height, width)
+        placed.fill(members, kind, preset, height, width)
         placed.kind[members] = tuple(preset.kinds).index(name)
     order, stands_for = _thinned(placed, capacity, timeline.title or "the timeline")
     names = tuple(preset.kinds)
@@ -280,39 +291,6 @@ def _warn_of_unknown(kinds: Iterable[str], preset: Preset) -> None:
             f"{DEFAULT_KIND!r}; its kinds: {', '.join(preset.kinds)}",
             2,
         )
-
-
-def _fill_rows(
-    placed: _Placed,
-    members: IntArray,
-    kind: EventKind,
-    preset: Preset,
-    height: FloatArray,
-    width: float,
-) -> None:
-    """Fill position, edges, release and span of a kind's events."""
-    shape, points = shape_of(kind)
-    centre = placed.centre[members]
-    margin = min(width, CELLS) / 2.0
-    position = np.minimum(np.maximum(centre, margin), CELLS - margin)
-    placed.position[members] = position
-    if kind.model == "detent":
-        takes = [impedance(preset, pull, width / 2.0, CELLS) for pull in height]
-        placed.release[members] = takes
-    else:
-        # a ramp that falls towards the timeline's end is above half its height there
-        there = profile(shape, position - centre, width, points)
-        placed.release[members] = height * np.maximum(there, 0.5)
-    first, last = span(shape, width, points)
-    # beyond an end of the timeline the look-up stays at the end and thus in the event
-    placed.span[members, 0] = np.where(centre + first > 0.0, centre + first, -math.inf)
-    placed.span[members, 1] = np.where(centre + last < CELLS, centre + last, math.inf)
-    own = np.stack([position, position], axis=1)
-    if kind.model == "viscous":
-        entry = np.array(entries(shape, width, points))
-        entered = np.isfinite(placed.span[members]) & (entry != 0.0)
-        own = np.where(entered, centre[:, None] + entry, own)
-    placed.edges[members] = own
 
 
 def _thinned(placed: _Placed, capacity: int, title: str) -> tuple[IntArray, IntArray]:

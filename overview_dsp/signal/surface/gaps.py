@@ -15,6 +15,7 @@ The pattern of the base surface is independent of data (cloth, gravel, a dial).
 | waves | (1 - cos)/2 |
 | ridges | a narrow bump in the middle, a fifth of the period wide at half height |
 | teeth | a linear rise over nine tenths and a fall over the last one: a ratchet |
+| beats | two bumps, a tenth of the period wide at half height, at 0.25 and, 0.6 high, at 0.55 |
 | grains | random heights of a fixed seed, connected by half cosines |
 
 Values are 0 to 1. The period is relative to the surface and thus independent of the zoom.
@@ -53,7 +54,14 @@ def ribs(
     width = end - start
     period = period_percent / 100.0 * cells
     count = np.round(width / period)
-    _warn_of_narrow(gaps, count, duration_s)
+    narrow = [end - start for (start, end), ribs in zip(gaps, count, strict=True) if ribs < 1]
+    if narrow:
+        some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
+        warn(
+            f"{some} too narrow for perceptible ribs in {clock_text(duration_s)} (narrowest: "
+            f"{min(narrow):.3g} s); use a shorter window",
+            2,
+        )
     widened = np.maximum(width, MIN_GAP_CELLS)
     start = np.clip(start - (widened - width) / 2.0, 0.0, cells - widened)
     # only the last gap that starts before a point can contain it
@@ -68,28 +76,15 @@ def ribs(
     return inside, GROOVE + (height - GROOVE) * rib * rib
 
 
-def _warn_of_narrow(
-    gaps: tuple[tuple[float, float], ...], ribs_of: FloatArray, duration_s: float
-) -> None:
-    narrow = [end - start for (start, end), count in zip(gaps, ribs_of, strict=True) if count < 1]
-    if narrow:
-        some = "1 gap is" if len(narrow) == 1 else f"{len(narrow)} gaps are"
-        warn(
-            f"{some} too narrow for perceptible ribs in {clock_text(duration_s)} (narrowest: "
-            f"{min(narrow):.3g} s); use a shorter window",
-            3,
-        )
-
-
 _RIDGE = 0.2
+_BEAT = 0.1
 _FALL = 0.1
 _SEED = 1
 
 
-def _ridges(x: FloatArray) -> FloatArray:
-    d: FloatArray = (x % 1.0 - 0.5) / _RIDGE
-    bump: FloatArray = np.exp(-4.0 * np.log(2.0) * d * d)
-    return bump
+def _bump(x: FloatArray, centre: float, width: float) -> FloatArray:
+    d: FloatArray = (x % 1.0 - centre) / width
+    return np.asarray(np.exp(-4.0 * np.log(2.0) * d * d))
 
 
 def _grains(x: FloatArray) -> FloatArray:
@@ -101,8 +96,9 @@ def _grains(x: FloatArray) -> FloatArray:
 
 _PATTERNS: dict[str, Callable[[FloatArray], FloatArray]] = {
     "waves": lambda x: 0.5 - 0.5 * np.cos(2.0 * np.pi * x),
-    "ridges": _ridges,
+    "ridges": lambda x: _bump(x, 0.5, _RIDGE),
     "teeth": lambda x: np.minimum(x % 1.0 / (1.0 - _FALL), (1.0 - x % 1.0) / _FALL),
+    "beats": lambda x: np.maximum(_bump(x, 0.25, _BEAT), 0.6 * _bump(x, 0.55, _BEAT)),
     "grains": _grains,
 }
 

@@ -73,16 +73,25 @@ def test_all_kinds_differ_and_none_is_masked_or_merged_in_sweeps_of_1_to_6_secon
 
 
 @pytest.mark.parametrize("data", ["world-cup-final-2018", "made-up-share"])
-def test_any_two_presets_are_two_steps_apart_on_one_timeline(data):
+def test_a_finger_feels_any_two_presets_two_steps_apart_on_one_timeline(data):
     timeline = ov.load_timeline(data)
     with warnings.catch_warnings():
         # kinds of other data are felt as the default
         warnings.filterwarnings("ignore", "preset .* has no ", ov.OverviewWarning)
-        reports = {
-            name: feel_report(ov.load_preset(name), timeline, sample_rate=RATE) for name in NAMES
-        }
+        reports, touched = {}, {}
+        for name in NAMES:
+            preset = ov.load_preset(name)
+            reports[name] = feel_report(preset, timeline, sample_rate=RATE)
+            features = ov.measure.perceptual_features(preset, timeline, sample_rate=RATE)
+            touched[name] = {
+                stroke: replace(one, brightness_hz=math.nan, decay_ms=math.nan)
+                for stroke, one in features.items()
+            }
     steps = {
-        (first, second): character_distance(reports[first], reports[second])
+        (first, second): max(
+            character_distance(reports[first], reports[second]),
+            ov.measure.level_matched_distance(touched[first], touched[second]),
+        )
         for first, second in itertools.combinations(NAMES, 2)
     }
     assert {pair: round(found, 2) for pair, found in steps.items() if found < 2.0} == {}

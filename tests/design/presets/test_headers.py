@@ -190,10 +190,10 @@ SENTENCES = {
     # --- what an observer tells of the others
     (
         "crowd",
-        "in a second every third goes unnoticed, in the recoil 3 in 10, in a tap every fourth",
+        "in a second 4 in 10 go unnoticed, in the recoil 3 in 10, in a tap every fourth",
     ): lambda name: (
         taken(name, "burst", "nothing", "touch", ["1 s", "recoil", "tap"])
-        == pytest.approx([1 / 3, 0.3, 1 / 4], abs=0.03)
+        == pytest.approx([0.4, 0.3, 1 / 4], abs=0.03)
     ),
     (
         "plain",
@@ -210,11 +210,11 @@ SENTENCES = {
         )
     ),
     ("heart", "in the recoil, a missed beat from an early one but by ear"): lambda name: (
-        taken(name, "missed_beat", "premature_ventricular", "touch", ["recoil"])[0] > 0.5
+        taken(name, "missed_beat", "premature_ventricular", "touch", ["recoil"])[0] > 0.4
         and taken(name, "missed_beat", "premature_ventricular", "both", ["recoil"])[0] < 0.2
     ),
     ("heart", "poor signal from the ground"): lambda name: (
-        taken(name, "signal_quality", "nothing").min() > 0.5
+        np.median(taken(name, "signal_quality", "nothing")) > 0.8
     ),
     ("series", "in the recoil, the lowest from the largest moves"): lambda name: (
         taken(name, "lowest", "largest_rise", "touch", ["recoil"])[0] > 0.4

@@ -96,6 +96,15 @@ def test_older_schemas_are_read(write, version):
     assert ov.load_preset(write(text)) == ov.load_preset(write(BASE))
 
 
+def test_a_dropped_kind_is_gone_with_its_aliases_and_can_be_made_anew(write):
+    drop = 'schema = 4\nextends = "football"\ntitle = "x"\ndrop = ["goal", "touch"]\n'
+    own, football = ov.load_preset(write(drop)), ov.load_preset("football")
+    assert set(football.kinds) - set(own.kinds) == {"goal", "touch"}
+    assert own.kind_for("goal") is own.kind_for("minute") is None
+    anew = ov.load_preset(write(f"{drop}[kinds.goal]\nheight = 3.0\nwidth_percent = 0.3\n"))
+    assert anew.kinds["goal"] == ov.EventKind(3.0, 0.3)  # nothing of football's goal
+
+
 def test_tags_and_authors_are_kept(write):
     own = ov.load_preset(
         write(
@@ -113,6 +122,18 @@ def test_tags_and_authors_are_kept(write):
         ('schema = 2\nextends = "nothing.toml"\n', ("extends", "nothing.toml", "no such file")),
         ('schema = 2\nextends = "footbal"\n', ("did you mean 'football'",)),
         ('schema = 2\nextends = "own.toml"\n', ("extends it in turn",)),
+        (
+            'schema = 4\nextends = "base.toml"\ndrop = ["gaol"]\n',
+            ("own.toml:3", "drop has 'gaol'; must be a list of kinds", "did you mean 'goal'"),
+        ),
+        (
+            'schema = 4\nextends = "base.toml"\ndrop = "goal"\n',
+            ("own.toml:3", "drop has 'goal'", "a list of kinds"),
+        ),
+        (
+            'schema = 4\nextends = "base.toml"\ndrop = ["default"]\n',
+            ("kinds.default is missing",),
+        ),
         ("schema = 2\nextends = 3\n", ("extends = 3", "a preset's name")),
         (
             'schema = 2\nextends = "base.toml"\n[kinds.goal]\nheight = "$hart"\n',

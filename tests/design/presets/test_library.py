@@ -161,10 +161,64 @@ def test_the_character_follows_from_the_disks_equation(football):
     ],
 )
 def test_the_preset_that_names_most_of_the_kinds_fits(kinds, name):
-    assert library.best_preset(kinds) == name
+    assert library.fitting_preset(kinds).preset == name
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """Return a function that writes a preset into the user's folder."""
+    monkeypatch.setenv("OVERVIEW_PRESETS", str(tmp_path / "own"))
+    (tmp_path / "own").mkdir()
+
+    def write(name: str, text: str) -> None:
+        head = f'schema = 4\ntitle = "{name}"\ndescription = "own"\n'
+        (tmp_path / "own" / f"{name}.toml").write_text(head + text)
+
+    return write
+
+
+def test_a_users_preset_is_chosen_for_the_kinds_that_it_names_best(own):
+    own("tennis", 'extends = "plain"\n[kinds.strong]\naliases = ["ace", "double_fault"]\n')
+    fit = library.fitting_preset({"ace": 8, "double_fault": 2, "let": 3, "minute": 40})
+    assert (fit.preset, fit.named, fit.kinds) == ("tennis", 2, 3)
+    assert str(fit) == "preset tennis fits the data best, with 2 of 3 event kinds"
+    assert library.fitting_preset({"ace": 1, "let": 3}).preset == "plain"
+    timeline = ov.Timeline("", 9.0, events=(ov.Event(3.0, "ace"),))
+    assert ov.render(timeline, sample_rate=8000).engine.preset.name == "tennis"
+
+
+def test_a_users_variation_is_chosen_before_a_bundled_preset_only_if_it_says_its_data(own):
+    match = {"goal": 3, "foul": 20}
+    own("mine", 'extends = "football"\n')
+    assert library.fitting_preset(match).preset == "football"
+    own("mine", 'extends = "football"\n[tags]\ndata = ["events"]\n')
+    assert library.fitting_preset(match).preset == "mine"
+    own("more", 'extends = "mine"\n')  # the data are not inherited
+    assert library.fitting_preset(match).preset == "mine"
+    own("more", 'extends = "football"\n[kinds.offside]\nheight = 3.0\nwidth_percent = 0.3\n')
+    assert library.fitting_preset({**match, "offside": 2}).preset == "more"
+
+
+def test_a_users_preset_is_chosen_for_curves_only_if_it_says_so(own):
+    own("mine", 'extends = "series"\n')
+    assert library.fitting_preset({}).preset == "series"
+    own("mine", 'extends = "series"\n[tags]\ndata = ["series"]\n')
+    assert library.fitting_preset({}).preset == "mine"
+    assert library.fitting_preset({}, "LUFS").preset == "crowd"
+
+
+def test_an_invalid_preset_of_the_user_is_named_and_passed_over(own):
+    own("broken", 'extends = "plain"\n[disk]\nk1 = 9e9\n')
+    with pytest.warns(ov.OverviewWarning, match=r"not considered .*broken\.toml:6: disk\.k1"):
+        assert library.fitting_preset({"goal": 1}).preset == "football"
+
+
+def test_unknown_data_of_a_preset_are_refused(own):
+    own("mine", 'extends = "series"\n[tags]\ndata = ["weather"]\n')
+    refused("mine", "mine.toml:6", "tags.data", "recordings")
 
 
 def test_a_recording_without_a_cheer_is_felt_as_a_recording():
     for unit, name in (("LUFS", "crowd"), ("°C", "series")):
         curve = ov.Intensity(np.arange(4.0), np.arange(4.0), unit)
-        assert library.best_preset_for(ov.Timeline("", 3.0, intensity=curve)) == name
+        assert library.fitting_preset_for(ov.Timeline("", 3.0, intensity=curve)).preset == name

@@ -109,7 +109,7 @@ def good_kind(**changes):
     ("changes", "words"),
     [
         ({"height": math.nan}, "height"),
-        ({"height": -1.0}, "0 to 1000"),
+        ({"height": -1.0}, "0 to 2500"),
         ({"width_percent": 0.0}, "width_percent"),
         ({"width_percent": None}, "exactly one"),
         ({"width_ms": 5.0}, "exactly one"),

@@ -336,3 +336,10 @@ def test_any_value_anywhere_is_a_preset_or_one_line(key, value):
     else:
         assert isinstance(preset, ov.Preset)
         json.dumps(dict(preset.values), allow_nan=False)
+
+
+def test_a_misspelt_kind_without_a_width_names_the_kind_that_is_meant(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('schema = 4\nextends = "football"\n[kinds.gaol]\nheight = 900.0\n')
+    with pytest.raises(ov.InputError, match=r"mine.toml:3: kinds.gaol: .*did you mean 'goal'\?"):
+        ov.load_preset(path)

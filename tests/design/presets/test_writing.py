@@ -79,6 +79,19 @@ def test_a_started_preset_is_its_base_until_it_is_changed(football):
     assert [one.id for one in differences(football, own)] == ["kinds.goal.height"]
 
 
+@pytest.mark.parametrize("name", ["football", "heart", "ratchet"])
+def test_a_started_preset_without_its_comment_signs_is_its_base(name):
+    base = ov.load_preset(name)
+    lines = preset_template(name, base, "mine").splitlines()
+    start = lines.index("# drop = []  # Kinds of the extended preset that are removed.")
+    prose = [line for line in lines[start:] if "These are the values" in line or "heading." in line]
+    kept = [line.removeprefix("# ") for line in lines[start:] if line not in prose]
+    text = "\n".join(line for line in lines[:start] if "extends" not in line) + "\n"
+    own = parse_preset(text + "\n".join(kept), "mine", "mine.toml")
+    assert own.kinds == base.kinds
+    assert (own.values, own.points, own.tags.data) == (base.values, base.points, base.tags.data)
+
+
 def base_text(name):
     return (LIBRARY.bundled_folder / f"{name}.toml").read_text(encoding="utf-8")
 

@@ -42,6 +42,34 @@ def made_of(made="waves", **values):
     return plain_preset(**given)
 
 
+@pytest.mark.parametrize("made", ["waves", "beats", "grains"])
+@pytest.mark.parametrize("model", ["viscous", "bristle"])
+def test_a_growing_pattern_is_the_same_ratio_of_friction_at_every_value(made, model):
+    preset = made_of(made, surface__model=model, surface__pattern_grows=True)
+    bare = build_base_surface(RAMP, preset, CELLS)
+    expected = 2e-3 * LOUD * (1.0 + 3.0 * pattern(made, CELLS, PERIOD))
+    assert bare.friction == pytest.approx(expected, rel=1e-12)
+
+
+def test_crests_of_a_growing_pattern_are_struck_harder_where_the_curve_is_high():
+    values = {"surface__material": "glass", "surface__pattern_grows": True}
+    bare = build_base_surface(RAMP, made_of(**values), CELLS)
+    at = np.arange(20) * 100 + 50
+    assert bare.texture_strikes.position == pytest.approx(at / CELLS)
+    assert bare.texture_strikes.release == pytest.approx(3.0 * 2e-3 * LOUD[at])
+
+
+def test_detents_grow_with_the_curve_with_or_without_the_key():
+    one, other = (
+        build_base_surface(
+            RAMP, made_of(surface__model="detent", surface__pattern_grows=grows), CELLS
+        )
+        for grows in (False, True)
+    )
+    assert np.array_equal(one.energy, other.energy)
+    assert np.array_equal(one.friction, other.friction)
+
+
 @pytest.mark.parametrize("made", ["none", "waves", "teeth"])
 @pytest.mark.parametrize("model", ["viscous", "bristle"])
 def test_friction_is_the_curve_and_the_pattern_in_bare_surfaces(made, model):
@@ -60,13 +88,15 @@ def test_a_drawn_map_says_how_much_of_the_ambience_is_felt_at_each_intensity(poi
     assert bare.friction == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("grows", [False, True])
 @pytest.mark.parametrize(("made", "under"), [("none", 1.0), ("waves", 4.0)])
-def test_the_ribs_of_a_gap_stand_out_of_the_pattern_too(made, under):
-    bare = build_base_surface(GAPPED, made_of(made), CELLS)
+def test_the_ribs_of_a_gap_stand_out_of_the_pattern_too(made, under, grows):
+    bare = build_base_surface(GAPPED, made_of(made, surface__pattern_grows=grows), CELLS)
     turns = (np.arange(CELLS + 1)[INSIDE] - 400) / 20.0
     ribs = 0.1 + (4.0 - 0.1) * np.sin(np.pi * turns) ** 4
     assert bare.friction[INSIDE] == pytest.approx(2e-3 * under * ribs, rel=1e-9)
-    outside = 2e-3 * (LOUD + 3.0 * pattern(made, CELLS, PERIOD))
+    height = LOUD if grows else 1.0
+    outside = 2e-3 * (LOUD + 3.0 * height * pattern(made, CELLS, PERIOD))
     assert bare.friction[~INSIDE] == pytest.approx(outside[~INSIDE])
 
 

@@ -22,9 +22,9 @@ from tests.examples import plain_preset, timeline_of
 SWEEPS = (2.0, 3.0, 4.0, 6.0)
 CASES = [(name, seconds) for name in bundled_presets() for seconds in SWEEPS]
 
-CLEAR = ("crowd", "heart", "plain", "series", "weather", "football")
+CLEAR = ("crowd", "plain", "series", "weather", "football")
 SMOOTH = [(name, seconds) for name, seconds in CASES if name.startswith(CLEAR)]
-"""Presets on whose base surface the data alone is felt; others have teeth, detents or slip."""
+"""Presets whose base surface shows the data alone; others have teeth, beats, detents or slip."""
 
 RATE = 16_000
 """The disk and its vibration are the same at any rate."""

@@ -157,10 +157,10 @@ def test_each_mode_is_softer_than_the_one_before_by_what_the_surface_lets_throug
 
 def test_crests_and_troughs_of_a_course():
     course = np.array([1.0, 0.2, 0.5, 0.5, 0.1, 0.1, 0.8, 0.3, 0.4])
-    top, bottom = crests_of(course, 3.0), troughs_of(course, 5.0)
+    top, bottom = crests_of(course, np.full(9, 3.0)), troughs_of(course, 5.0)
     # of a flat top the first point; the ends are none
     assert top.position == pytest.approx(np.array([2, 6]) / 8)
     assert top.release == pytest.approx([1.5, 2.4])
     assert bottom.position == pytest.approx(np.array([1, 4, 7]) / 8)
     assert bottom.release.tolist() == [5.0, 5.0, 5.0]
-    assert crests_of(np.array([0.0, 1.0, 0.0]), 1.0).position.tolist() == [0.5]
+    assert crests_of(np.array([0.0, 1.0, 0.0]), np.ones(3)).position.tolist() == [0.5]

@@ -71,6 +71,12 @@ def test_a_gaussian_and_a_raised_cosine_have_their_textbook_values():
     assert profile("raised_cosine", np.array([0.25]), 1.0)[0] == pytest.approx(0.5 + 0.5**1.5)
 
 
+def test_a_raised_cosine_is_one_hump_between_one_width_before_and_after_its_event():
+    distance = np.array([-3.0, -2.0, -1.25, -1.0, -0.5, 0.0, 0.5, 1.0, 1.25, 2.0, 3.0])
+    expected = [0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.5, 0.0, 0.0, 0.0, 0.0]
+    assert profile("raised_cosine", distance, 1.0) == pytest.approx(expected, abs=1e-15)
+
+
 @given(
     st.sampled_from(SHAPES),
     st.floats(-1e9, 1e9),
