@@ -9,6 +9,7 @@ from overview_dsp.measure.event_table import FeltEvents as FeltEvents, felt_even
 from overview_dsp.measure.level_matching import (
     PerceptualFeatures as PerceptualFeatures,
     level_matched_distance as level_matched_distance,
+    match_levels as match_levels,
     perceptual_features as perceptual_features,
 )
 from overview_dsp.measure.observer.observing import observe as observe

@@ -407,13 +407,9 @@ def crossings(done: RenderedJob[Trace], row: int, hz: float) -> list[tuple[bool,
     on = np.unique(np.flatnonzero((course >= start) & (course <= end)) // per_ms)
     pulses = touch_pulses(level)
     pulses = pulses[level[pulses] >= SCRUB_DB]
-    if len(on):
-        # the disk is on the event from 40 ms before a pulse to 15 ms after it
-        after = np.searchsorted(on, pulses - AFTER_MS)
-        near = on[np.minimum(after, len(on) - 1)]
-        pulses = pulses[(after < len(on)) & (near <= pulses + BEFORE_MS)]
-    else:
-        pulses = pulses[:0]
+    # the disk is on the event from 40 ms before a pulse to 15 ms after it
+    next_on = np.append(on, np.inf)[np.searchsorted(on, pulses - AFTER_MS)]
+    pulses = pulses[next_on <= pulses + BEFORE_MS]
     begin_s = APPROACH_S + APPROACH_REST_S
     found = []
     for crossing_s in np.arange(0.25, hz * (done.job.gesture.duration_s - begin_s) - 0.5, 0.5) / hz:

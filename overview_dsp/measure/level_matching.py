@@ -24,6 +24,7 @@ import numpy as np
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.perceived_level import (
     FALL_DB,
@@ -48,6 +49,75 @@ RISE_S = 0.030
 _FFT = 2048
 _LOUD_DB = 20.0
 _DECAY_DB = 12.0
+
+
+MATCHED_DB = 1.0
+"""Largest difference of matched levels, below what a hand or an ear notices."""
+
+_CHANNELS = (("tactor.gain_db", TACTOR), ("click.gain_db", CLICK))
+
+
+def match_levels(
+    first: Preset, second: Preset, timeline: Timeline, gesture: Gesture
+) -> tuple[Preset, Preset, str]:
+    """Lower the gains of two presets so that a stroke has the same mean level with both.
+
+    Parameters
+    ----------
+    first, second : Preset
+        Presets to match. Vibration and clicks are matched separately; the stronger one is lowered.
+    timeline : Timeline
+        Timeline of the stroke.
+    gesture : Gesture
+        Stroke, whose root mean square is compared.
+
+    Returns
+    -------
+    first, second : Preset
+        Presets with changed gains.
+    report : str
+        Changes and remaining differences as a sentence.
+
+    Raises
+    ------
+    InputError
+        A level can't be matched, as one preset is silent or its gain would be out of range.
+
+    Examples
+    --------
+    >>> tall = plain.with_value("tactor.gain_db", 3.0)
+    >>> _, matched, report = ov.measure.match_levels(plain, tall, match, ov.sweep(1.0))
+    >>> round(float(matched.number("tactor.gain_db")))
+    0
+    """
+    pair = [first, second]
+    for _ in range(3):  # the limit of the output makes levels depend on gains in a curve
+        levels = [_mean_levels_db(one, timeline, gesture) for one in pair]
+        apart = [levels[1][i] - levels[0][i] for i in range(2)]
+        if not np.isfinite(apart).all():
+            raise InputError("levels can't be matched: a preset is silent in this stroke")
+        if max(map(abs, apart)) < 0.1 * MATCHED_DB:
+            break
+        for (id, _), more_db in zip(_CHANNELS, apart, strict=True):
+            index = int(more_db > 0.0)
+            pair[index] = pair[index].with_value(id, pair[index].number(id) - abs(more_db))
+    if max(map(abs, apart)) > MATCHED_DB:
+        raise InputError(f"levels can't be matched: {apart[0]:+.1f} dB, {apart[1]:+.1f} dB remain")
+    gains = [
+        f"{letter} {new.number(id) - old.number(id):+.1f} dB ({id})"
+        for letter, new, old in zip("AB", pair, (first, second), strict=True)
+        for id, _ in _CHANNELS
+        if new.number(id) != old.number(id)
+    ]
+    remain = f"vibration {apart[0]:+.1f} dB, clicks {apart[1]:+.1f} dB remain"
+    return pair[0], pair[1], f"levels matched: {', '.join(gains) or 'no change'}; {remain}"
+
+
+def _mean_levels_db(preset: Preset, timeline: Timeline, gesture: Gesture) -> list[float]:
+    samples = render(timeline, preset, gesture, trace=False).samples.astype(np.float64)
+    with np.errstate(divide="ignore"):
+        power = [np.mean(samples[:, channel] ** 2) for _, channel in _CHANNELS]
+        return [float(10.0 * np.log10(one)) for one in power]
 
 
 @dataclass(frozen=True)

@@ -166,10 +166,7 @@ def window_db(
 
 
 def _first_within(
-    runs: FloatArray,
-    lows: FloatArray,
-    highs: FloatArray,
-    spans: FloatArray,
+    runs: FloatArray, lows: FloatArray, highs: FloatArray, spans: FloatArray
 ) -> IntArray:
     """Return the first frame within each span; the number of frames if no frame is."""
     first, last = spans[:, 0], spans[:, 1]
@@ -227,10 +224,7 @@ def _highest(
 
 
 def event_levels(
-    surface: Surface,
-    columns: Mapping[str, FloatArray],
-    tactor: SampleArray,
-    sample_rate: float,
+    surface: Surface, columns: Mapping[str, FloatArray], tactor: SampleArray, sample_rate: float
 ) -> FloatArray:
     """Measure the highest level at each event of a surface, over all strokes.
 

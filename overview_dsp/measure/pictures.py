@@ -10,6 +10,7 @@ from overview_dsp.arrays import FloatArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
 from overview_dsp.measure.perceived_level import JND_DB
+from overview_dsp.measure.report_base import cell
 from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, extremes, new_figure, tidy
 from overview_dsp.offline.rendering.audition import audition
 from overview_dsp.offline.rendering.offline import RenderResult
@@ -79,9 +80,8 @@ def plot_feel(report: FeelReport) -> Figure:
             table[kinds.index(kind.kind), column] = kind.contrast_db
     image = axes.imshow(table, aspect="auto", cmap="cividis", vmin=0.0, vmax=30.0)
     for (row, column), value in np.ndenumerate(table):
-        if np.isfinite(value):
-            colour = VERMILION if value < JND_DB else "white" if value < 18.0 else "black"
-            _write(axes, row, column, value, 8, colour, value < JND_DB)
+        colour = VERMILION if value < JND_DB else "white" if value < 18.0 else "black"
+        _write(axes, row, column, value, 8, colour, value < JND_DB)
     axes.set_xticks(range(len(report.strokes)), [stroke.name for stroke in report.strokes])
     axes.tick_params(axis="x", rotation=25, labelsize=8)
     axes.set_yticks(range(len(kinds)), kinds)
@@ -158,9 +158,9 @@ def _draw_matrix(axes: Axes, scores: ObserverScores, rows: list[int]) -> None:
 def _write(
     axes: Axes, row: int, column: int, value: float, size: int, colour: str, bold: bool
 ) -> None:
-    """Write a whole number into a cell of a matrix."""
+    """Write a whole number into a cell of a matrix, or a dash for none, as in the table."""
     weight = "bold" if bold else "normal"
     axes.text(
-        column, row, f"{value:.0f}", ha="center", va="center", fontsize=size, color=colour,
+        column, row, cell(value, 0, 0), ha="center", va="center", fontsize=size, color=colour,
         fontweight=weight,
     )  # fmt: skip

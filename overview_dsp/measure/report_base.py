@@ -68,8 +68,7 @@ class Report(ABC):
         return list(self._warning_lines())
 
     def _plain(self) -> dict[str, Any]:
-        data: dict[str, Any] = plain_data(self, self._digits)
-        return data
+        return dict(plain_data(self, self._digits))
 
     @abstractmethod
     def _lines(self) -> Iterable[str]:
@@ -84,7 +83,7 @@ def entry_named(name: str, by_name: Mapping[str, T], what: str) -> T:
     """Return the entry of that name; InputError with the nearest name if there is none."""
     if not isinstance(name, str) or name not in by_name:
         hint = did_you_mean(str(name), by_name)
-        raise InputError(f"no {what} of the report is entry_named {quoted(name)}{hint}")
+        raise InputError(f"no {what} of the report is named {quoted(name)}{hint}")
     return by_name[name]
 
 

@@ -1,9 +1,12 @@
 """Tuning of heights and widths by search: kinds in an order of strength, or separated.
 
-The cost is the sum of squared shortfalls, in JNDs, over strokes and timelines. The first tries
-raise each kind by its shortfall and those of all kinds below it. Then a seeded local search changes
-one kind with a shortfall, or all of them, and keeps changes that cost less: first at few speeds,
-then at all of them. A preset that meets the target is not changed.
+The search lowers the sum of squared shortfalls, in JNDs, over strokes and timelines. The first
+tries raise each kind by its shortfall and those of all kinds below it. Then a seeded local search
+changes one kind with a shortfall, or all of them, and keeps changes that cost less.
+
+The start and shares of the found change are judged on timelines that were not searched too, in more
+strokes, with recoils and an arm. The smallest change wins that misses fewer JNDs, on no timeline
+more, and leaves no more events unfelt, or else the start. All steps read the table of felt events.
 """
 
 from __future__ import annotations
@@ -11,22 +14,26 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from operator import itemgetter
+from typing import NamedTuple
 
 import numpy as np
 
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.design.gestures import Gesture, sweep, tap
-from overview_dsp.design.presets.model import EventKind, Preset
+from overview_dsp.design.gestures import Gesture, arm, sweep, tap
+from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
-from overview_dsp.measure.perceived_level import JND_DB
+from overview_dsp.measure.event_table import FeltEvents, felt_events
+from overview_dsp.measure.perceived_level import JND_DB, MERGED_S
 from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.offline.rendering.audition import SECONDS_EACH, pages
+from overview_dsp.signal.actuators.model import pacinian_db
+from overview_dsp.units import clock_text
 
 RATE = 16_000.0  # sample rate, Hz. The vibration does not depend on it, and a low one is fast.
 
@@ -42,37 +49,36 @@ felt."""
 
 FAULT_JNDS = 2.0  # cost of a masked or merged event, as a shortfall in JNDs
 
-GOOD = 0.02
-"""Cost at which the search ends. A target is met once its requirements hold at the last speeds."""
+GOOD = 0.02  # cost at which the search ends
 
-MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0  # largest ratios of change of heights and widths
+MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
+"""Ratios of change of heights and widths that a result does not reach."""
 
 LOG_PER_DB = 0.19
 """Change of a height's logarithm per dB of level, for a compression of 0.6 dB per dB."""
 
-TRIES, TRIES_APART = 100, 2000  # tries of the search, at few speeds and again at all of them
+TRIES, TRIES_APART = 60, 2000  # tries of the search
 GUESSES = 3  # first tries, which raise each kind of a target by its shortfall
 TOGETHER = 0.15  # share of the tries that change all kinds at once
 
 SPREAD = (0.3, 0.15)
 """Standard deviations of a try, in logarithms of the height's and the width's ratio."""
 
+SHARES = (0.25, 0.5, 0.75, 1.0)  # judged shares of the change that the search found
+LEAST_GAIN = 0.1  # JNDs that a larger change must miss less, or that a timeline may miss more
+HELD_OUT = 2  # held-out timelines that are made of a single one
+
 REST = "the level between the events"
 UNMET = -10.0  # JNDs of a kind that was never passed above another one
 
-Sweeps = Mapping[str, Gesture]
 
-
-def _sweeps(*seconds: float) -> Sweeps:
+def _sweeps(*seconds: float) -> dict[str, Gesture]:
     return {f"{each:g} s": sweep(each) for each in seconds}
 
 
-ROUGH, FINE = _sweeps(1.0, 2.0, 5.0), _sweeps(1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0)
-"""Sweeps over synthetic timelines."""
-
-SEARCHED: Sweeps = {**_sweeps(1.0, 2.5, 6.0), "a tap": tap(1.0, 3.0)}
-VERIFIED: Sweeps = {**_sweeps(1.0, 2.0, 4.0, 6.0), "a tap": tap(1.0, 3.0)}
-"""Gestures over given timelines."""
+SEARCHED = {**_sweeps(1.0, 2.5, 6.0), "a tap": tap(1.0, 3.0)}
+JUDGED = {**_sweeps(1.0, 1.5, 2.0, 4.0, 6.0), "a tap": tap(1.0, 3.0), "an arm in 2 s": arm(2.0)}
+"""Gestures of the search and of the judgement; each has a recoil."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +94,9 @@ class TuningResult:
     reached : bool
         Whether all requirements are met.
     unreached : tuple of str
-        One line per requirement that is not met.
+        One line per requirement that is not met: the weakest event, and the reason.
+    missing_jnds, missing_before : float
+        Sum of the JNDs that result and start miss on the given and the held-out timelines.
 
     Examples
     --------
@@ -101,6 +109,8 @@ class TuningResult:
     least_jnds: float
     reached: bool
     unreached: tuple[str, ...] = ()
+    missing_jnds: float = 0.0
+    missing_before: float = 0.0
 
 
 class Gap(NamedTuple):
@@ -148,8 +158,8 @@ def tune(
         Kinds, the strongest first: two or more, each named by the preset. Each is to be two JNDs
         of level above the next, and the last one JND above the level between the events.
     timelines : sequence of Timeline or None
-        Timelines of the measurement, in sweeps of 1 to 6 s and a tap. None: a synthetic timeline,
-        in sweeps of 1 to 6 s.
+        Timelines of the measurement. Every second one is held out of the search; where kinds would
+        be missing, rearranged copies are held out instead. None: a synthetic timeline.
     separate : bool
         Whether all kinds of the preset are to differ by one JND, in the quantity that differs most,
         with none masked or merged. The kinds of a target are then one JND above the next.
@@ -161,7 +171,8 @@ def tune(
     Returns
     -------
     TuningResult
-        Tuned preset, and the requirements that are not met.
+        Tuned preset, and the requirements that are not met in sweeps of 1 to 6 s, a tap, an arm's
+        movement and all recoils. It is never worse than `preset` on given or held-out timelines.
 
     Raises
     ------
@@ -170,40 +181,71 @@ def tune(
 
     Examples
     --------
-    >>> wide = ov.EventKind(height=120.0, width_percent=3.0, shape="plateau")
-    >>> low = ov.EventKind(height=4.0, width_percent=1.0)
-    >>> kinds = {"default": low, "strong": wide, "weak": low}
-    >>> preset = ov.Preset("mine", "Mine", "two kinds", {}, kinds)
-    >>> ov.measure.tune(preset, ["strong", "weak"]).reached
-    True
+    >>> found = ov.measure.tune(football, ["goal", "foul"])
+    >>> found.reached, found.missing_jnds
+    (True, 0.0)
     """
     _check_target(preset, target, timelines, separate)
-    search = _Search(preset, tuple(target), timelines, separate)
     rng = validation.random(seed)
-    moves = search.unmoved
-    feels = search.measured(moves, search.speeds[-1], search.names)
-    if not search.reached(feels):
-        rough, fine = search.speeds
-        moves, _ = search.improved(moves, rough, rng, lambda part: progress(part / 2))
-        moves, feels = search.improved(moves, fine, rng, lambda part: progress(0.5 + part / 2))
+    given = tuple(timelines or (pages(preset) if separate else (_alternating(target),)))
+    searched, held_out = _split(given, target, rng)
+    together = timelines is None
+    judge = _Search(preset, tuple(target), (*given, *held_out), JUDGED, separate, together)
+    best = start = judge.judged(preset)
+    if not start.reached:
+        search = replace(judge, timelines=searched, gestures=SEARCHED)
+        moves = search.improved(rng, progress)
+        for share in SHARES:
+            judged = judge.judged(search.moved(share * moves) or preset)
+            if judged.reached or judged.total < best.total - LEAST_GAIN:
+                best = judged if judged.is_not_worse_than(start) else best
+                if best.reached:
+                    break
     progress(1.0)
-    best = replace(search.moved(moves), name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
-    gaps = search.gaps(feels)
-    least = min((gap.jnds - gap.required for gap in gaps), default=math.inf)
+    made = replace(best.preset, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
+    least = min((gap.jnds - gap.required for gap in best.gaps), default=math.inf)
     return TuningResult(
-        best,
+        made,
         least + (SEPARATE_JNDS if separate else ORDERED_JNDS),
-        search.reached(feels),
-        tuple(str(gap) for gap in gaps if not gap.jnds >= gap.required),
+        best.reached,
+        tuple(judge.reasons(best)),
+        best.total,
+        start.total,
     )
 
 
-def gaps_of(
-    preset: Preset, target: Sequence[str], timelines: Sequence[Timeline] | None = None
-) -> list[Gap]:
+def gaps_of(preset: Preset, target: Sequence[str], timelines: Sequence[Timeline]) -> list[Gap]:
     """Return the JNDs between the kinds of a target, in each stroke on each timeline."""
-    search = _Search(preset, tuple(target), timelines, False)
-    return search.gaps(search.measured(search.unmoved, search.speeds[-1], search.names))
+    return _Search(preset, tuple(target), tuple(timelines), JUDGED).judged(preset).gaps
+
+
+def _split(
+    timelines: tuple[Timeline, ...], target: Sequence[str], rng: np.random.Generator
+) -> tuple[tuple[Timeline, ...], tuple[Timeline, ...]]:
+    """Return the timelines of the search, with all kinds, and made ones that are held out."""
+    searched, held_out = timelines[::2], timelines[1::2]
+    wanted = set(target) & {kind for one in timelines for kind in one.kinds()}
+    if target and all(
+        wanted <= {k for one in part for k in one.kinds()} for part in (searched, held_out)
+    ):
+        return searched, ()
+    copies = HELD_OUT if len(timelines) == 1 else 1
+    return timelines, tuple(rearranged(one, rng) for one in timelines for _ in range(copies))
+
+
+def rearranged(timeline: Timeline, rng: np.random.Generator) -> Timeline:
+    """Return a timeline with its events in a random order, each as long after the one before it."""
+    before = [event.time_s for event in timeline.events]
+    # no two events are at one time
+    spans = np.diff(before, prepend=0.0) + 1e-3
+    order = rng.permutation(len(spans))
+    times = np.minimum(np.cumsum(spans[order]) * (before[-1] / spans.sum()), before[-1])
+    events = (
+        replace(timeline.events[i], time_s=s) for i, s in zip(order, times.tolist(), strict=True)
+    )
+    return replace(
+        timeline, title=f"{timeline.title or 'a timeline'}, rearranged", events=tuple(events)
+    )
 
 
 def _check_target(
@@ -230,65 +272,137 @@ def _check_target(
             )
 
 
-class _Search:
-    """Search for changes of heights and widths."""
+class _Judged(NamedTuple):
+    """Judgement of a preset.
 
-    def __init__(
-        self,
-        preset: Preset,
-        target: tuple[str, ...],
-        timelines: Sequence[Timeline] | None,
-        separate: bool,
-    ) -> None:
-        self._preset, self._target, self._separate = preset, target, separate
-        self.names = tuple(preset.kinds) if separate else target
-        self._is_synthetic = timelines is None
-        self._timelines = timelines or (pages(preset) if separate else (_alternating(target),))
-        self.speeds = (ROUGH, FINE) if self._is_synthetic else (SEARCHED, VERIFIED)
-        self._tries = TRIES_APART if separate else TRIES
-        self._most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], len(self.names))
+    `missing`: missing JNDs by timeline. `unfelt`: number of events of all kinds that are never
+    reached, masked or lost.
+    """
+
+    preset: Preset
+    gaps: list[Gap]
+    missing: dict[str, float]
+    unfelt: int
+    reached: bool
 
     @property
-    def unmoved(self) -> FloatArray:
-        """No change: (2 kinds,), logarithms of the ratios of heights, then of widths."""
-        return np.zeros(2 * len(self.names))
+    def total(self) -> float:
+        """Sum of the JNDs that are missing."""
+        return sum(self.missing.values())
 
-    def moved(self, moves: FloatArray) -> Preset:
-        """Return the preset with each kind's height and width moved."""
-        kinds, count = dict(self._preset.kinds), len(self.names)
+    def is_not_worse_than(self, start: _Judged) -> bool:
+        """Return whether no timeline misses more JNDs, and no more events are unfelt."""
+        worse = any(more > start.missing[at] + LEAST_GAIN for at, more in self.missing.items())
+        return not worse and self.total <= start.total and self.unfelt <= start.unfelt
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Search for changes of heights and widths, or judgement of a preset, on some timelines.
+
+    `together`: all timelines are parts of one.
+    """
+
+    preset: Preset
+    target: tuple[str, ...]
+    timelines: tuple[Timeline, ...]
+    gestures: Mapping[str, Gesture]
+    separate: bool = False
+    together: bool = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Kinds that are changed."""
+        return tuple(self.preset.kinds) if self.separate else self.target
+
+    def moved(self, moves: FloatArray) -> Preset | None:
+        """Return the preset with moved heights and widths; None for one at a limit.
+
+        `moves`: (2 kinds,), logarithms of the ratios of heights, then of widths.
+        """
+        kinds, count = dict(self.preset.kinds), len(self.names)
+        most = np.repeat([math.log(MOST_HEIGHT), math.log(MOST_WIDTH)], count)
+        if (np.abs(moves) >= most).any():
+            return None
         for name, height, width in zip(self.names, moves[:count], moves[count:], strict=True):
-            kinds[name] = _moved_kind(kinds[name], math.exp(height), math.exp(width))
-        return replace(self._preset, kinds=kinds)
+            kind = kinds[name]
+            key = "width_percent" if kind.width_percent is not None else "width_ms"
+            for id, move in (("height", height), (key, width)):
+                known, value = KIND_PARAMETERS[id], getattr(kind, id) * math.exp(move)
+                if move and not known.low < value < known.high:
+                    return None
+                kind = replace(kind, **{id: value})
+            kinds[name] = kind
+        return replace(self.preset, kinds=kinds)
 
-    def measured(self, moves: FloatArray, speeds: Sweeps, kinds: Sequence[str]) -> Feels:
+    def judged(self, preset: Preset) -> _Judged:
+        """Judge a preset by all kinds in each stroke."""
+        feels = self.measured(preset, self.names)
+        kinds = [kind for by_name in feels.values() for kind in by_name.values()]
+        gaps, unfelt = self.gaps(feels), sum(one.missed + one.masked + one.lost for one in kinds)
+        missing = dict.fromkeys((gap.timeline for gap in gaps), 0.0)
+        for gap in gaps:
+            missing[gap.timeline] += max(0.0, gap.required - gap.jnds)
+        faulty = self.separate and any(kind.masked or kind.merged for kind in kinds)
+        reached = not faulty and all(gap.jnds >= gap.required for gap in gaps)
+        return _Judged(preset, gaps, missing, unfelt, reached)
+
+    def reasons(self, best: _Judged) -> Iterator[str]:
+        """Yield a line per requirement that is not met: its weakest event, and the reason."""
+        unmet = [gap for gap in best.gaps if not gap.jnds >= gap.required]
+        tables = felt_events(best.preset, self.timelines, self.gestures, RATE) if unmet else []
+        weight = pacinian_db(best.preset.number("tactor.frequency_hz"))
+        for gap in unmet:
+            titles = {one.title for one in self.timelines} if self.together else {gap.timeline}
+            rows: dict[str, list[tuple[float, int, FeltEvents]]] = {gap.first: [], gap.second: []}
+            for one in tables:
+                if one.name == gap.stroke and one.timeline.title in titles:
+                    levels = np.nan_to_num(one.level_db + weight, nan=-np.inf).tolist()
+                    for row, level in enumerate(levels):
+                        rows.get(one.kind[row], []).append((level, row, one))
+            level, row, one = min(rows[gap.first], key=itemgetter(0))
+            if level == -np.inf:
+                reason = "is not reached by the disk"
+            elif one.merged[row]:
+                beside = one.lost_to[row] or "another event"
+                reason = f"is struck within {1000.0 * MERGED_S:.0f} ms of {beside}"
+            elif one.masked[row] or gap.second == REST:
+                reason = f"has {level:.1f} dB, {one.free_db + weight:.1f} dB between the events"
+            else:
+                high, at, other = max(rows[gap.second], key=itemgetter(0))
+                at_s = clock_text(other.time_s[at])
+                reason = f"has {level:.1f} dB, {gap.second} at {at_s} has {high:.1f} dB"
+            yield f"{gap}: {gap.first} at {clock_text(one.time_s[row])} {reason}"
+
+    def measured(self, preset: Preset, kinds: Sequence[str]) -> Feels:
         """Return the measurements of these kinds and of others on their timelines."""
-        preset = self.moved(moves)
         parts = [
-            (i, [one]) for i, one in enumerate(self._timelines) if set(kinds) & set(one.kinds())
+            (i, [one]) for i, one in enumerate(self.timelines) if set(kinds) & set(one.kinds())
         ]
-        if self._is_synthetic:  # one timeline in parts
+        if self.together:
             parts = [(0, [one for _, (one,) in parts])]
         return {
             (stroke.name, i): {kind.kind: kind for kind in stroke.kinds}
             for i, timelines in parts
-            for stroke in feel_report(preset, timelines, speeds, RATE, recoils=False).strokes
+            for stroke in feel_report(preset, timelines, self.gestures, RATE).strokes
         }
 
     def gaps(self, feels: Feels) -> list[Gap]:
         """Return the required and the measured JNDs of the kinds in each stroke."""
         found = []
         for (stroke, i), kinds in feels.items():
-            gap = functools.partial(Gap, stroke, self._timelines[i].title)
-            present = [kinds[name] for name in self._target if name in kinds]
+            gap = functools.partial(Gap, stroke, self.timelines[i].title)
+            present = [kinds[name] for name in self.target if name in kinds]
             for one, other in itertools.pairwise(present):
                 above = (one.level_db - other.level_db) / JND_DB
-                required = SEPARATE_JNDS if self._separate else ORDERED_JNDS
+                required = SEPARATE_JNDS if self.separate else ORDERED_JNDS
                 found.append(gap(one.kind, "above", other.kind, above, required))
-            if self._separate:
+            if self.separate:
                 for one, other in itertools.combinations(kinds.values(), 2):
                     steps = jnd_distance(one, other)
                     found.append(gap(one.kind, "from", other.kind, steps, SEPARATE_JNDS))
-            elif present:
+            elif present and not (present[-1].passed and math.isnan(present[-1].contrast_db)):
+                # the contrast is unknown where events overlap each other everywhere
                 contrast = present[-1].contrast_db / JND_DB
                 found.append(gap(present[-1].kind, "above", REST, contrast, REST_JNDS))
         # the JNDs of a kind that was never passed are not finite
@@ -300,47 +414,35 @@ class _Search:
         for gap in self.gaps(feels):
             for name in {gap.first, gap.second} - {REST}:
                 costs[name] += gap.shortfall**2
-        if self._separate:
+        if self.separate:
             for kind in (kind for kinds in feels.values() for kind in kinds.values()):
                 jnds = max(0.0, CLEAR_JNDS - kind.contrast_db / JND_DB)
                 missing = jnds if kind.passed else FAULT_JNDS
                 costs[kind.kind] += missing**2 + FAULT_JNDS**2 * (kind.masked + kind.merged)
         return np.array(list(costs.values()))
 
-    def reached(self, feels: Feels) -> bool:
-        """Return whether all requirements are met."""
-        all_kinds = (kind for kinds in feels.values() for kind in kinds.values())
-        faulty = self._separate and any(kind.masked or kind.merged for kind in all_kinds)
-        return not faulty and all(gap.jnds >= gap.required for gap in self.gaps(feels))
-
     def raised(self, moves: FloatArray, feels: Feels) -> FloatArray:
         """Raise each kind of the target by its shortfall and those of the kinds below it."""
-        shortfalls = dict.fromkeys(self._target, 0.0)
+        shortfalls = dict.fromkeys(self.target, 0.0)
         for gap in self.gaps(feels):
-            if gap.jnds < gap.required and (gap.second == REST or not self._separate):
+            if gap.jnds < gap.required and (gap.second == REST or not self.separate):
                 shortfalls[gap.first] = max(shortfalls[gap.first], gap.shortfall)
         steps = np.cumsum(list(shortfalls.values())[::-1])[::-1]
         found = moves.copy()
-        for name, more in zip(self._target, steps, strict=True):
+        for name, more in zip(self.target, steps, strict=True):
             found[self.names.index(name)] += more * JND_DB * LOG_PER_DB
         return found
 
-    def improved(
-        self,
-        moves: FloatArray,
-        speeds: Sweeps,
-        rng: np.random.Generator,
-        progress: Callable[[float], None],
-    ) -> tuple[FloatArray, Feels]:
-        """Search from the given moves; return the best moves, and measurements at these speeds."""
-        feels = self.measured(moves, speeds, self.names)
-        costs, everything = self._costs(feels), np.arange(len(self.names))
-        for count in range(self._tries):
-            enough = not self._separate and speeds is self.speeds[-1] and self.reached(feels)
-            if enough or costs.sum() < GOOD:
+    def improved(self, rng: np.random.Generator, progress: Callable[[float], None]) -> FloatArray:
+        """Search; return the best moves."""
+        moves, everything = np.zeros(2 * len(self.names)), np.arange(len(self.names))
+        feels = self.measured(self.preset, self.names)
+        costs, tries = self._costs(feels), TRIES_APART if self.separate else TRIES
+        for count in range(tries):
+            if costs.sum() < GOOD:
                 break
-            progress(count / self._tries)
-            if self._target and count < GUESSES:
+            progress(count / tries)
+            if self.target and count < GUESSES:
                 which, tried = everything, self.raised(moves, feels)
             else:
                 which = np.array([rng.choice(len(costs), p=costs / costs.sum())])
@@ -351,21 +453,13 @@ class _Search:
                 tried[which] += height
                 if len(which) == 1:
                     tried[which + len(costs)] += width
-            tried = np.clip(tried, -self._most, self._most)
-            felt = self.measured(tried, speeds, [self.names[i] for i in which])
+            if (preset := self.moved(tried)) is None:
+                continue
+            felt = self.measured(preset, [self.names[i] for i in which])
             now = {where: {**kinds, **felt.get(where, {})} for where, kinds in feels.items()}
             if (cost := self._costs(now)).sum() < costs.sum():
                 moves, feels, costs = tried, now, cost
-        return moves, feels
-
-
-def _moved_kind(kind: EventKind, height: float, width: float) -> EventKind:
-    key = "width_percent" if kind.width_percent is not None else "width_ms"
-    changes: dict[str, Any] = {"height": kind.height * height, key: getattr(kind, key) * width}
-    for name, value in changes.items():
-        known = KIND_PARAMETERS[name]
-        changes[name] = min(max(value, known.low), known.high)
-    return replace(kind, **changes)
+        return moves
 
 
 def _alternating(target: Sequence[str]) -> Timeline:

@@ -7,6 +7,7 @@ import json
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.errors import InputError
 from overview_dsp.measure.perceived_level import GESTURES
 from overview_dsp.measure.report import feel_report
 from overview_dsp.signal.actuators.model import pacinian_db
@@ -151,6 +152,8 @@ def test_what_lies_beside_a_higher_event_is_lost_to_it_by_name():
     stroke = report.strokes[0]
     assert stroke.lost == (("low", "high", 1),)
     assert (stroke.kind("low").lost, stroke.kind("high").lost) == (1, 0)
+    with pytest.raises(InputError, match=r"^no kind of the report is named 'hihg'; did you mean"):
+        stroke.kind("hihg")
     assert "lost: low beside high: 1" in report.table()
 
 

@@ -12,7 +12,7 @@ from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.text_update import save_updated
 from overview_dsp.measure import tuning
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.tuning import ORDERED_JNDS, REST, gaps_of, tune
+from overview_dsp.measure.tuning import JUDGED, ORDERED_JNDS, REST, gaps_of, rearranged, tune
 from overview_dsp.offline.rendering.audition import pages
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
@@ -152,9 +152,12 @@ def test_a_preset_is_tuned_on_given_timelines_and_reports_unreached_requirements
     with monkeypatch.context() as short:
         short.setattr(tuning, "TRIES", 6)  # whatever it reaches by then
         found = tune(football, target, [match])
-    gaps = gaps_of(found.preset, target, [match])
+    rng = np.random.default_rng(0)
+    judged = [match, *(rearranged(match, rng) for _ in range(2))]
+    gaps = gaps_of(found.preset, target, judged)
     assert found.least_jnds == pytest.approx(min(gap.jnds + (gap.second == REST) for gap in gaps))
     assert found.reached == (not found.unreached) == (found.least_jnds >= 2.0)
+    assert found.missing_jnds <= found.missing_before
     same = ["goal", "own_goal"]
     limited = tune(
         preset_of(goal=20.0, own_goal=20.0), same, [timeline_of(*["goal", "own_goal"] * 2)]
@@ -171,15 +174,54 @@ def test_unreached_requirements_name_kind_gesture_and_timeline():
     assert not found.reached
     assert all("a is " in line or "b is " in line for line in found.unreached)
     assert any(
-        "JNDs above b in " in line and " on crowd, 2 required" in line for line in found.unreached
+        "JNDs above b in " in line and " on crowd, rearranged, 2 required: a at 0:05" in line
+        for line in found.unreached
     )
+    assert all("is struck within 30 ms of" in line or " dB" in line for line in found.unreached)
+    assert any(" recoil on " in line for line in found.unreached)
 
 
 def test_timelines_with_equal_titles_are_measured_separately():
     far, near = timeline_of("a", "b", "b", "a"), timeline_of("a", "b", spacing=0.1)
     gaps = gaps_of(preset_of(a=60.0, b=6.0), ["a", "b"], [far, near])
-    assert [(gap.first, gap.second) for gap in gaps] == [("a", "b"), ("b", REST)] * 10
+    assert [(gap.first, gap.second) for gap in gaps] == [("a", "b"), ("b", REST)] * 2 * 2 * len(
+        JUDGED
+    )
     assert len({gap.jnds for gap in gaps if gap.second == "b" and gap.stroke == "1 s"}) == 2
+
+
+def test_a_result_is_the_start_where_no_change_helps_and_never_at_a_limit():
+    # a kind without friction is under each other
+    preset = preset_of(a=20.0, b=900.0)
+    found = tune(preset, ("a", "b"), seed=1)
+    assert not found.reached
+    assert found.missing_jnds <= found.missing_before
+    for name, kind in found.preset.kinds.items():
+        before = preset.kinds[name].height
+        assert kind.height == before or before / 8.0 < kind.height < min(8.0 * before, 1000.0)
+    assert all(
+        ", 2 required: a at " in line and ", b at " in line
+        for line in found.unreached
+        if " b " in line
+    )
+
+
+def test_every_second_timeline_is_held_out_of_the_search(monkeypatch):
+    one, other = timeline_of("a", "b", "b", "a"), timeline_of("b", "a", "a", "b")
+    seen = []
+    measured = tuning._Search.measured
+    monkeypatch.setattr(
+        tuning._Search,
+        "measured",
+        lambda self, *rest: (seen.append((self.gestures, self.timelines)), measured(self, *rest))[
+            1
+        ],
+    )
+    assert tune(preset_of(a=20.0, b=18.0), ("a", "b"), [one, other], seed=1).reached
+    assert {id(gestures): timelines for gestures, timelines in seen} == {
+        id(tuning.SEARCHED): (one,),
+        id(JUDGED): (one, other),
+    }
 
 
 def test_a_kind_that_no_timeline_has_gives_a_one_line_error(match, football):
@@ -205,3 +247,16 @@ def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch
     made = ov.load_preset("out.toml")
     for name, kind in report["kinds"].items():
         assert np.isclose(made.kinds[name].height, kind["height"])
+
+
+def test_a_change_that_is_worse_where_it_was_not_searched_is_not_taken(monkeypatch):
+    preset = preset_of(strong=20.0, weak=18.0)
+    worse = np.log([0.5, 2.0, 1.0, 1.0])  # heights, then widths: strong below weak
+    monkeypatch.setattr(tuning._Search, "improved", lambda *_: worse)
+    found = tune(preset, ("strong", "weak"), seed=1)
+    assert found.preset.kinds == preset.kinds
+    assert found.missing_jnds == found.missing_before > 0.0
+    monkeypatch.setattr(tuning._Search, "improved", lambda *_: 4.0 * np.log([2.0, 1.0, 1.0, 1.0]))
+    # the whole change is at a limit; a smaller one is enough
+    made = tune(preset, ("strong", "weak"), seed=1).preset.kinds["strong"].height
+    assert 20.0 < made <= 80.0

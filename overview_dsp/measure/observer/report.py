@@ -12,7 +12,7 @@ import numpy as np
 from overview_dsp.measure.observer.features import Modality
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
 from overview_dsp.measure.report_base import Report
-from overview_dsp.public import counted, short
+from overview_dsp.public import counted, plural, short
 
 LEAST_SHARE = 1.0 / 12.5  # smallest share of confusions that is a warning: about 1 in 12
 LEAST_EVENTS = 12  # fewest events for a warning
@@ -213,7 +213,7 @@ def _warnings_of(one: SetScores, modality: Modality) -> Iterator[str]:
         for kind, taken, share in _confusions(by_modality[modality].groups):
             some, of = min(_RATIOS, key=lambda ratio: abs(math.log(ratio[0] / ratio[1] / share)))
             if (kind, taken) not in found:
-                name, verb = (kind, "is") if some == 1 else (_plural(kind), "are")
+                name, verb = (kind, "is") if some == 1 else (plural(kind), "are")
                 article = "an" if taken[:1] in "aeiou" else "a"
                 fate = "unnoticed" if taken == NOTHING else f"taken for {article} {taken}"
                 text = f"{some} {name} in {of} {verb} {fate}".replace("_", " ")
@@ -230,10 +230,6 @@ def _where(stroke: str) -> str:
     if stroke.startswith("arm "):
         return f"by an arm in {stroke.removeprefix('arm ')}"
     return "in mixed movement" if stroke == "mixed" else f"at {stroke}"
-
-
-def _plural(kind: str) -> str:
-    return f"{kind}es" if kind.endswith(("s", "ch", "sh")) else f"{kind}s"
 
 
 def _percent(value: float) -> str:

@@ -44,14 +44,9 @@ class PassedEvents:
 
     Events that the input disk passes and the disk never reaches are rows with infinite times.
 
-    Attributes
-    ----------
-    kind : int64 (events,)
-        Index into the surface's `kind_names`.
-    enters_ms, leaves_ms : float64 (events,)
-        Times from the stroke's start, ms.
-    strength : float64 (events,)
-        Friction released by the event, N m s/rad.
+    `kind`: index into the surface's `kind_names`.
+    `enters_ms`, `leaves_ms`: times from the stroke's start.
+    `strength`: friction released by the event, N m s/rad.
     """
 
     kind: IntArray

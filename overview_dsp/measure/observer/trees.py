@@ -2,9 +2,8 @@
 
 Each node of a tree is split by the best of several random candidates, by weighted Gini impurity. A
 candidate compares one feature with its value in a random sample of the node. A node is a leaf if it
-is pure, or if each side of a split has fewer than `MIN_SAMPLES` samples. A forest predicts the
-class with the largest mean share in the leaves of its trees. All nodes of a depth are split at
-once.
+is pure, or if no candidate leaves `MIN_SAMPLES` or more on both sides. A forest predicts the class
+with the largest mean share in the leaves of its trees. All nodes of a depth are split at once.
 """
 
 from __future__ import annotations
@@ -61,16 +60,12 @@ class Forest:
 
 
 def fit_forest(
-    features: FloatArray,
-    classes: IntArray,
-    weights: FloatArray,
-    rng: np.random.Generator,
-    trees: int = TREES,
+    features: FloatArray, classes: IntArray, weights: FloatArray, rng: np.random.Generator
 ) -> Forest:
     """Train a forest on features (samples, features), class numbers from 0 and weights > 0."""
     count = int(classes.max()) + 1
     grower = _Grower(features, classes, weights, count, rng)
-    return Forest(count, tuple(grower.tree() for _ in range(trees)))
+    return Forest(count, tuple(grower.tree() for _ in range(TREES)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,8 +58,7 @@ def random_match(seed: int) -> Timeline:
     found: list[tuple[float, str]] = []
 
     def random_times(mean_count: float) -> list[float]:
-        times: list[float] = rng.uniform(10.0, length - 10.0, rng.poisson(mean_count)).tolist()
-        return times
+        return list(rng.uniform(10.0, length - 10.0, rng.poisson(mean_count)).tolist())
 
     for at in random_times(GOALS):
         found.append((at, "own_goal" if rng.random() < OWN_GOAL else "goal"))

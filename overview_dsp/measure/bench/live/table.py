@@ -204,8 +204,7 @@ def _in_own_process(what: dict[str, Any]) -> dict[str, Any]:
         last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
         kind = InputError if done.returncode == InputError.exit_code else OverviewError
         raise kind(last[0])
-    result: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return result
+    return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
 def _run(what: dict[str, Any]) -> LoadResult | LatencyResult | SessionRow:
