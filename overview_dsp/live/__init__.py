@@ -14,41 +14,6 @@ Examples
 ...     engine.control(theta2=1.2, touching=True)
 """
 
-from __future__ import annotations
+from overview_dsp.public import stub_names
 
-from typing import TYPE_CHECKING
-
-from overview_dsp.public import lazy_names
-
-if TYPE_CHECKING:
-    from overview_dsp.live.output.devices import OutputDevice, devices, find_device
-    from overview_dsp.live.output.null_stream import NullStream
-    from overview_dsp.live.output.portaudio_stream import OutputStream
-    from overview_dsp.live.output.settings import OutputSettings, SignalSettings
-    from overview_dsp.live.output.stream import StreamMeters
-
-__all__ = [
-    "NullStream",
-    "OutputDevice",
-    "OutputSettings",
-    "OutputStream",
-    "SignalSettings",
-    "StreamMeters",
-    "devices",
-    "find_device",
-]
-
-if not TYPE_CHECKING:  # a type checker knows the names above, and no others
-    __getattr__, __dir__ = lazy_names(
-        __name__,
-        {
-            "OutputDevice": "output.devices",
-            "OutputSettings": "output.settings",
-            "OutputStream": "output.portaudio_stream",
-            "SignalSettings": "output.settings",
-            "NullStream": "output.null_stream",
-            "StreamMeters": "output.stream",
-            "devices": "output.devices",
-            "find_device": "output.devices",
-        },
-    )
+__getattr__, __dir__, __all__ = stub_names(__name__)

@@ -15,6 +15,8 @@ class KeptSound:
     """
 
     name = "kept"
+    waits_for_server = False
+    missing_connections = ()
 
     def __init__(self, engine, block_size, settings):
         self._engine, self.block_size = engine, block_size

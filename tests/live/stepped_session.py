@@ -22,6 +22,8 @@ class SteppedOutput:
     """Runs the engine when it is told, before any device gain; keeps samples and trace."""
 
     name = "stepped"
+    waits_for_server = False
+    missing_connections = ()
     block_size = BLOCK
     active = True
 

@@ -109,8 +109,9 @@ def test_a_pads_reports_come_with_its_units_and_its_loss_is_one():
 def test_a_joy_con_is_told_to_say_how_it_moves():
     hid = MadeHid(RIGHT)
     PadPort("", hid)
-    assert [data[0] for data in hid.written] == [1, 1]
-    assert [data[10:] for data in hid.written] == [b"\x40\x01", b"\x03\x30"]
+    assert {data[0] for data in hid.written} == {1}
+    factory, user = b"\x10\x20\x60\x00\x00\x18", b"\x10\x26\x80\x00\x00\x1a"
+    assert [data[10:] for data in hid.written] == [factory, user, b"\x40\x01", b"\x03\x30"]
 
 
 # --- phones ---------------------------------------------------------------------------------------

@@ -14,7 +14,9 @@ from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels import layout
 from overview_dsp.live.session import commands
 from overview_dsp.live.takes.takes import timeline_path
+from overview_dsp.measure.perceived_level import TOUCH_FLOOR_DB, levels, touch_pulses
 from overview_dsp.signal.engine import engine as engine_module
+from overview_dsp.units import FELT_WINDOW_S
 from tests.live.stepped_session import RATE, Session, event
 
 
@@ -279,9 +281,60 @@ def test_a_new_goal_is_announced_and_a_foul_is_not(session, live):
     assert one.window_timeline is live.padded_snapshot()
     assert not one.player.engine.meters.touching
     live.retract(event(950, "goal", "1-0 Parris"))
-    one.run(0.2, look)
+    one.run(1.5, look)
     assert "retracted: goal 1-0 Parris at 15:50.0" in one.messages
     assert "goal" not in one.window_timeline.kinds()
+
+
+def pulses_after(one, change):
+    """What a finger feels on the way out within the half second after a change of the data, dB."""
+    one.run(0.2)
+    before = len(one.samples)
+    change()
+    one.run(1.5)
+    level = levels(one.samples[before : before + RATE // 2, 1], RATE, FELT_WINDOW_S, TOUCH_FLOOR_DB)
+    found = level[touch_pulses(level)]
+    return found[found > -40.0]  # without the rebound at the end of the tap
+
+
+def test_a_withdrawn_goal_is_felt_three_times_and_a_new_one_once(session, live):
+    one = session()
+    goal = event(850, "goal", "1-0 Parris")
+    new = pulses_after(one, lambda: live.append(events=[goal], clock_s=850.0))
+    assert len(new) == 1
+    before = one.window_timeline
+    withdrawn = pulses_after(one, lambda: live.retract(goal))
+    assert len(withdrawn) == 3
+    assert withdrawn == pytest.approx(np.full(3, new[0]), abs=6.0)
+    assert one.player.live_updates.announced == [goal]
+    assert "goal" in before.kinds()
+    assert "goal" not in one.window_timeline.kinds()
+    assert one.window_timeline is live.padded_snapshot()
+
+
+def test_a_corrected_scorer_is_no_withdrawn_goal(session, live):
+    one = session()
+    goal = event(300, "goal", "1-0 Parris")
+    live.append(events=[goal], clock_s=850.0)
+    one.run(1.0)
+
+    def correct():
+        live.retract(goal)
+        live.append(events=[event(300, "goal", "1-0 Perry")])
+
+    assert len(pulses_after(one, correct)) == 0
+    assert [found.label for found in one.window_timeline.events if found.kind == "goal"] == [
+        "1-0 Perry"
+    ]
+
+
+@pytest.mark.parametrize("keywords", [{"announce": "none"}, {"preset": "football-discreet"}])
+def test_a_withdrawn_goal_is_not_felt_where_new_ones_are_not(session, live, keywords):
+    one = session(**keywords)
+    goal = event(850, "goal", "1-0 Parris")
+    live.append(events=[goal], clock_s=850.0)
+    assert len(pulses_after(one, lambda: live.retract(goal))) == 0
+    assert any("retracted: goal" in line for line in one.messages)
 
 
 @pytest.mark.parametrize(

@@ -258,7 +258,9 @@ def test_a_take_plays_sample_by_sample(make, match, football, tmp_path):
     player = make(record=path)
     gesture = ov.sweep(0.5) + ov.tap(0.8, 0.3)
     hand = TakeInput(gesture)
+    until = time.monotonic() + 60.0
     while not hand.is_over(player.engine):
+        assert time.monotonic() < until
         hand.poll(player.engine)
         player.poll()
         time.sleep(0.02)

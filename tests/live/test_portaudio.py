@@ -201,7 +201,7 @@ portaudio_stream.OutputStream(engine, device="system", block_size=256).start()
 del engine
 gc.collect()
 time.sleep(0.5)
-(stream,) = portaudio_library.RUNNING
+(stream,) = portaudio_library.OPEN_STREAMS
 print(stream.meters.callbacks)
 """
 

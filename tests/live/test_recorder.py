@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -132,3 +133,24 @@ def test_a_change_that_does_not_fit_is_refused_in_one_line(match, football, tmp_
         beside.write_text(json.dumps({**document, "changes": [{"sample": 5, **what}]}))
         with pytest.raises(ov.InputError):
             ov.render(match, football, ov.load_gesture(path))
+
+
+def test_a_disk_that_hangs_does_not_hold_the_end_of_a_session(match, football, tmp_path):
+    engine = ov.Engine(football, match)
+    engine.prepare(48_000, 8192)
+    recorder = Recorder(engine, tmp_path / "take.csv", {"title": match.title})
+    hangs, goes_on = threading.Event(), threading.Event()
+
+    def write():
+        hangs.set()
+        goes_on.wait(60.0)
+
+    recorder._write = write
+    recorder.start()
+    assert hangs.wait(30.0)
+    with pytest.raises(ov.OutputError, match=r"take.csv: the disk doesn't respond"):
+        recorder.close()
+    goes_on.set()
+    del recorder._write
+    recorder.close()  # the disk is back
+    assert ov.load_gesture(tmp_path / "take.csv").duration_s == 0.0

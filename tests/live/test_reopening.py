@@ -17,7 +17,7 @@ pytestmark = [
 ]
 
 BEGIN = """
-import atexit, gc, json, os, signal, subprocess, sys, time
+import atexit, gc, json, os, signal, subprocess, sys, tempfile, time
 import jack
 import overview_dsp as ov
 from overview_dsp.live.output.settings import OutputSettings
@@ -26,6 +26,7 @@ from overview_dsp.live.session.commands import execute, poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 
+os.chdir(tempfile.mkdtemp())  # takes
 said = []
 
 def play(seconds, until=lambda: False):
@@ -107,14 +108,20 @@ def test_a_hundred_changes_of_the_output_leave_nothing_behind():
     check_changes(100)
 
 
-FREEZE = (
+SERVER = (
     BEGIN
     + """
-name = os.environ["JACK_DEFAULT_SERVER"]
-server = subprocess.Popen(
-    f"jackd -n {name} -r -d dummy -r 48000 -p 256 -C 2 -P 2".split(),
-    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-)
+def start_server():
+    global server
+    name = os.environ["JACK_DEFAULT_SERVER"]
+    server = subprocess.Popen(
+        f"jackd -n {name} -r -d dummy -r 48000 -p 256 -C 2 -P 2".split(),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )
+    look = ["jack_wait", "-c"]
+    while not subprocess.run(look, capture_output=True).stdout.startswith(b"run"):
+        assert server.poll() is None, "jackd did not start"
+        time.sleep(0.1)
 
 def end_server():
     # killed, it would leave its place in the table of servers
@@ -122,10 +129,14 @@ def end_server():
     server.send_signal(signal.SIGCONT)
     server.wait()
 
-atexit.register(end_server)  # first, so that it runs after PortAudio has ended
-look = ["jack_wait", "-c"]
-while not subprocess.run(look, capture_output=True).stdout.startswith(b"run"):
-    time.sleep(0.1)
+atexit.register(lambda: end_server())  # first, so that it runs after PortAudio has ended
+start_server()
+"""
+)
+
+FREEZE = (
+    SERVER
+    + """
 player = begin()
 heard = jack.Client("hand")
 inputs = [heard.inports.register(one) for one in ("left", "right")]
@@ -172,13 +183,98 @@ def test_a_frozen_server_is_reported_and_used_again_with_its_connections(ending)
     assert report["connected"] == [["overview:out_0"], ["overview:out_1"]]
 
 
+FROZEN_NOW = (
+    SERVER
+    + """
+player = begin()
+play(0.5)
+play(10.0, lambda: player.at_rest)
+os.kill(server.pid, signal.SIGSTOP)
+began = time.monotonic()
+if sys.argv[1] == "close":
+    player.close()
+else:
+    execute(player, *sys.argv[1].split())
+took = time.monotonic() - began
+said = player.take_messages()
+print(json.dumps({"took_s": took, "playing": player.output.playing, "said": said}))
+player.close()
+"""
+)
+
+
+@pytest.mark.parametrize("command", ["close", "record", "block-size 64", "device system"])
+def test_no_command_waits_for_a_server_that_has_just_frozen(command):
+    report = json.loads(jack_server.run(FROZEN_NOW, command))
+    print(command, report)
+    assert report["took_s"] < 3.0
+    if command != "close":
+        assert not report["playing"]
+        assert report["said"][0].startswith("output system doesn't respond; disk released")
+
+
+RESTARTED = (
+    SERVER
+    + r"""
+import jack
+
+def start_client(name, connected):
+    # in a process of its own, as the library of this one would end it with its server
+    code = (
+        "import jack, sys, time\n"
+        f"client = jack.Client({name!r})\n"
+        "ins = [client.inports.register(one) for one in ('left', 'right')]\n"
+        "outs = [client.outports.register(one) for one in ('out_0', 'out_1')]\n"
+        "client.activate()\n"
+        f"for number in range({connected}):\n"
+        "    client.connect(f'overview:out_{number}', ins[number])\n"
+        "    client.disconnect(f'overview:out_{number}', f'system:playback_{number + 1}')\n"
+        "print(client.name, flush=True)\n"
+        "time.sleep(100)\n"
+    )
+    other = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    atexit.register(other.kill)
+    assert other.stdout.readline().strip() == name
+    return other
+
+player = begin()
+play(10.0, lambda: player.at_rest)
+hand = start_client("hand", 2)
+player.toggle_take()  # restarts the engine, by which the connections are read
+end_server()
+hand.kill()
+start_server()
+if sys.argv[1] == "taken":
+    start_client("overview", 0)
+play(10.0, lambda: not player.output.playing)
+play(60.0, lambda: player.output.playing)
+before = player.output.meters.callbacks
+play(30.0, lambda: player.output.meters.callbacks > before + 100)
+ports = subprocess.run(["jack_lsp", "-c"], capture_output=True, text=True).stdout
+print(json.dumps({
+    "ports": ports, "callbacks": player.output.meters.callbacks - before, "said": said,
+}), flush=True)
+player.close()
+"""
+)
+
+
+@pytest.mark.parametrize(("name", "client"), [("free", "overview"), ("taken", "overview-01")])
+def test_a_session_sounds_after_a_restart_of_its_server(name, client):
+    report = json.loads(jack_server.run(RESTARTED, name).splitlines()[-1])
+    print(report)
+    assert report["callbacks"] > 100
+    # its connections are gone, and nobody would hear it without the default ones
+    for number in (0, 1):
+        connected = f"{client}:out_{number}\n   system:playback_{number + 1}\n"
+        assert connected in report["ports"]
+    (line,) = [line for line in report["said"] if "missing" in line]
+    assert "hand:left, hand:right" in line
+
+
 CONNECTED = (
     BEGIN
     + """
-import tempfile
-
-folder = tempfile.mkdtemp()
-os.chdir(folder)
 football = ov.load_preset("football")
 # at rest within a second
 quick = football.with_changes(

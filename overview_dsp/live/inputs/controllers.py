@@ -98,7 +98,7 @@ class ControllerInput(ThreadedInput):
                 self.counters.rejected += 1
                 if id not in self._rejected:
                     self._rejected.add(id)
-                    self._say_once(f"{error} (further ones are only counted)")
+                    self.say_once(f"{error} (further ones are only counted)")
             except OverviewError:  # two surfaces are being crossfaded: try again at the next poll
                 with self._changes_lock:
                     self._changes.setdefault(id, change)
@@ -108,7 +108,7 @@ class ControllerInput(ThreadedInput):
             parameter, present = find_parameter(engine.preset, change.id)
         except InputError as error:
             if not self.counters.unknown:
-                self._say_once(f"{error} (further ones are only counted)")
+                self.say_once(f"{error} (further ones are only counted)")
             self.counters.unknown += 1
             return
         if isinstance(change, SetParameter):
@@ -156,7 +156,7 @@ class ControllerInput(ThreadedInput):
         events = []
         for move in moves:
             if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
-                self._say_once('a controller can\'t detect taps; set twist.release = "rest"')
+                self.say_once('a controller can\'t detect taps; set twist.release = "rest"')
             if isinstance(move, Command):
                 self._queue_command(*move.arguments)
             elif isinstance(move, SetParameter | ScaleParameter | StepParameter):
@@ -166,19 +166,19 @@ class ControllerInput(ThreadedInput):
                         move = replace(move, step=before.step + move.step)
                     self._changes[move.id] = move
             else:
-                events += self._source.move(move, now, *disk)
-        events += self._source.tick(now, *disk)
+                events += self._source.move(move, now, disk)
+        events += self._source.tick(now, disk)
         for line in self._reader.take_messages():
-            self._say_once(line)
+            self.say_once(line)
         if self.counters.overrun:
-            self._say_once("messages arrive too fast; the oldest are discarded and counted")
+            self.say_once("messages arrive too fast; the oldest are discarded and counted")
         if messages:
             self._received_at = now
             self._writer.observe(now)
         self._writer.write(events)
         silent = self._silent_s is not None and now - self._received_at > self._silent_s
         if silent and self._write_release():
-            self._messages.append(f"no messages for {self._silent_s:g} s; disk released")
+            self.say(f"no messages for {self._silent_s:g} s; disk released")
 
     def _release(self) -> Event | None:
         return self._source.release(time.monotonic())

@@ -22,14 +22,18 @@ from overview_dsp.data.feeds.sources import (
 )
 from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.output.portaudio_library import RUNNING
+from overview_dsp.live.output.portaudio_library import (
+    OPEN_STREAMS,
+    device_named,
+    import_sounddevice,
+)
 
 FORMS = (
     "a file, - (a feed on standard input), http(s)://..., ws(s)://..., audio:DEVICE, "
     "pcm:RATE[:CHANNELS] (16-bit samples on standard input)"
 )
 QUEUE_BLOCKS = 200
-"""Maximum number of queued sound blocks, some seconds; more are replaced by a gap."""
+"""Maximum number of queued sound blocks, some seconds; blocks beyond it become a gap."""
 
 _PCM = re.compile(r"pcm:(\d{1,6})(?::(\d{1,2}))?")
 
@@ -61,27 +65,27 @@ def open_source(text: str, stdin: BinaryIO) -> Source:
 def _record_device(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
     """Return rate, channels and blocks of an audio input, by name or number; "" is the default."""
     try:
-        import sounddevice
-    except (ImportError, OSError) as error:
-        raise InputError(f"audio:{device}: sound can't be recorded ({error})") from None
-    selected = int(device) if device.isdecimal() else device or None
+        sounddevice = import_sounddevice()
+    except OverviewError as error:
+        raise InputError(f"audio:{device}: {error}") from None
+    selected = device_named(device or None)
     try:
         info = sounddevice.query_devices(selected, "input")
     except (ValueError, sounddevice.PortAudioError) as error:
         raise InputError(f"audio:{device}: {error}; `overview devices` lists devices") from None
     rate, channels = round(info["default_samplerate"]), min(2, info["max_input_channels"])
-    recorded: queue.Queue[np.ndarray] = queue.Queue(QUEUE_BLOCKS)
-    missed = 0
+    recorded: queue.Queue[tuple[np.ndarray, int]] = queue.Queue(QUEUE_BLOCKS)
+    missed = 0  # frames before the next block that is queued
 
     def put(block: np.ndarray, frames: int, time: object, status: object) -> None:
         nonlocal missed
         try:
-            recorded.put_nowait(block.copy())
+            recorded.put_nowait((block.copy(), missed))
+            missed = 0
         except queue.Full:
             missed += frames
 
     def blocks() -> Iterator[np.ndarray | None]:
-        nonlocal missed
         try:
             stream = sounddevice.InputStream(
                 rate, device=selected, channels=channels, dtype="float32", callback=put
@@ -89,16 +93,17 @@ def _record_device(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
         except sounddevice.PortAudioError as error:
             raise OverviewError(f"audio:{device}: {error}") from None
         with stream, ExitStack() as stack:
-            RUNNING.add(stream)  # a search for devices would end it
-            stack.callback(RUNNING.discard, stream)
+            OPEN_STREAMS.add(stream)  # a search for devices would end it
+            stack.callback(OPEN_STREAMS.discard, stream)
             while stream.active:
                 try:
-                    yield recorded.get(timeout=0.2)
+                    block, lost = recorded.get(timeout=0.2)
                 except queue.Empty:
                     yield None
-                if missed and recorded.empty():
-                    lost, missed = missed, 0
+                    continue
+                if lost:
                     yield np.full((lost, channels), np.nan, np.float32)
+                yield block
 
     return rate, channels, blocks()
 

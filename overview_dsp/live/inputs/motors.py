@@ -79,14 +79,14 @@ class MotorInput(SensorInput):
         frame = self._next_frame(now)
         if self._was_alive and not self._loop.alive:
             self._write_release()
-            self._say_once(
+            self.say_once(
                 f"no data from the motor for {1e3 * SILENT_S:g} ms; torque off, disk released "
                 "(further interruptions are only counted)"
             )
         self._was_alive = self._loop.alive
         rate = self._loop.reports_per_s
         if rate is not None and rate < LOWEST_RATE_HZ:
-            self._say_once(
+            self.say_once(
                 f"the motor sends fewer than {LOWEST_RATE_HZ} reports per second, which makes its "
                 "force weak; change motor.downsample or baud="
             )
@@ -114,7 +114,7 @@ class MotorInput(SensorInput):
             surface = self._engine.surface
             self._loop.render(surface, self._engine.preset.values)
             if surface.bristles is not None or surface.detents is not None:
-                self._say_once(
+                self.say_once(
                     "the knob's board only makes viscous friction; sticking and pulling surfaces "
                     "brake as they do at 1 rad/s"
                 )
@@ -127,5 +127,5 @@ class MotorInput(SensorInput):
         super()._close_port()
 
     def _lose(self) -> None:
+        self._loop.disconnected()  # first: whoever sees a closed port reads a status without force
         super()._lose()
-        self._loop.disconnected()

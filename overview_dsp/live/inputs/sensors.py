@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.devices.sensors.source import Diagnostics, SensorSource
+from overview_dsp.devices.sensors.source import FAULTS, SensorSource
 from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError
 from overview_dsp.live.inputs.threaded import ThreadedInput
@@ -62,7 +62,6 @@ class SensorInput(ThreadedInput):
         port = open_port(device, self._baud)
         super().__init__(engine, self.SOURCE, port, device)
         self._source = SensorSource(sensor, TouchRules.of(self._preset))
-        self._diagnostics = Diagnostics()
         self._decoded_at = self._received_at
         self._kept_up_at, self._behind = self._received_at, 0
         self._silent = False
@@ -94,7 +93,14 @@ class SensorInput(ThreadedInput):
 
     def _read(self, port: Port) -> None:
         self._process(b"".join(port.receive(self.WAIT_S)))
-        self._discard_backlog(port)
+        now = time.monotonic()
+        self._behind += 1
+        if not port.waiting:
+            self._kept_up_at, self._behind = now, 0
+        elif now - self._kept_up_at > BEHIND_S and self._behind >= BEHIND_READS:
+            self._kept_up_at, self._behind = now, 0
+            while port.waiting and time.monotonic() - now < BEHIND_S:
+                self._source.counters.overrun_bytes += sum(map(len, port.receive(0.0)))
 
     def _process(self, data: bytes) -> None:
         now = time.monotonic()
@@ -106,12 +112,14 @@ class SensorInput(ThreadedInput):
             data = data[-MAX_BYTES:]
         before, decoded = self._source.angle, counters.readings - counters.repeated
         disk = self._writer.disk_state()
-        events = self._source.feed(data, now, *disk) if data else []
+        events = self._source.feed(data, now, disk) if data else []
         turn = self._source.angle
         if turn is not None and turn is not before:
             self._writer.observe(turn.time_s)
         self._writer.write(events)
-        self._messages.extend(self._diagnostics.new(counters))
+        for name, message in FAULTS.items():
+            if getattr(counters, name):
+                self.say_once(f"{message} (later ones are only counted)")
         if counters.readings - counters.repeated > decoded:
             self._decoded_at, self._silent = now, False
         elif now - self._decoded_at > self._silent_s and not self._silent:
@@ -119,17 +127,7 @@ class SensorInput(ThreadedInput):
             if self._write_release():
                 silent = now - self._received_at > self._silent_s
                 reason = "no data" if silent else "no new reading decoded"
-                self._messages.append(f"{reason} for {self._silent_s:g} s; disk released")
-
-    def _discard_backlog(self, port: Port) -> None:
-        now = time.monotonic()
-        self._behind += 1
-        if not port.waiting:
-            self._kept_up_at, self._behind = now, 0
-        elif now - self._kept_up_at > BEHIND_S and self._behind >= BEHIND_READS:
-            self._kept_up_at, self._behind = now, 0
-            while port.waiting and time.monotonic() - now < BEHIND_S:
-                self._source.counters.overrun_bytes += sum(map(len, port.receive(0.0)))
+                self.say(f"{reason} for {self._silent_s:g} s; disk released")
 
     def _release(self) -> Event | None:
         return self._source.release()
@@ -145,7 +143,7 @@ class SensorInput(ThreadedInput):
         except InputError as error:
             reason = str(error).removeprefix(f"{self._name}: ")
             if reason != self._last_error and "no such port" not in reason:
-                self._messages.append(f"{reason} (waiting)")
+                self.say(f"{reason} (waiting)")
             self._last_error = reason
             return None
         self._source = SensorSource(

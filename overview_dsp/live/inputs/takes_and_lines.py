@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import SOURCES, Gesture
+from overview_dsp.devices.messages import Messages
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.session.command_forms import parse_command
@@ -38,9 +38,7 @@ class TakeInput(Input):
     """
 
     def __init__(
-        self,
-        gesture: Gesture,
-        change: Callable[[Mapping[str, Any], int], None] | None = None,
+        self, gesture: Gesture, change: Callable[[Mapping[str, Any], int], None] | None = None
     ) -> None:
         """Replay `gesture` from 0.2 s after the first `poll`, or from the sample of `begin`.
 
@@ -96,7 +94,7 @@ class TakeInput(Input):
         return self._sent == len(self._stamps) and engine.sample_time >= end
 
 
-class TextLineInput(Input):
+class TextLineInput(Messages, Input):
     """Input of text lines `theta2 touching` (rad, 0 or 1), read in a thread of its own.
 
     A line may also be a command, or one of the keys `R`, `P`, `1` and `2`. Other lines are counted,
@@ -112,12 +110,12 @@ class TextLineInput(Input):
         queue_command: Callable[..., None] = lambda *arguments: None,
     ) -> None:
         """Start to read; `queue_command` receives the words of each command."""
+        super().__init__()
         self._queue_command = queue_command
         self._lines = lines
         self._engine = engine
         self.rejected = 0
         self.first_rejected = ""
-        self._messages: deque[str] = deque()
         self._over = threading.Event()
         threading.Thread(target=self._run, name="standard input", daemon=True).start()
 
@@ -136,17 +134,13 @@ class TextLineInput(Input):
                     self.rejected += 1
                     self.first_rejected = self.first_rejected or f"line {number}: {line.strip()!r}"
         except Exception as error:  # such as text that isn't UTF-8
-            self._messages.append(f"standard input: {error}; reading stopped")
+            self.say(f"standard input: {error}; reading stopped")
         finally:
             self._engine.control(theta2, False, source=self.SOURCE)
             self._over.set()
 
     def poll(self, engine: Engine) -> None:
         """Do nothing: the thread sends the events."""
-
-    def take_messages(self) -> tuple[str, ...]:
-        """Return the error that ended the text, if any."""
-        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     def is_over(self, engine: Engine) -> bool:
         """Return whether the text has ended."""

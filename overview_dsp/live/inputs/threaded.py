@@ -12,9 +12,10 @@ import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
-from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
+from overview_dsp.devices.messages import Messages
+from overview_dsp.devices.sensors.touch_detection import DiskState, Event, TouchRules
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.ports.port import Port, PortLostError
 from overview_dsp.signal.engine.engine import Engine
@@ -84,18 +85,6 @@ YIELDING = ("serial", "osc", "midi")
 """Sources that a turned device takes over from, because they may never release by themselves."""
 
 
-class DiskState(NamedTuple):
-    """Disk as one source sees it at the last block.
-
-    `elsewhere` is theta2 (rad) of another source that touches the disk, or None. `position` is the
-    disk's position as theta2 (rad). `yields` is whether the other source yields to a turn.
-    """
-
-    elsewhere: float | None
-    position: float
-    yields: bool
-
-
 class SourceWriter:
     """Writer of the control events of one source.
 
@@ -127,7 +116,7 @@ class SourceWriter:
         held = self._engine.active_input
         position = self._engine.meters.cursor * HALF_TURN
         if held is None or held[0] == self._source:
-            return DiskState(None, position, False)
+            return DiskState(None, position)
         return DiskState(held[1], position, held[0] in YIELDING)
 
     def _runs(self) -> bool:
@@ -143,17 +132,15 @@ class SourceWriter:
 
     def restart(self) -> None:
         """Discard the observed arrivals, which don't predict later ones."""
-        on_time_share = (
-            1.0 if self._smooth_s else ON_TIME_SHARE
-        )  # the highest of the delays is steadier
-        self._clock = EventClock(self._engine.sample_rate, on_time_share)
+        # for even movement, the highest of the delays is steadier
+        self.clock = EventClock(self._engine.sample_rate, 1.0 if self._smooth_s else ON_TIME_SHARE)
         self._observed = False
 
     def observe(self, time_s: float) -> None:
         """Use the arrival of data that the source's own clock stamped with `time_s`."""
         if self._runs() and self._stamps:
             self._observed = True
-            self._clock.observe(time_s, self._engine.sample_time)
+            self.clock.observe(time_s, self._engine.sample_time)
 
     def write(self, events: Iterable[Event]) -> None:
         """Write events, each for its time; without a running engine write only releases."""
@@ -163,7 +150,7 @@ class SourceWriter:
                 self.release(None if event.touching else event)
                 continue
             due_s = event.time_s + self._smooth_s
-            stamp = self._clock.stamp(due_s, sample) if self._observed else None
+            stamp = self.clock.stamp(due_s, sample) if self._observed else None
             if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)
@@ -177,16 +164,11 @@ class SourceWriter:
     def _push(self, theta2: float, touching: bool, stamp: int | None) -> None:
         self._engine.control(theta2, touching, stamp, self._source)
 
-    @property
-    def waits_s(self) -> tuple[float, float]:
-        """Wait of the latest events for their sample: median and 99th percentile, s."""
-        return self._clock.added_latency_s
-
 
 RETRY_S = 1.0
 
 
-class ThreadedInput(Input, ABC):
+class ThreadedInput(Messages, Input, ABC):
     """Input that plays the data of a port into a running engine, as one source.
 
     Thread: control; the port is read in a thread of its own, the only writer of that source.
@@ -204,13 +186,12 @@ class ThreadedInput(Input, ABC):
 
         `smooth_s` as in `SourceWriter`.
         """
+        super().__init__()
         self._engine = engine
         self._preset = engine.preset
         self._address = address
         self._port: Port | None = port  # None while it is lost
         self._writer = SourceWriter(engine, source, smooth_s=smooth_s)
-        self._messages: deque[str] = deque()
-        self._reported: set[str] = set()
         self._received_at = time.monotonic()
         self._lost = 0
         self._over = threading.Event()
@@ -248,8 +229,7 @@ class ThreadedInput(Input, ABC):
 
     def take_messages(self) -> tuple[str, ...]:
         """Return messages for the user, added since the last call."""
-        new = [self._messages.popleft() for _ in range(len(self._messages))]
-        return tuple(f"{self._name}: {one}" for one in new)
+        return tuple(f"{self._name}: {one}" for one in super().take_messages())
 
     def _line(self, state: str, counters: Mapping[str, int]) -> str:
         """Return a line for the play screen: a state, and the counters that aren't zero."""
@@ -260,7 +240,7 @@ class ThreadedInput(Input, ABC):
 
     def report(self) -> dict[str, Any]:
         """Return all counters, and how long events wait for their sample, ms."""
-        median, highest = self._writer.waits_s
+        median, highest = self._writer.clock.added_latency_s
         return {
             "port": self._address,
             "connected": self._port is not None,
@@ -316,16 +296,11 @@ class ThreadedInput(Input, ABC):
         self._close_port()
         self._port = None
         self._lost += 1
-        self._messages.append(f"{self.GONE}; disk released, waiting for the device")
+        self.say(f"{self.GONE}; disk released, waiting for the device")
 
     def _find_again(self) -> None:
         if (port := self._open_again()) is not None:
             self._writer.restart()
             self._received_at = time.monotonic()
             self._port = port
-            self._messages.append("reconnected")
-
-    def _say_once(self, line: str) -> None:
-        if line not in self._reported:
-            self._reported.add(line)
-            self._messages.append(line)
+            self.say("reconnected")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
 from overview_dsp.live.output.saved_settings import file_requiring
 from overview_dsp.live.output.settings import is_pad
 
+_CARD = re.compile(r"\(hw:\d+(,\d+)*\)")
 _OUTPUT_HINTS = {
     "linux": "plug in a sound card, or start a sound server (PipeWire, PulseAudio with "
     "libasound2-plugins, or JACK: apt install jackd2)",
@@ -136,6 +138,22 @@ def find_device(device: int | str | None) -> OutputDevice:
     except (sounddevice.PortAudioError, ValueError) as error:
         raise open_error(sounddevice, device, 0, 0.0, error) from None
     return next(output for output in devices() if output.index == found["index"])
+
+
+def same_device(known: OutputDevice) -> OutputDevice:
+    """Return the present output with the host and name of one that was open.
+
+    ALSA's names contain the number of the card, which may change. Of several such outputs the one
+    with the same name and the nearest index is returned. InputError: there is none.
+    """
+    found = [
+        one
+        for one in devices()
+        if one.host == known.host and _CARD.sub("", one.name) == _CARD.sub("", known.name)
+    ]
+    if not found:
+        raise InputError(f"output {known.full_name} is not there; connect it again")
+    return min(found, key=lambda one: (one.name != known.name, abs(one.index - known.index)))
 
 
 def _pad() -> OutputDevice:

@@ -46,7 +46,7 @@ JACK_CLIENT = b"overview"
 _with_jack: list[ctypes.CDLL] = []
 """PortAudio libraries that have JACK, in the order of their use."""
 
-RUNNING: set[Any] = set()
+OPEN_STREAMS: set[Any] = set()
 """Open streams. They must outlive every other reference, because PortAudio calls them."""
 
 _LIBRARY_HINTS = {
@@ -83,8 +83,11 @@ def _prepare() -> None:
     """Keep PortAudio loaded, and end it before sounddevice does."""
     if sys.platform == "linux":
         _keep_loaded(find_library("portaudio"))
-    import sounddevice  # noqa: F401 - registers its own end first
+    import sounddevice  # registers its own end first
 
+    require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
+    if _has_jack(sounddevice):
+        jack.watch_server()
     atexit.register(_end)
 
 
@@ -98,16 +101,21 @@ def _keep_loaded(path: str | None) -> None:
 
 def _end() -> None:
     """Close all streams at exit. A JACK client ends with the process, as its server may be dead."""
-    for stream in tuple(RUNNING):
+    for stream in tuple(OPEN_STREAMS):
         stream.close()
     if client_name() is not None:
         import_sounddevice()._initialized = 0
 
 
+def _has_jack(sounddevice: Any) -> bool:
+    """Return whether PortAudio has a client on a JACK server."""
+    hosts = sounddevice.query_hostapis()
+    return bool(_with_jack) and any("JACK" in host["name"] for host in hosts)
+
+
 def client_name() -> bytes | None:
     """Return the name of PortAudio's JACK client; None without one."""
-    hosts = import_sounddevice().query_hostapis()
-    if not _with_jack or not any("JACK" in host["name"] for host in hosts):
+    if not _has_jack(import_sounddevice()):
         return None
     found = ctypes.c_char_p()
     _with_jack[-1].PaJack_GetClientName(ctypes.byref(found))
@@ -116,16 +124,19 @@ def client_name() -> bytes | None:
 
 def rescan() -> None:
     """Let PortAudio look for devices again, unless a stream plays or records."""
-    if any(stream.active for stream in RUNNING):
+    if any(stream.active for stream in OPEN_STREAMS):
         return
     sounddevice = import_sounddevice()
     # sounddevice has no public names for these
     client = client_name()
-    if client is not None and not jack.has_client(client):
+    lives = client is not None and jack.has_client(client)
+    if client is not None and not lives:
         _abandon_library(sounddevice)
     else:
         sounddevice._terminate()
         sounddevice._initialize()
+    if not lives and _has_jack(sounddevice):
+        jack.watch_server()
 
 
 def _abandon_library(sounddevice: Any) -> None:

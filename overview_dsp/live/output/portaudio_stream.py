@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -20,13 +21,14 @@ from overview_dsp.kernels import layout
 from overview_dsp.live.output import jack
 from overview_dsp.live.output.devices import find_device, first_line, open_error
 from overview_dsp.live.output.portaudio_library import (
+    OPEN_STREAMS,
     PAD,
-    RUNNING,
     client_name,
     import_sounddevice,
 )
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import (
+    FADE_WITHIN_S,
     Stream,
     compile_python_path,
     connect,
@@ -37,9 +39,6 @@ from overview_dsp.public import short
 from overview_dsp.signal.engine.engine import Engine
 
 CallbackKind = Literal["native", "python"]
-FADE_WITHIN_S = 0.5
-"""Time that closing waits for the fade, which never ends on a device that has stopped calling."""
-
 _ABANDONED: list[OutputStream] = []
 """Streams of JACK servers that don't respond; a frozen server may call them later."""
 
@@ -97,6 +96,8 @@ class OutputStream(Stream):
         callback: CallbackKind = "native",
         latency: float | Literal["low", "high"] = "low",
     ) -> None:
+        from overview_dsp.kernels.device.callback import native_callback
+
         sounddevice = import_sounddevice()
         engine.sample_time  # noqa: B018 - raises NotPreparedError
         if callback not in ("native", "python"):
@@ -111,9 +112,7 @@ class OutputStream(Stream):
         if device == PAD:
             device = find_device(device).index
         channels = connect(engine, settings)
-        if callback == "python":
-            compile_python_path(engine)
-        keywords = {
+        keywords: dict[str, Any] = {
             "samplerate": engine.sample_rate,
             "blocksize": block_size,
             "device": device,
@@ -121,39 +120,25 @@ class OutputStream(Stream):
             "dtype": "float32",
             "latency": latency,
         }
+        make = sounddevice.OutputStream
+        if callback == "python":
+            compile_python_path(engine)
+            keywords["callback"] = self._python_callback
+        else:
+            make, ffi = partial(sounddevice._StreamBase, "output"), sounddevice._ffi
+            self._compiled = native_callback()  # the machine code must outlive the stream
+            keywords["callback"] = ffi.cast("PaStreamCallback*", self._compiled.address)
+            keywords["userdata"] = ffi.cast("void*", self._memory.ctypes.data)
         try:
             found = sounddevice.query_devices(device, "output")
             self.name = str(found["name"])
-            self._host = str(sounddevice.query_hostapis(found["hostapi"])["name"])
-            self._stream = (
-                self._native_stream(sounddevice, keywords)
-                if callback == "native"
-                else sounddevice.OutputStream(callback=self._python_callback, **keywords)
-            )
+            host = str(sounddevice.query_hostapis(found["hostapi"])["name"])
+            self.index = int(found["index"])
+            self.waits_for_server = "JACK" in host
+            self._stream = make(**keywords)
         except (sounddevice.PortAudioError, ValueError) as error:
             raise open_error(sounddevice, device, channels, engine.sample_rate, error) from None
-        RUNNING.add(self)
-
-    def _native_stream(self, sounddevice: Any, keywords: dict[str, Any]) -> Any:
-        from overview_dsp.kernels.device.callback import native_callback
-
-        compiled = native_callback()
-        ffi = sounddevice._ffi
-
-        class NativeStream(sounddevice._StreamBase):  # type: ignore[misc]
-            """Stream with a C callback."""
-
-            def __init__(stream) -> None:  # noqa: N805
-                super().__init__(
-                    kind="output",
-                    wrap_callback=None,
-                    callback=ffi.cast("PaStreamCallback*", compiled.address),
-                    userdata=ffi.cast("void*", self._memory.ctypes.data),
-                    **keywords,
-                )
-
-        self._compiled = compiled  # the machine code must outlive the stream
-        return NativeStream()
+        OPEN_STREAMS.add(self)
 
     def _python_callback(
         self, out: NDArray[np.float32], frames: int, when: Any, status: Any
@@ -166,7 +151,7 @@ class OutputStream(Stream):
             self._stream.start()
         self._started = True
         if self.connections is not None and (client := client_name()) is not None:
-            jack.connect(client, self.connections)
+            self.missing_connections = jack.connect(client, self.connections)
 
     def _stop(self) -> None:
         if not self._fade_out():
@@ -194,9 +179,9 @@ class OutputStream(Stream):
         return bool(self._w[layout.L_FADED] >= self._w[layout.S_GLIDE])
 
     def _close(self) -> None:
-        if self not in RUNNING:
+        if self not in OPEN_STREAMS:
             return
-        RUNNING.discard(self)
+        OPEN_STREAMS.discard(self)
         if not self._fade_out() and self._started and self.waits_for_server:
             # closing would wait for the server for ten minutes
             _ABANDONED.append(self)
@@ -208,11 +193,6 @@ class OutputStream(Stream):
         """Read the connections, before PortAudio stops and undoes them."""
         if self._started and self.waits_for_server and (client := client_name()) is not None:
             self.connections = jack.connections(client) or None
-
-    @property
-    def waits_for_server(self) -> bool:
-        """Kind of output: True on JACK, whose server may stop for a while and continue."""
-        return "JACK" in self._host
 
     @property
     def active(self) -> bool:

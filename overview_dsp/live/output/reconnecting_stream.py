@@ -9,7 +9,7 @@ from dataclasses import replace
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import Stream, StreamMeters
+from overview_dsp.live.output.stream import FADE_WITHIN_S, Stream, StreamMeters
 from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.session import Session
 
@@ -52,8 +52,8 @@ class FramesLost:
         self._least = behind if self._least is None else min(self._least, behind)
 
 
-LOST_AFTER_S = 1.0
-"""Time without a callback after which an output is lost."""
+LOST_AFTER_S = 0.8
+"""Time without a callback after which an output is lost; three blocks, if they take longer."""
 
 RETRY_EVERY_S = 1.0
 
@@ -73,19 +73,21 @@ class ReconnectingStream:
         Name of the present or last stream.
     block_size : int
         Block size in frames.
+    lost_reason : str
+        Reason why the output doesn't play; empty while it plays.
     """
 
     def __init__(self, session: Session, opener: StreamOpener, settings: OutputSettings) -> None:
         """Prepare without opening the output."""
         self.opener = opener
         self.settings = settings
-        self.name, self.block_size = "", 0
+        self.name, self.block_size, self.lost_reason = "", 0, ""
         self._session, self._engine = session, session.engine
         self._stream: Stream | None = None
         self._frozen = False
         self._connections: Connections | None = None
         self._last = self._earlier = StreamMeters(0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self._frames_lost = FramesLost()
+        self.frames_lost = FramesLost()
         self._polled_at = time.monotonic()
         self._called = (self._polled_at, -1)  # time of the last new callback, number of callbacks
         self._retry_at = 0.0
@@ -96,6 +98,11 @@ class ReconnectingStream:
         return self._stream is not None and not self._frozen
 
     @property
+    def starting(self) -> bool:
+        """State of the output: True until the first callback of an open stream."""
+        return self.playing and self._last.callbacks == 0
+
+    @property
     def meters(self) -> StreamMeters:
         """Meters of the present or last stream at the last poll; counts are sums of all streams."""
         names = ("callbacks", "late", "underflows", "frames")
@@ -103,11 +110,6 @@ class ReconnectingStream:
             self._last,
             **{one: getattr(self._earlier, one) + getattr(self._last, one) for one in names},
         )
-
-    @property
-    def frames_lost(self) -> int:
-        """Frames lost so far, in gaps longer than a block."""
-        return self._frames_lost.count
 
     def open(self, before: Callable[[], None] = lambda: None) -> None:
         """Open the output and start to play; call `before` before the first sample.
@@ -123,10 +125,16 @@ class ReconnectingStream:
         except BaseException:
             stream.close()
             raise
+        self._say_missing(stream)
         self._stream = stream
         self.name, self.block_size = stream.name, stream.block_size
-        self._last = stream.meters
+        self._last, self.lost_reason = stream.meters, ""
         self._begin_watch()
+
+    def _say_missing(self, stream: Stream) -> None:
+        if missing := stream.missing_connections:
+            gone = ", ".join(missing)
+            self._session.say(f"output {stream.name}: not reconnected to {gone}, which are gone")
 
     def poll(self) -> None:
         """Close an output that is lost; try once per second to open it again."""
@@ -140,24 +148,47 @@ class ReconnectingStream:
         if meters.callbacks != self._called[1] or asleep:
             self._called = (now, meters.callbacks)
             if self._frozen and not asleep:
-                self._frozen = False
-                self._frames_lost.restart()
+                self._frozen, self.lost_reason = False, ""
+                self.frames_lost.restart()
                 self._session.say(f"output {self.name} reconnected")
         self._last = meters
         if meters.frames:
-            self._frames_lost.update(now, meters.frames, self._engine.sample_rate, self.block_size)
-        late = now - self._called[0] > LOST_AFTER_S
-        if self._stream.active and late and self._stream.waits_for_server:
-            if not self._frozen:
-                self._frozen = True
-                self._session.say(
-                    f"output {self.name} doesn't respond; disk released, waiting for its server"
-                )
+            self.frames_lost.update(now, meters.frames, self._engine.sample_rate, self.block_size)
+        late = now - self._called[0] > max(LOST_AFTER_S, 3.0 * self._block_s)
+        if late and self._may_be_frozen:
+            self._report_frozen()
         elif late or not self._stream.active:
             self._session.say(
                 f"output {self.name} disconnected; disk released, waiting for the output"
             )
             self.disconnect()
+            self.lost_reason = f"{self.name} disconnected"
+
+    @property
+    def _block_s(self) -> float:
+        return self.block_size / self._engine.sample_rate
+
+    @property
+    def _may_be_frozen(self) -> bool:
+        stream = self._stream
+        return stream is not None and stream.active and stream.waits_for_server
+
+    def _report_frozen(self) -> None:
+        if not self._frozen and self._stream is not None:
+            self._frozen, self.lost_reason = True, f"{self.name} doesn't respond"
+            self._called = (time.monotonic(), self._stream.meters.callbacks)
+            self._session.say(
+                f"output {self.name} doesn't respond; disk released, waiting for its server"
+            )
+
+    def _responds(self) -> bool:
+        """Wait a short time for a callback; return whether there was one."""
+        assert self._stream is not None
+        within_s = max(FADE_WITHIN_S, 3.0 * self._block_s)
+        until, before = time.monotonic() + within_s, self._stream.meters.callbacks
+        while (same := self._stream.meters.callbacks == before) and time.monotonic() < until:
+            time.sleep(0.002)
+        return not same
 
     def _retry(self, now: float) -> None:
         if now < self._retry_at:
@@ -165,7 +196,8 @@ class ReconnectingStream:
         self._retry_at = now + RETRY_EVERY_S
         try:
             self.open()
-        except OverviewError:
+        except OverviewError as error:
+            self.lost_reason = self.lost_reason or str(error)
             return
         self._session.say(f"output {self.name} reconnected")
 
@@ -174,18 +206,23 @@ class ReconnectingStream:
         self.settings = settings
         settings.write(self._engine.memory, self._engine.sample_rate)
 
-    def mute(self, signal: str, muted: bool) -> None:
-        """Mute or unmute a signal (click or tactor) of the device."""
-        self.set(self.settings.changed(**{signal: {"mute": muted}}))
+    def restart(self, begin: Callable[[], None]) -> bool:
+        """Fade out, call `begin` while nothing runs the engine, and continue to play.
 
-    def restart(self, begin: Callable[[], None]) -> None:
-        """Fade out, call `begin` while nothing runs the engine, and continue to play."""
+        The result is False, with a message, if the output doesn't respond; `begin` isn't called.
+        """
         assert self._stream is not None
         try:
             self._stream.restart(begin)
         except OverviewError as error:
-            self._session.say(str(error))
+            if self._may_be_frozen:
+                self._report_frozen()
+            else:
+                self._session.say(str(error))
+            return False
+        self._say_missing(self._stream)
         self._begin_watch()
+        return True
 
     def disconnect(self) -> None:
         """Close the stream so that `open` or `poll` can open another; show an error.
@@ -195,7 +232,8 @@ class ReconnectingStream:
         """
         if self._stream is None:
             return
-        if self._frozen and self._stream.active:
+        if self._may_be_frozen and (self._frozen or not self._responds()):
+            self._report_frozen()
             raise OverviewError(f"output {self.name} doesn't respond; start its server again")
         self._frozen = False
         self._earlier = self.meters
@@ -216,4 +254,4 @@ class ReconnectingStream:
 
     def _begin_watch(self) -> None:
         self._called = (time.monotonic(), -1)
-        self._frames_lost.restart()
+        self.frames_lost.restart()

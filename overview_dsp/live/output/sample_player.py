@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.live.output.devices import open_error
 from overview_dsp.live.output.portaudio_library import import_sounddevice
-from overview_dsp.live.output.portaudio_stream import FADE_WITHIN_S
+from overview_dsp.live.output.stream import FADE_WITHIN_S
 
 FADE_S = 0.02
 

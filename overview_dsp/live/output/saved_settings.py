@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 import platformdirs
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.json_table import read_table, write_table
 from overview_dsp.live.output.settings import (
     PAD_ACTUATOR,
     PAD_SETTINGS,
@@ -75,10 +74,7 @@ def save_settings(device: str, settings: OutputSettings) -> None:
         "tactor": asdict(settings.tactor),
         "actuator": None if settings.actuator is None else reference(settings.actuator),
     }
-    path = settings_file()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_file(path) as temporary:
-        temporary.write_text(json.dumps(saved, indent=1, ensure_ascii=False), encoding="utf-8")
+    write_table(settings_file(), saved)
 
 
 @dataclass(frozen=True)
@@ -128,13 +124,4 @@ def resolve_output(
 
 
 def _read() -> dict[str, Any]:
-    path = settings_file()
-    try:
-        saved = json.loads(path.read_bytes())
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: can't be read ({error}); correct or delete it") from None
-    if not isinstance(saved, dict):
-        raise InputError(f"{path}: must be a table of devices; correct or delete it")
-    return saved
+    return read_table(settings_file(), "must be a table of devices")

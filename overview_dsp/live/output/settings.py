@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
@@ -167,7 +167,7 @@ class OutputSettings:
             tactor=replace(self.tactor, **(tactor or {})),
         )
 
-    def write(self, memory: NDArray[np.float64], sample_rate: float, at_once: bool = False) -> None:
+    def write(self, memory: FloatArray, sample_rate: float, at_once: bool = False) -> None:
         """Request these settings from the audio thread, which changes to them smoothly.
 
         Parameters

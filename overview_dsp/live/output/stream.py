@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp import validation
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
 from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.public import counted
 from overview_dsp.signal.engine.engine import Engine
+
+FADE_WITHIN_S = 0.5
+"""Time that closing waits for the fade, which never ends on a device that has stopped calling."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class StreamMeters:
         )
 
 
-def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
+def clear_meters(memory: FloatArray, channels: int) -> None:
     """Reset counters, delay lines and fade for a new stream; keep gains, actuator and channels."""
     w = memory.view(np.int64)
     gains = memory[layout.L_GAIN : layout.L_LEFT].copy()
@@ -78,7 +82,7 @@ def clear_meters(memory: NDArray[np.float64], channels: int) -> None:
     w[layout.L_CHANNELS] = channels
 
 
-def undo_fade(memory: NDArray[np.float64]) -> None:
+def undo_fade(memory: FloatArray) -> None:
     """Make the output audible again after a fade, with empty delay lines."""
     w = memory.view(np.int64)
     w[layout.L_STOP] = w[layout.L_FADED] = 0
@@ -86,7 +90,7 @@ def undo_fade(memory: NDArray[np.float64]) -> None:
 
 
 def record_callback(
-    memory: NDArray[np.float64], frames: int, seconds: float, underflow: bool = False
+    memory: FloatArray, frames: int, seconds: float, underflow: bool = False
 ) -> None:
     """Record a callback that ran in Python."""
     w = memory.view(np.int64)
@@ -99,7 +103,7 @@ def record_callback(
     w[layout.L_BUSY + min(int(octaves * layout.BINS_PER_OCTAVE), layout.BUSY_BINS - 1)] += 1
 
 
-def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
+def read_meters(memory: FloatArray, latency_s: float) -> StreamMeters:
     """Return counters and callback times so far."""
     w = memory.view(np.int64)
     median, p99 = _quantile(w, 0.5), _quantile(w, 0.99)
@@ -117,7 +121,7 @@ def read_meters(memory: NDArray[np.float64], latency_s: float) -> StreamMeters:
     )
 
 
-def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
+def take_peaks(memory: FloatArray) -> tuple[float, float]:
     """Return the highest click and tactor sample sent to the device since the last call, linear."""
     peaks = memory[layout.L_PEAK : layout.L_PEAK + layout.SIGNALS]
     click, tactor = peaks.tolist()
@@ -125,7 +129,7 @@ def take_peaks(memory: NDArray[np.float64]) -> tuple[float, float]:
     return click, tactor
 
 
-def _load(w: NDArray[np.int64], sample_rate: float) -> float:
+def _load(w: IntArray, sample_rate: float) -> float:
     """Return the callback times, each at the middle of its bin, divided by their frames' time."""
     bins = np.arange(layout.BUSY_BINS) + 0.5
     seconds = layout.SHORTEST_S * 2.0 ** (bins / layout.BINS_PER_OCTAVE)
@@ -133,7 +137,7 @@ def _load(w: NDArray[np.int64], sample_rate: float) -> float:
     return busy * sample_rate / max(1, int(w[layout.L_FRAMES]))
 
 
-def _quantile(w: NDArray[np.int64], part: float) -> float:
+def _quantile(w: IntArray, part: float) -> float:
     counts = np.cumsum(w[layout.L_BUSY : layout.L_BUSY + layout.BUSY_BINS])
     if not counts[-1]:
         return 0.0
@@ -155,11 +159,17 @@ class Stream(ABC):
     connections : list or None
         Ports on JACK that each channel was connected to when it last stopped; `start` connects
         them again. None: the default ports.
+    waits_for_server : bool
+        Whether its server may stop for a while and continue (JACK).
+    missing_connections : sequence of str
+        Ports among `connections` that the last start didn't find.
     """
 
     name: str
     block_size: int
     connections: Connections | None = None
+    waits_for_server: bool = False
+    missing_connections: Sequence[str] = ()
     _engine: Engine
 
     @abstractmethod
@@ -250,11 +260,6 @@ class Stream(ABC):
         False
         """
         self._close()
-
-    @property
-    def waits_for_server(self) -> bool:
-        """Kind of output: True if its server may stop for a while and continue."""
-        return False
 
     @property
     @abstractmethod

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from overview_dsp.errors import InputError
+from overview_dsp.live.output.devices import OutputDevice, find_device, same_device
 from overview_dsp.live.output.null_stream import NullStream
-from overview_dsp.live.output.portaudio_library import SILENT, device_named, rescan
+from overview_dsp.live.output.portaudio_library import PAD, SILENT, device_named, rescan
 from overview_dsp.live.output.portaudio_stream import CallbackKind, OutputStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import Stream
@@ -22,7 +23,8 @@ class StreamOpener:
     Attributes
     ----------
     device : str or None
-        Name or number of the output; None is the default, `SILENT` no sound.
+        Output; None is the default, `SILENT` no sound. A name or number is looked up at the first
+        opening; later ones use that output only.
     block_size : int
         Block size in frames; 0 lets the device choose.
     callback : str
@@ -35,6 +37,7 @@ class StreamOpener:
     block_size: int
     callback: CallbackKind
     rescans: bool = False
+    _known: OutputDevice | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if not 0 <= self.block_size <= MAX_BLOCK:
@@ -47,5 +50,9 @@ class StreamOpener:
         if self.rescans:
             rescan()
         self.rescans = True
-        device = device_named(self.device)
-        return OutputStream(engine, device, self.block_size, settings, self.callback)
+        known = self._known
+        device = device_named(self.device) if known is None else same_device(known).index
+        stream = OutputStream(engine, device, self.block_size, settings, self.callback)
+        if self.device not in (None, PAD):
+            self._known = find_device(stream.index)
+        return stream

@@ -98,11 +98,16 @@ class OscOut:
     """
 
     def __init__(
-        self, engine: Engine, address: str, say: Callable[[str], None] = lambda line: None
+        self,
+        engine: Engine,
+        address: str,
+        say: Callable[[str], None] = lambda line: None,
+        state: Callable[[], tuple[str, ...]] = tuple,
     ) -> None:
         """Start to send to `HOST:PORT`, or to `PORT` of this machine.
 
-        `say` receives messages for the user, from this thread.
+        `say` receives messages for the user, from this thread. `state` returns name, reason and
+        last stop of the session.
 
         InputError: the address isn't valid.
         OverviewError: python-osc isn't installed.
@@ -115,7 +120,7 @@ class OscOut:
             raise InputError(f"{address}: host not found ({error.strerror or error})") from None
         self._engine = engine
         self._name = f"osc out {address}"
-        self._say = say
+        self._say, self._state = say, state
         self._address = found[4]
         self._socket = socket.socket(found[0], socket.SOCK_DGRAM)
         self._socket.setblocking(False)
@@ -140,7 +145,7 @@ class OscOut:
     def _send(self) -> None:
         meters, struck = self._engine.meters, self._engine.pop_strike_events()
         for datagram in self._report.messages(
-            time.monotonic(), meters.cursor, meters.torque, meters.touching, struck
+            time.monotonic(), meters.cursor, meters.torque, meters.touching, struck, self._state()
         ):
             with contextlib.suppress(OSError):  # not accepted by the system
                 self._socket.sendto(datagram, self._address)

@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from overview_dsp.devices.sensors.pads import CALIBRATION, LENGTHS, framed
+from overview_dsp.devices.sensors.pads import (
+    CALIBRATION,
+    JOYCON_MEMORY,
+    LENGTHS,
+    READ_MEMORY,
+    framed,
+)
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import Port, PortLostError
@@ -98,7 +104,9 @@ class PadPort(Port):
                 units = self._pad.get_feature_report(CALIBRATION, LENGTHS[CALIBRATION])
                 self._first = [framed(bytes(units))]
             else:
-                for number, command in enumerate((_MOTION_ON, _FULL_REPORTS)):
+                reads = [bytes([READ_MEMORY]) + address.to_bytes(4, "little") + bytes([count])
+                         for address, count in JOYCON_MEMORY]  # fmt: skip
+                for number, command in enumerate((*reads, _MOTION_ON, _FULL_REPORTS)):
                     self._pad.write(bytes([1, number]) + _MOTORS_OFF + command)
         except (OSError, ValueError) as error:
             self._pad.close()

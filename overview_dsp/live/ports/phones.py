@@ -136,7 +136,9 @@ class PostPort(QueuedPort):
         except OSError as error:
             raise InputError(f"{self.name}: can't be opened ({error.strerror or error})") from None
         self._server.daemon_threads = True
-        threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+        threading.Thread(
+            target=self._server.serve_forever, args=(0.05,), name="posted batches", daemon=True
+        ).start()
 
     @property
     def address(self) -> tuple[str, int]:

@@ -40,8 +40,9 @@ class SerialPort(Port):
         import serial
 
         try:
+            exclusive = True if os.name == "posix" else None  # Windows never shares a port
             self._port: Any = serial.Serial(
-                device, baud, timeout=WAIT_S, write_timeout=WRITE_TIMEOUT_S, exclusive=_exclusive()
+                device, baud, timeout=WAIT_S, write_timeout=WRITE_TIMEOUT_S, exclusive=exclusive
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise InputError(f"serial:{device}: {_reason(error, baud)}") from None
@@ -83,10 +84,6 @@ class SerialPort(Port):
         """Close the port; repeated calls do nothing."""
         with contextlib.suppress(*self._lost_errors):
             self._port.close()
-
-
-def _exclusive() -> bool | None:
-    return True if os.name == "posix" else None  # Windows never shares a port
 
 
 def _reason(error: Exception, baud: int) -> str:

@@ -5,6 +5,7 @@ Its command palette has all commands of a session.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -23,11 +24,7 @@ from textual.widgets import Footer, Static
 
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
-from overview_dsp.live.screen.position_report import (
-    PositionReport,
-    event_text,
-    finger_position,
-)
+from overview_dsp.live.screen.position_report import PositionReport, event_text, finger_position
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
 from overview_dsp.live.screen.timeline_view import TimelineView, marks
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
@@ -45,30 +42,21 @@ def choices(player: Player) -> Iterator[tuple[str, ...]]:
     from overview_dsp.live.output.devices import devices
     from overview_dsp.signal.actuators.library import actuator_names
 
-    yield ("record",)
-    yield ("replay",)
-    for name in ("1", "2", *bundled_presets(), *user_presets()):
-        yield "preset", name
+    yield from (("record",), ("replay",))
+    presets = ("1", "2", *bundled_presets(), *user_presets())
+    yield from (("preset", name) for name in presets)
     for signal in ("click", "tactor"):
         yield "mute", signal
-        for gain in range(-24, 7, 6):
-            yield "gain", signal, str(gain)
+        yield from (("gain", signal, str(gain)) for gain in range(-24, 7, 6))
     yield "window", "0", f"{player.timeline.duration_s:g}"
-    try:
-        found = devices()
-    except OverviewError:
-        found = []
-    for device in found:
-        yield "device", str(device.index), device.name
+    with contextlib.suppress(OverviewError):  # without PortAudio
+        yield from (("device", str(device.index), device.name) for device in devices())
     yield "device", "none"
-    for frames in (64, 128, 256, 512, 1024):
-        yield "block-size", str(frames)
-    for rate in (44_100, 48_000, 96_000):
-        yield "rate", str(rate)
-    for channels in (("1", "2"), ("2", "1"), ("3", "4"), ("1+2", "3+4")):
-        yield "channels", *channels
-    for name in ("none", *actuator_names()):
-        yield "actuator", name
+    yield from (("block-size", frames) for frames in ["64", "128", "256", "512", "1024"])
+    yield from (("rate", rate) for rate in ("44100", "48000", "96000"))
+    channels = (("1", "2"), ("2", "1"), ("3", "4"), ("1+2", "3+4"))
+    yield from (("channels", *pair) for pair in channels)
+    yield from (("actuator", name) for name in ("none", *actuator_names()))
 
 
 class CommandProvider(Provider):
@@ -114,11 +102,10 @@ class TextScreen(ModalScreen[None]):
     TextScreen Static { width: auto; height: auto; max-width: 100%; border: round $accent;
         padding: 0 1; background: black; color: white; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = []
 
     def __init__(self, text: str) -> None:
         super().__init__()
-        self._text, self._closed = text, False
+        self._text, self._dismissed = text, False
 
     def compose(self) -> ComposeResult:
         """Show the text."""
@@ -132,8 +119,8 @@ class TextScreen(ModalScreen[None]):
 
     def on_click(self) -> None:
         """Close once: a second key may arrive before the screen is gone."""
-        if not self._closed:
-            self._closed = True
+        if not self._dismissed:
+            self._dismissed = True
             self.dismiss()
 
 
@@ -155,7 +142,8 @@ class PlayApp(App[None]):
     Screen { overflow: hidden; }
     #invitation { height: 1; }
     #title { height: 1; text-style: bold; }
-    #legend { height: 1; }
+    #legend, #state { height: 1; }
+    #state.lost { background: $error; text-style: bold; }
     #messages { height: 2; color: $warning; }
     .-short TraceView, .-short #legend { display: none; }
     .-short MetersView { height: 2; min-height: 2; }
@@ -176,13 +164,10 @@ class PlayApp(App[None]):
         Binding("1", "press('1')", "presets", key_display="1 2"),
         *(
             Binding(key, f"press('{key}')", show=False)
-            for key in ("shift+left", "shift+right", "home", "end", "enter", "escape", "2")
+            for key in ("shift+left", "shift+right", "home", "end", "enter", "escape", *"20mt")
         ),
         Binding("minus", "press('-')", show=False),
-        Binding("0", "press('0')", "whole", show=False),
         Binding("right_square_bracket", "press(']')", show=False),
-        Binding("m", "press('m')", "mute clicks", show=False),
-        Binding("t", "press('t')", "mute tactor", show=False),
         Binding("r", "remote", show=False),
     ]
 
@@ -213,6 +198,7 @@ class PlayApp(App[None]):
         self._legend_surface: Surface | None = None
         self._legend = Static("", id="legend")
         self._message_lines = Static("", id="messages", markup=False)
+        self._state_line = Static("", id="state", markup=False)
 
     def compose(self) -> ComposeResult:
         """Yield title, legend, timeline, meters, messages and keys."""
@@ -224,6 +210,7 @@ class PlayApp(App[None]):
         yield self._trace
         yield self._meters
         yield self._message_lines
+        yield self._state_line
         yield Footer()
 
     def on_mount(self) -> None:
@@ -247,6 +234,9 @@ class PlayApp(App[None]):
         except Exception as error:  # the command line shows it after the screen is restored
             self._end(error)
             return
+        if self._status is None or status.state != self._status.state:
+            self._state_line.update(status.state.text)
+            self._state_line.set_class(status.state.name == "output lost", "lost")
         self._status = status
         self._trace.show(status)
         self._polls += 1

@@ -22,6 +22,7 @@ Enter        tap at the last position
 Escape       release
 [ ]          touch the previous, the next event
 + -  0       zoom in, zoom out; show the whole timeline
+n            visit the new events since the last release (--follow)
 R            start a take, end it
 P            replay the last take in a loop, or stop
 1 2          use the first, the second preset; during a loop,
@@ -44,9 +45,8 @@ class KeyActions:
     Thread: control.
     """
 
-    def __init__(self, player: Player, say: Callable[[str], None] = lambda line: None) -> None:
-        """Use `say` to report actions that aren't displayed otherwise."""
-        self._player, self._say = player, say
+    def __init__(self, player: Player) -> None:
+        self._player = player
         self._actions: dict[str, Callable[[], object]] = {
             "left": lambda: self._move(-1),
             "right": lambda: self._move(1),
@@ -66,11 +66,11 @@ class KeyActions:
             "R": player.toggle_take,
             "p": player.toggle_replay,
             "P": player.toggle_replay,
+            "n": lambda: player.queue_command("missed"),
             "1": lambda: player.choose_preset(0),
             "2": lambda: player.choose_preset(1),
-            "m": lambda: self._mute("click", "clicks"),
-            "t": lambda: self._mute("tactor", "tactor"),
-            "?": lambda: self._say(help_text(player)),
+            "m": lambda: player.queue_command("mute", "click"),
+            "t": lambda: player.queue_command("mute", "tactor"),
         }
 
     def press(self, key: str) -> bool:
@@ -94,11 +94,6 @@ class KeyActions:
             self._player.release()
         else:
             self._player.tap(self._player.pointer.position)
-
-    def _mute(self, signal: str, name: str) -> None:
-        muted = getattr(self._player.output.settings, signal).mute
-        self._player.output.mute(signal, not muted)
-        self._say(f"{name} {'on' if muted else 'muted'}")
 
 
 def help_text(player: Player) -> str:

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions
 from overview_dsp.live.screen.position_report import PositionReport, finger_position
+from overview_dsp.live.session import blind
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
@@ -48,7 +49,6 @@ MOVES = {
     "left", "right", "shift+left", "shift+right", "home", "end", "space", "enter", "escape",
     "[", "]",
 }  # fmt: skip
-EVENTS = {"[", "]"}
 _SEQUENCE = re.compile(r"\[[\d;]*[A-Za-z~]|O[A-Z]")
 NAMES = {" ": "space", "\r": "enter", "\n": "enter", "\x03": "q"}
 
@@ -75,7 +75,7 @@ class LineSession:
         """Report to `say`; `address` explains how to connect a phone."""
         self._player, self._report = player, PositionReport(player)
         self._say_line, self._address = say, address
-        self._actions = KeyActions(player, self.say)
+        self._actions = KeyActions(player)
         self._command: str | None = None  # that is being typed
         self._finger: float | None = None
         self._place = player.pointer.position
@@ -94,7 +94,9 @@ class LineSession:
         if self._command is not None:
             self._type(key)
         elif key == "?":
-            self.say(HELP)
+            self.say(HELP if player.blind is None else f"{blind.HELP}\n{HELP}")
+        elif player.blind is not None and key in blind.KEYS:
+            player.queue_command(*blind.KEYS[key])
         elif key == "c":
             self._command = ""
             self.say(f"Command, then Enter: {', '.join(FORMS.values())}")
@@ -103,13 +105,14 @@ class LineSession:
         elif key == "w":
             held = player.engine.active_input
             holder = "not held" if held is None else f"held by {held[0]}"
-            self.say(f"{self._report.text(self._place)} Disk {holder}.")
+            state = player.state.text
+            self.say(f"{self._report.text(self._place)} Disk {holder}. {state}.")
         elif not self._actions.press(key):
             self.say(f"No key {key}. Press question mark.")
         elif key in MOVES:
             place = player.pointer.position
-            if key in EVENTS and (place == before or not player.pointer.touching):
-                self.say("No event further on." if key == "]" else "No event before.")
+            if key in "[]" and (place == before or not player.pointer.touching):
+                self.say("No next event." if key == "]" else "No previous event.")
             else:
                 self._place, self._asked = place, True
 
@@ -126,9 +129,9 @@ class LineSession:
                 self._player.queue_command(*words)
             else:
                 self.say("No command.")
-        elif key == "\x7f":
+        elif key in ("\x7f", "\x08"):
             self._command = (self._command or "")[:-1]
-        elif key == "space" or len(key) == 1:
+        elif key == "space" or (len(key) == 1 and key.isprintable()):
             self._command = (self._command or "") + key.replace("space", " ")
 
     def update(self, now_s: float) -> None:
@@ -194,7 +197,7 @@ def run(
 
 @contextlib.contextmanager
 def _raw_keys() -> Iterator[Callable[[], str]]:
-    """Yield a function that waits a short time for keys and returns them without line ends."""
+    """Yield a function that waits a short time for keys, without a wait for Enter."""
     file = sys.stdin.fileno()
     try:
         import termios

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from datetime import timedelta
@@ -11,6 +12,7 @@ import numpy as np
 from overview_dsp.data.analysis.series_events import value_text
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.live.session.player import Player
+from overview_dsp.public import counted
 from overview_dsp.units import HALF_TURN, clock_text
 
 NAMED, COUNTED = 2, 3
@@ -89,7 +91,7 @@ class PositionReport:
         place, time_s, event = self.here(position)
         last, self._last = self._last, (time_s, event)
         parts = [place]
-        if event is not None and (last is None or last[1] != event):
+        if event is not None and (last is None or not _is_same(last[1], event)):
             parts.append(event_text(event))
         if last is not None and (passed := self._passed(last, time_s, event)):
             parts.append(f"passed {passed}")
@@ -138,7 +140,7 @@ class PositionReport:
     def _event_at(self, position: float) -> Event | None:
         """Return the event whose surface a position is on, in the timeline's own time."""
         player = self._player
-        surface, events = player.engine.surface, player.window_timeline.events
+        surface, events = player.engine.surface, player.active_window.window_timeline.events
         for span, index in zip(surface.span, surface.event, strict=True):
             if span[0] <= position <= span[1] and index < len(events):
                 event: Event = events[index]
@@ -148,20 +150,25 @@ class PositionReport:
 
     def _passed(self, last: tuple[float, Event | None], time_s: float, event: Event | None) -> str:
         """Name or count the events between two positions; empty without any."""
-        low, high = sorted((last[0], time_s))
-        left_out = [one.time_s for one in (last[1], event) if one is not None]
+        began_s = last[0]
         passed = [
             one
             for one in (*self._player.timeline.events, *self._extremes)
-            if low <= one.time_s <= high and not np.isclose(one.time_s, left_out).any()
+            # the start belongs to the report before
+            if (began_s < one.time_s <= time_s or time_s <= one.time_s < began_s)
+            and not (_is_same(one, last[1]) or _is_same(one, event))
         ]
         if len(passed) <= NAMED:
             return ", ".join(event_text(one) for one in passed)
         kinds = Counter(one.kind.replace("_", " ") for one in passed)
         if len(kinds) > COUNTED:
             return f"{len(passed)} events"
-        return ", ".join(f"{count} {_plural(kind, count)}" for kind, count in kinds.items())
+        return ", ".join(counted(count, kind) for kind, count in kinds.items())
 
 
-def _plural(kind: str, count: int) -> str:
-    return kind if count == 1 else kind + ("es" if kind.endswith("s") else "s")
+def _is_same(one: Event | None, other: Event | None) -> bool:
+    """Return whether two events are one, whose time was computed from different windows."""
+    if one is None or other is None:
+        return one is other
+    near = math.isclose(one.time_s, other.time_s, rel_tol=1e-9, abs_tol=1e-6)
+    return near and (one.kind, one.label) == (other.kind, other.label)

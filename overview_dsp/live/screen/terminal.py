@@ -26,10 +26,7 @@ END_WITHIN_S = 0.3
 
 CHUNK = 512
 
-ASCII = str.maketrans(
-    "▁▂▃▄▅▆▇█▲◆●■✚★◇○◉▼┊│─═╭╮╰╯▏▎▔·→←°µ…",
-    "_.-:=+*#^v@%+*<oOV||-=++++||-.><'u.",
-)
+ASCII = str.maketrans("▁▂▃▄▅▆▇█▲◆●■✚★◇○◉▼┊│─═╭╮╰╯▏▎▔·→←°µ…", "_.-:=+*#^v@%+*<oOV||-=++++||-.><'u.")
 """Replacements for a terminal without UTF-8, of the same width."""
 
 
@@ -103,8 +100,9 @@ class TerminalWriter(threading.Thread):
                 data = self._queue[0]
             try:
                 # not by the file object, whose lock would delay the exit of the process
-                for at in range(0, len(data), CHUNK):
-                    _write_all(self._file.fileno(), data[at : at + CHUNK])
+                rest = data
+                while rest:
+                    rest = rest[os.write(self._file.fileno(), rest[:CHUNK]) :]
             except (OSError, ValueError):
                 self.closed = True
             with self._changed:
@@ -120,11 +118,6 @@ class TerminalWriter(threading.Thread):
             self._ending = True
             self._changed.notify()
         self.join(END_WITHIN_S)
-
-
-def _write_all(file: int, data: bytes) -> None:
-    while data:
-        data = data[os.write(file, data) :]
 
 
 def has_hung_up(file: int) -> bool:

@@ -124,7 +124,7 @@ class TimelineView(Widget):
         for position, kind in zip(surface.position, surface.kind, strict=True):
             mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
             self._marks[column(float(position), width)] = mark
-        until = self._player.window_timeline.known_until_s
+        until = self._player.active_window.window_timeline.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
         self._stretched = [
@@ -221,7 +221,7 @@ def time_text(player: Player, time_s: float) -> str:
 def marks(player: Player) -> list[tuple[str, str, str]]:
     """Return mark, colour and kind of the visible events, in the order of the marks."""
     surface = player.engine.surface
-    events = player.window_timeline.events
+    events = player.active_window.window_timeline.events
     kinds = {
         int(kind): events[event].kind
         for kind, event in zip(surface.kind, surface.event, strict=True)

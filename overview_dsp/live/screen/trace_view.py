@@ -67,10 +67,7 @@ class TraceView(Widget):
         text = f"{NAMES[y]} {marks.rjust(room)}"[:width]
         split = min(len(NAMES[y]) + 1, width)
         return Strip(
-            [
-                Segment(text[:split], Style(dim=True)),
-                Segment(text[split:], Style(color=COLOURS[y])),
-            ]
+            [Segment(text[:split], Style(dim=True)), Segment(text[split:], Style(color=COLOURS[y]))]
         )
 
 
@@ -84,7 +81,6 @@ BAR = 24
 NARROW = 70
 """Width (cells) below which the position has a row of its own."""
 
-METERS_FLOOR_DB = -60.0
 HOLD_FALL_DB = 6.0
 """Fall of a held peak per update."""
 
@@ -96,7 +92,7 @@ class MetersView(Static):
 
     def __init__(self) -> None:
         super().__init__()
-        self._held = [METERS_FLOOR_DB, METERS_FLOOR_DB]
+        self._held = [FLOOR_DB, FLOOR_DB]
         self._shown = ""
 
     def show(self, status: Status, position: str, source: str = "") -> None:
@@ -115,9 +111,9 @@ class MetersView(Static):
         for index, (name, (peak, muted)) in enumerate(
             zip(("click ", "tactor"), peaks, strict=True)
         ):
-            level = max(gain_to_db(peak), METERS_FLOOR_DB)
-            held = self._held[index] = max(level, self._held[index] - HOLD_FALL_DB, METERS_FLOOR_DB)
-            text.append(f"\n{name} ").append(bar(1.0 - held / METERS_FLOOR_DB), "green")
+            level = max(gain_to_db(peak), FLOOR_DB)
+            held = self._held[index] = max(level, self._held[index] - HOLD_FALL_DB, FLOOR_DB)
+            text.append(f"\n{name} ").append(bar(1.0 - held / FLOOR_DB), "green")
             text.append(f" {level_text(held)}" + ("   muted" if muted else ""))
         text.append(
             f"\n{status.output}, {status.callback} callback, {status.sample_rate:g} Hz, "
@@ -149,4 +145,4 @@ def bar(part: float) -> str:
 
 def level_text(db: float) -> str:
     """Return the text of a level, or of silence at the meter's floor."""
-    return "  silent" if db <= METERS_FLOOR_DB or math.isinf(db) else f"{db:6.1f} dBFS"
+    return "  silent" if db <= FLOOR_DB or math.isinf(db) else f"{db:6.1f} dBFS"

@@ -229,15 +229,12 @@ class ActiveWindow:
                 return  # two surfaces are being crossfaded
         for one in caught:
             if issubclass(one.category, OverviewWarning):
-                self._report_warning(str(one.message))
-
-    def _report_warning(self, line: str) -> None:
-        """Report a warning; for a live timeline only once, whatever numbers it contains."""
-        key = _NUMBER.sub("", line)
-        if key not in self._reported:
-            self._say(line)
-        if self._is_live:
-            self._reported.add(key)
+                line = str(one.message)
+                key = _NUMBER.sub("", line)
+                if key not in self._reported:
+                    self._say(line)
+                if self._is_live:  # only once, whatever numbers it contains
+                    self._reported.add(key)
 
     def _apply(self) -> None:
         if self._requested_timeline is not None:

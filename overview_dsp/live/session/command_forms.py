@@ -16,8 +16,13 @@ FORMS = {
     "mute": "mute click|tactor [0|1]",
     "layout": "layout whole|so-far",
     "expected-duration": "expected-duration LENGTH",
+    "missed": "missed [SINCE]",
+    "blind": "blind a|b|x|is-a|is-b",
 }
-KEYS = {"R": ("record",), "P": ("replay",), "1": ("preset", "1"), "2": ("preset", "2")}
+KEYS = {
+    "R": ("record",), "P": ("replay",), "N": ("missed",),
+    "1": ("preset", "1"), "2": ("preset", "2"),
+}  # fmt: skip
 """Commands that are one key on the screen."""
 
 

@@ -127,9 +127,11 @@ def _gain(player: Player, signal: str, gain_db: str) -> None:
 
 
 def _mute(player: Player, signal: str, on: str = "") -> None:
-    muted = getattr(player.output.settings, _signal(signal)).mute
+    settings = player.output.settings
+    muted = getattr(settings, _signal(signal)).mute
     if _is_toggle(on, muted):
-        player.output.mute(signal, not muted)
+        player.output.set(settings.changed(**{signal: {"mute": not muted}}))
+        player.say(f"{'clicks' if signal == 'click' else signal} {'on' if muted else 'muted'}")
 
 
 def _signal(word: str) -> str:
@@ -152,6 +154,18 @@ def _expected_duration(player: Player, length: str) -> None:
     _live(player).expected_duration_s = parse_duration(length)
 
 
+def _missed(player: Player, minute: str = "") -> None:
+    _live(player)
+    assert player.missed_events is not None
+    player.missed_events.visit(parse_duration(minute) if minute else None)
+
+
+def _blind(player: Player, word: str) -> None:
+    if player.blind is None:
+        raise InputError("this session has no blind comparison; start it with --compare --blind")
+    player.blind.run(word)
+
+
 COMMANDS: dict[str, Callable[..., None]] = {
     "record": _record,
     "replay": _replay,
@@ -166,4 +180,6 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "mute": _mute,
     "layout": _layout,
     "expected-duration": _expected_duration,
+    "missed": _missed,
+    "blind": _blind,
 }

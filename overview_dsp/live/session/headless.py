@@ -61,7 +61,10 @@ def run(
             break
         time.sleep(POLL_EVERY_S)
     described = describe(passed) if describe is not None else {}
-    yield {"summary": {**_summary(poll(player)), **_input(source), **described}}
+    last_status = poll(player)
+    for message in last_status.messages:
+        note(message)
+    yield {"summary": {**_summary(last_status), **_input(source), **described}}
 
 
 def _input(source: Input | None) -> dict[str, Any]:
@@ -81,6 +84,7 @@ def _counts(status: Status) -> dict[str, Any]:
 
 def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
     return {
+        "state": vars(status.state),
         "time_s": round(status.time_s, 3),
         "cursor": round(status.cursor, 6),
         "touching": status.touching,
@@ -94,6 +98,7 @@ def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
 
 def _summary(status: Status) -> dict[str, Any]:
     return {
+        "state": vars(status.state),
         "output": status.output,
         "callback": status.callback,
         "sample_rate": status.sample_rate,

@@ -2,8 +2,8 @@
 
 During a touch the positions of all events stay. New data wait until the release, or for a chosen
 time. In the layout `whole`, data ahead of disk and input are updated at once, because no position
-changes. A new event that is strong enough is announced by a haptic pattern while nothing touches
-the disk.
+changes. A new event that is strong enough, or one that is withdrawn, is announced by a haptic
+pattern while nothing touches the disk.
 """
 
 from __future__ import annotations
@@ -46,31 +46,16 @@ DISCREET = "in company"
 
 @dataclass(frozen=True)
 class FollowSettings:
-    """Settings by which a session follows a live timeline.
-
-    Parameters
-    ----------
-    live
-        Live timeline.
-    follower
-        Reader of its feed; None if the program adds the data itself.
-    after_s
-        Time of a touch after which new data are applied, s; None waits for the release.
-    announce
-        Event kind. Events of at least its strength are announced; `"none"` announces none. None
-        announces own goals and stronger events, and nothing with a discreet preset.
-    layout_is_explicit
-        Whether the user chose the layout; otherwise the preset may choose it.
-    preset
-        Suggested preset, where it is known before any data arrive.
-    """
+    """Settings by which a session follows a live timeline."""
 
     live: LiveTimeline
-    follower: Follower | None = None
-    after_s: float | None = None
+    follower: Follower | None = None  # reader of its feed; None: the program adds the data itself
+    after_s: float | None = None  # of a touch, until new data are applied; None: at the release
+    # Event kind: events of at least its strength are announced; "none" announces none. None
+    # announces own goals and stronger events, and nothing with a discreet preset.
     announce: str | None = None
-    layout_is_explicit: bool = False
-    preset: str | None = None
+    layout_is_explicit: bool = False  # chosen by the user; otherwise the preset may choose it
+    preset: str | None = None  # suggested, where it is known before any data arrive
 
     def use_preset_layout(self, preset: Preset) -> None:
         """Use the preset's layout unless the user chose one."""
@@ -86,27 +71,25 @@ class LiveUpdates:
 
     Attributes
     ----------
+    live : LiveTimeline
+        Its data.
     announced : list of Event
         Latest announced events, up to 100, the newest last.
     """
 
     def __init__(self, session: Session, follow: FollowSettings, window: ActiveWindow) -> None:
         self._engine, self._say, self._window = session.engine, session.say, window
-        self._follow = follow
+        self._follow, self.live = follow, follow.live
         self._seen = follow.live.revision
         self._touched_since: float | None = None
         self._next_update = 0.0
         self._next_event: Event | None = None
+        self._next_is_withdrawn = False
         self._announcement: tuple[float, bool] | None = None  # its start; whether its tap touches
         self._must_update = False
         self._failed: tuple[Timeline, float] | None = None  # data and position of an update
         self._preset_layout = self._engine.preset.values[LAYOUT_KEY]
         self.announced: list[Event] = []
-
-    @property
-    def live(self) -> LiveTimeline:
-        """Live timeline."""
-        return self._follow.live
 
     @property
     def status_text(self) -> str:
@@ -187,8 +170,11 @@ class LiveUpdates:
         if not changes:
             return
         self._seen = changes[-1].revision
-        preset = self._engine.preset
-        least, silent = self._least_strength(preset), self._is_silent(preset)
+        preset, announce = self._engine.preset, self._follow.announce
+        least = self._least_strength(preset)
+        # whether new events are shown as text, but not announced
+        silent = announce == "none" or (announce is None and DISCREET in preset.tags.usage)
+        added = {change.event.kind for change in changes if change.action == "added"}
         for change in changes:
             event = change.event
             strength = _strength(preset, event)
@@ -200,12 +186,14 @@ class LiveUpdates:
                 self._say(f"retracted: {text} at {at}")
                 if self._next_event == event:
                     self._next_event = None
+                elif not silent and event.kind not in added:  # otherwise it is a correction
+                    self._next_event, self._next_is_withdrawn = event, True
                 continue
             self._say(f"new: {text} at {at}")
             recent = event.time_s >= self.live.now_s - MAX_AGE_S
             stronger = self._next_event is None or strength >= _strength(preset, self._next_event)
             if recent and stronger and not silent:
-                self._next_event = event
+                self._next_event, self._next_is_withdrawn = event, False
 
     def _least_strength(self, preset: Preset) -> float:
         """Return the strength from which on an event is reported and announced."""
@@ -215,18 +203,13 @@ class LiveUpdates:
         named = [one.height for name, one in preset.kinds.items() if name != DEFAULT_KIND]
         return max(named or [preset.kinds[DEFAULT_KIND].height])
 
-    def _is_silent(self, preset: Preset) -> bool:
-        """Return whether new events are shown as text, but not announced."""
-        announce = self._follow.announce
-        return announce == "none" or (announce is None and DISCREET in preset.tags.usage)
-
     # --- announcements --------------------------------------------------------------------------
 
     def _announce(self, event: Event, now: float) -> None:
         """Set the event's pattern as the surface and tap it."""
         self._next_event = None
         try:
-            set_pattern(self._engine, announcement_change(event))
+            set_pattern(self._engine, announcement_change(event, self._next_is_withdrawn))
         except InputError:
             return
         except OverviewError:  # two surfaces are being crossfaded: try again at the next poll
@@ -234,7 +217,8 @@ class LiveUpdates:
             return
         self._engine.control(TAP_POSITION * HALF_TURN, True)
         self._announcement = (now, True)
-        self.announced = [*self.announced[-99:], event]
+        if not self._next_is_withdrawn:
+            self.announced = [*self.announced[-99:], event]
 
     def _continue_announcement(self, now: float, pointer_touches: bool, touched: bool) -> None:
         """Release the tap and restore the timeline when it is time; at once during a touch."""

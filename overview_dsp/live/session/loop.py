@@ -43,10 +43,14 @@ class Loop:
         output: ReconnectingStream,
         window: ActiveWindow,
         end_others: Callable[[], None],
+        release: Callable[[], None],
     ) -> None:
-        """Use `end_others` to end a take and a touch before the engine restarts."""
+        """Use `end_others` to end a take and a touch before the engine restarts.
+
+        `release` releases the disk of an engine that could not restart.
+        """
         self._session, self._output, self._window = session, output, window
-        self._end_others = end_others
+        self._end_others, self._release = end_others, release
         self._gesture: Gesture | None = None
         self.passes = 0
 
@@ -151,4 +155,6 @@ class Loop:
             first()
 
         self._end_others()
-        self._output.restart(begin)
+        if not self._output.restart(begin):
+            self.cancel()  # the engine goes on in its earlier state
+            self._release()

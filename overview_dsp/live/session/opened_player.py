@@ -25,53 +25,23 @@ from overview_dsp.signal.engine.coefficients import announce_compile
 
 @dataclass(frozen=True)
 class PlayerSettings:
-    """Settings that a player is opened with.
+    """Settings that a player is opened with."""
 
-    Parameters
-    ----------
-    preset
-        Name or path of the preset.
-    compare
-        Second preset to switch to, or None.
-    linear
-        Whether the presets are used without their angle maps.
-    window
-        First window of the timeline, s; None shows the whole timeline.
-    follow
-        Settings of a live timeline; None for a complete one.
-    device
-        Name or number of the output. None is the default, `"none"` no sound, `"pad"` a game pad.
-    block_size
-        Block size in frames; 0 lets the device choose.
-    sample_rate
-        Sample rate, Hz; None is the device's default.
-    callback
-        Kind of PortAudio callback.
-    actuator
-        Name or file of the actuator. `"none"` removes it, None uses the one last used with the
-        device.
-    click, tactor
-        Changes to the settings last used with the device, as fields of `SignalSettings`.
-    record
-        File of a take that starts at the first sample; None for no take.
-    seed
-        Seed of the texture noise.
-    """
-
-    preset: str
-    compare: str | None = None
-    linear: bool = False
-    window: tuple[float, float] | None = None
-    follow: FollowSettings | None = None
-    device: str | None = None
-    block_size: int = 256
-    sample_rate: float | None = None
+    preset: str  # name or path
+    compare: str | None = None  # second preset to switch to
+    linear: bool = False  # whether the presets are used without their angle maps
+    window: tuple[float, float] | None = None  # first window, s; None: the whole timeline
+    follow: FollowSettings | None = None  # of a live timeline
+    device: str | None = None  # name or number; None: the default; "none": no sound; "pad"
+    block_size: int = 256  # frames; 0 lets the device choose
+    sample_rate: float | None = None  # Hz; None: the device's default
     callback: CallbackKind = "native"
-    actuator: str | None = None
+    actuator: str | None = None  # name or file; "none" removes it; None: the last of the device
+    # changes to the settings last used with the device, as fields of `SignalSettings`
     click: Mapping[str, Any] = field(default_factory=dict)
     tactor: Mapping[str, Any] = field(default_factory=dict)
-    record: str | None = None
-    seed: int = 0
+    record: str | None = None  # file of a take that starts at the first sample
+    seed: int = 0  # of the texture noise
 
 
 class OpenedPlayer:

@@ -27,16 +27,20 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
 from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
+from overview_dsp.live.session.blind import BlindComparison
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
 from overview_dsp.live.session.loop import Loop
+from overview_dsp.live.session.missed_events import MissedEvents
 from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Session
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.status import SessionState, Status
 from overview_dsp.live.takes.takes import Takes, timeline_path
 from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.angle_map import SHARE
+
+_BLIND = "a blind comparison chooses the preset; press a, b or x"
 
 
 class Player:
@@ -58,8 +62,12 @@ class Player:
         Replay of a gesture.
     live_updates : LiveUpdates or None
         Updates of a live timeline; None for a complete one.
+    state : SessionState
+        State at the last poll; any thread may read it.
     queued_commands : deque of tuple of str
         Commands that wait for `commands.poll`.
+    blind : BlindComparison or None
+        Blind comparison, during which the presets are chosen by it alone.
     """
 
     def __init__(
@@ -94,9 +102,17 @@ class Player:
         window = self.active_window = ActiveWindow(session, timeline, self._presets)
         self.takes = Takes(session, record)
         self.live_updates = None if follow is None else LiveUpdates(session, follow, window)
+        self.state = SessionState("starting", "opening the output")
+        self.blind: BlindComparison | None = None
+        self._ended_replay: str | None = None  # since which nothing has touched the disk
         self.output = ReconnectingStream(session, opener, settings)
-        self.pointer = Pointer(session, self.output)
-        self.loop = Loop(session, self.output, window, self._end_before_restart)
+        pointer = self.pointer = Pointer(session, self.output)
+        self.missed_events = (
+            None if follow is None else MissedEvents(session, follow.live, window, pointer)
+        )
+        self.loop = Loop(
+            session, self.output, window, self._end_before_restart, self.pointer.force_release
+        )
         try:
             self.output.open((lambda: None) if record is None else self._start_first_take)
         except BaseException:
@@ -131,11 +147,6 @@ class Player:
         """Start and end of the window, s."""
         return self.active_window.window
 
-    @property
-    def window_timeline(self) -> Timeline:
-        """Timeline of the window, whose times start at 0."""
-        return self.active_window.window_timeline
-
     def time_at(self, position: float) -> float:
         """Return the time in the whole timeline, s, at a position of the window (0 to 1)."""
         return self.active_window.time_at(position)
@@ -166,6 +177,8 @@ class Player:
 
     def use_preset(self, name: str) -> None:
         """Change to another preset by name or path, and watch its file; InputError."""
+        if self.blind is not None:
+            raise InputError(_BLIND)
         preset = self._presets.replace(PresetWatch(name, self._presets.linear))
         self.active_window.use(preset)
 
@@ -174,6 +187,9 @@ class Player:
 
         During a replay the change waits for the next pass. A second request applies it at once.
         """
+        if self.blind is not None:
+            self.say(_BLIND)
+            return
         again = self._presets.next_choice == index
         if self.loop.playing and not again:
             self._presets.next_choice = index
@@ -232,6 +248,8 @@ class Player:
         playing = self.output.playing
         if self.live_updates is not None and not self.loop.playing and playing:
             self.live_updates.poll(self.pointer.touching)
+        if self.missed_events is not None and playing:
+            self.missed_events.poll()
         self.active_window.poll()
         self.output.poll()
         if self.output.playing:
@@ -240,13 +258,32 @@ class Player:
             self.release()
         return self._status()
 
+    def _find_state(self) -> tuple[str, str]:
+        """Return the name of the state and its reason."""
+        output, held, replay = self.output, self.engine.active_input, self.loop.status_text
+        if not output.playing:
+            return "output lost", output.lost_reason
+        if output.starting:
+            return "starting", f"opening {output.name}"
+        if replay is not None:
+            self._ended_replay = replay
+            return "running", replay
+        if held is not None:
+            self._ended_replay = None
+            return "running", f"by {held[0]}"
+        if self._ended_replay is not None:
+            return "paused", f"{self._ended_replay}, ended"
+        return "no input", "nothing touches the disk"
+
     def _status(self) -> Status:
         engine, output = self.engine, self.output
         meters = engine.meters
+        self.state = self.state.then(*self._find_state())
         click, tactor = take_peaks(engine.memory)
         has_actuator = output.settings.actuator is not None
         recording, updates = self.takes.recording_path, self.live_updates
         return Status(
+            state=self.state,
             time_s=self._session.played_s,
             cursor=meters.cursor,
             pointer=self.pointer.position,
@@ -258,7 +295,7 @@ class Player:
             peak_click=click,
             peak_tactor=tactor,
             stream=output.meters,
-            frames_lost=output.frames_lost,
+            frames_lost=output.frames_lost.count,
             dropped=self._session.dropped_events,
             output=output.name,
             callback=self._callback,

@@ -35,8 +35,12 @@ class Pointer:
     def release(self) -> None:
         """Release: the disk arrives at `position`, then it recoils."""
         if self.touching:
-            self.touching = False
-            self._engine.control(self.position * HALF_TURN, False)
+            self.force_release()
+
+    def force_release(self) -> None:
+        """Release the engine, also where `touching` is False already."""
+        self.touching = False
+        self._engine.control(self.position * HALF_TURN, False)
 
     def tap(self, position: float) -> None:
         """Step to `position` and release at once (paper, figure 6)."""

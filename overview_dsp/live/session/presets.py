@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import os
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from overview_dsp.design.presets.library import load_preset, preset_path
@@ -148,6 +149,12 @@ class PresetPair:
         else:
             self._watches[self._chosen] = watch
         return watch.preset
+
+    def fix(self, presets: Sequence[Preset]) -> None:
+        """Replace A and B by two presets, whose files aren't watched."""
+        self._watches = [watch.snapshot() for watch in self._watches]
+        for watch, preset in zip(self._watches, presets, strict=True):
+            watch.preset = preset
 
     def check_files(self) -> list[str]:
         """Read files that were saved; return messages for the user."""

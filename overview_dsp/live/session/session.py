@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
-
+from overview_dsp.devices.messages import Messages
 from overview_dsp.signal.engine.engine import Engine
 
 
-class Session:
+class Session(Messages):
     """Engine and messages of a live session, which all parts of its player share.
 
     Thread: control; any thread may call `say`.
@@ -19,18 +18,10 @@ class Session:
     """
 
     def __init__(self, engine: Engine) -> None:
+        super().__init__()
         self.engine = engine
-        self._messages: deque[str] = deque()
         self._played_before_s = 0.0
         self._dropped_before = 0
-
-    def say(self, line: str) -> None:
-        """Add a message for the user."""
-        self._messages.append(line)
-
-    def take_messages(self) -> tuple[str, ...]:
-        """Return the messages added since the last call."""
-        return tuple(self._messages.popleft() for _ in range(len(self._messages)))
 
     @property
     def played_s(self) -> float:

@@ -1,4 +1,4 @@
-"""Status of a session, for display."""
+"""State of a session (one of five names), and its status for display."""
 
 from __future__ import annotations
 
@@ -8,57 +8,56 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
 from overview_dsp.signal.actuators.stage import ProtectionReport
 
+STATES = ("running", "paused", "no input", "starting", "output lost")
+"""Names of the states, on the screen and in lines, in JSON and OSC."""
+
+
+@dataclass(frozen=True)
+class SessionState:
+    """State of a session; `last_stop` stays while the session runs again."""
+
+    name: str  # one of `STATES`
+    reason: str
+    last_stop: str = ""  # state and reason, for example "output lost: system disconnected"
+
+    @property
+    def text(self) -> str:
+        """State and reason, and the last stop if that is another one, for display."""
+        text = f"{self.name.capitalize()}: {self.reason}"
+        is_past = self.last_stop not in ("", f"{self.name}: {self.reason}")
+        return f"{text} (last stop: {self.last_stop})" if is_past else text
+
+    def then(self, name: str, reason: str) -> SessionState:
+        """Return the next state."""
+        is_stop = name in ("paused", "output lost")
+        return SessionState(name, reason, f"{name}: {reason}" if is_stop else self.last_stop)
+
 
 @dataclass(frozen=True)
 class Status:
-    """Status of a session at a poll.
+    """Status of a session at a poll."""
 
-    Parameters
-    ----------
-    time_s
-        Time played, s.
-    cursor, pointer
-        Positions of the disk and of the pointer, 0 to 1.
-    touching
-        Whether an input touches the disk.
-    torque, full_torque
-        Torque, and the preset's reference torque, N·m.
-    envelope, strikes
-        Amplitude of the tactor (linear), and the number of strikes so far.
-    peak_click, peak_tactor
-        Highest output samples (linear) since the last poll.
-    stream, frames_lost, dropped
-        Meters of the stream, frames lost in gaps, and control events dropped.
-    output, callback, sample_rate, block_size, settings
-        Name of the output, kind of callback, rate (Hz), block (frames), and settings.
-    protected
-        Report of the actuator's protection.
-    recording, replay, following
-        Take that is recorded, gesture that is replayed, state of a live timeline.
-    messages
-        Messages for the user since the last poll.
-    """
-
-    time_s: float
-    cursor: float
-    pointer: float
-    touching: bool
-    torque: float
-    full_torque: float
-    envelope: float
-    strikes: int
-    peak_click: float
+    state: SessionState
+    time_s: float  # played
+    cursor: float  # position of the disk, 0 to 1
+    pointer: float  # position of the pointer, 0 to 1
+    touching: bool  # whether an input touches the disk
+    torque: float  # N m
+    full_torque: float  # the preset's reference torque, N m
+    envelope: float  # amplitude of the tactor, linear
+    strikes: int  # number so far
+    peak_click: float  # highest output sample since the last poll, linear
     peak_tactor: float
     stream: StreamMeters
-    frames_lost: int
-    dropped: int
-    output: str
-    callback: str
-    sample_rate: float
-    block_size: int
+    frames_lost: int  # in gaps
+    dropped: int  # control events
+    output: str  # name
+    callback: str  # kind
+    sample_rate: float  # Hz
+    block_size: int  # frames
     settings: OutputSettings
     protected: ProtectionReport | None
-    recording: str | None
-    replay: str | None
-    following: str | None
-    messages: tuple[str, ...]
+    recording: str | None  # path of the take that is recorded
+    replay: str | None  # name of the gesture that is replayed, and its pass
+    following: str | None  # state of a live timeline
+    messages: tuple[str, ...]  # for the user, since the last poll

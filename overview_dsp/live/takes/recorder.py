@@ -98,13 +98,17 @@ class Recorder:
         self._stopped.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join(JOIN_WITHIN_S)
-        with self._busy:
+        if not self._busy.acquire(timeout=JOIN_WITHIN_S):
+            raise OutputError(f"{self.path}: the disk doesn't respond; the take ends before now")
+        try:
             if self._take is None:
                 return
             self._collect()
             error = self._write() or self._try(TakeWriter.finish)
             take, self._take = self._take, None
             self._marker.close()
+        finally:
+            self._busy.release()
         if error is not None:
             take.close()
             raise OutputError(

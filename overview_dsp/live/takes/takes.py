@@ -59,10 +59,7 @@ class Takes:
             save_timeline(timeline, timeline_path(self._path))
 
     def start(
-        self,
-        before: list[Mapping[str, Any]],
-        header: Mapping[str, Any],
-        timeline: Timeline | None,
+        self, before: list[Mapping[str, Any]], header: Mapping[str, Any], timeline: Timeline | None
     ) -> None:
         """Record to a new file, in a fallback folder if necessary.
 

@@ -6,11 +6,13 @@ import asyncio
 import contextlib
 import os
 import re
+import select
 import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from textual.screen import ModalScreen
 from textual.widgets import Static
 
 import overview_dsp as ov
@@ -172,8 +174,14 @@ def test_zooming_keeps_the_moment_under_the_disk(player):
         assert await until(pilot, lambda: player.window[1] - player.window[0] == width)
         assert player.time_at(player.pointer.position) == pytest.approx(moment, abs=5.0)
         assert await until(pilot, lambda: abs(player.time_at(cursor(player)) - moment) < 5.0)
-        assert len(player.engine.surface.position) == len(player.window_timeline.events)
-        goals = [event.label for event in player.window_timeline.events if "goal" in event.kind]
+        assert len(player.engine.surface.position) == len(
+            player.active_window.window_timeline.events
+        )
+        goals = [
+            event.label
+            for event in player.active_window.window_timeline.events
+            if "goal" in event.kind
+        ]
         assert 0 < len(goals) < 6
         await pilot.press("0")
         assert await until(pilot, lambda: player.window == (0.0, player.timeline.duration_s))
@@ -221,6 +229,12 @@ def test_the_timeline_fits_any_terminal_and_shows_finger_and_disk(player, size):
         await until(pilot, lambda: not player.engine.meters.touching)
 
     drive(player, script)
+
+
+def test_the_help_has_no_attribute_of_textuals():
+    """Textual's own `_closed` would end its messages."""
+    added = set(vars(app_module.TextScreen("text"))) - set(vars(ModalScreen()))
+    assert added == {"_text", "_dismissed"}
 
 
 def test_help_explains_the_keys_and_any_key_closes_it(player):
@@ -399,7 +413,7 @@ def test_lines_say_the_position_and_the_event_and_take_the_same_keys(player, mon
     goal = next(
         place
         for place, event in zip(surface.position, surface.event, strict=True)
-        if player.window_timeline.events[event].kind == "goal"
+        if player.active_window.window_timeline.events[event].kind == "goal"
     )
     keys = ["?", "m"]
     said = []
@@ -463,6 +477,7 @@ def test_a_terminal_that_reads_nothing_holds_nobody_up_and_is_drawn_anew_later()
     assert not writer.pop_skipped()
     read = b""
     while not read.endswith(b"\x1b[?25h"):
+        assert select.select([file.reader], [], [], 30.0)[0]
         read += os.read(file.reader, 65_536)
     writer.join(10.0)
     assert len(read) < 200 * 4096
@@ -493,9 +508,12 @@ def test_help_quit_and_the_way_to_move_are_on_screens_of_any_size(player, size, 
             return [strip.text for strip in app.screen._compositor.render_strips()]
 
         assert await until(pilot, lambda: any("hold →" in row for row in rows()))
+        idle = "No input: nothing touches the disk"
+        assert await until(pilot, lambda: rows()[-2].rstrip() == idle)
         assert "? help  q quit" in rows()[-1]
         assert all(len(row) == size[0] for row in rows())
         await pilot.press("right")
+        assert await until(pilot, lambda: rows()[-2].rstrip() == "Running: by touch")
         # the way to move is known, and the moment is shown
         assert await until(pilot, lambda: not any("hold →" in row for row in rows()))
         assert await until(pilot, lambda: any(moment.search(row) for row in rows()))

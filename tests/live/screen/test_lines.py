@@ -80,6 +80,18 @@ def test_a_position_in_a_match_has_the_score_and_names_or_counts_what_was_passed
     assert at(60.0) == "1:00, 0 to 0."
 
 
+def test_events_that_are_close_in_a_long_timeline_are_each_passed_once(opened):
+    times = {1.0e8: "strong", 1.0e8 + 600.0: "firm", 2.0e8: "mild"}
+    events = tuple(ov.Event(time_s, kind) for time_s, kind in times.items())
+    events += (ov.Event(2.0e8, "soft"),)
+    report = PositionReport(opened(ov.Timeline("years", 4.0e8, events)))
+    for position in (0.0, 1.0e8 / 4.0e8, 0.375, 0.5, 0.625, 1.0):
+        report.text(position)
+    texts = [report.text(one) for one in (0.0, 0.25, 0.375, 0.5, 0.625, 0.5, 0.25, 0.0)]
+    for kind in ("strong", "firm", "mild", "soft"):
+        assert sum(kind in one.casefold() for one in texts) == 2, (kind, texts)
+
+
 def test_events_without_a_curve_and_times_without_data_are_told_apart(opened):
     events = (ov.Event(10.0, "strong", "first"), ov.Event(60.0, "firm"))
     report = PositionReport(opened(ov.Timeline("events", 100.0, events)))
@@ -130,12 +142,13 @@ def test_each_key_of_the_help_is_answered_and_others_are_named(
     assert len(set(lines)) == len(lines)
     assert typing.press("end")[0].startswith("1:38:00, end, 4 to 2.")
     assert typing.press("right") == ["1:38:00, end, 4 to 2."]
-    assert typing.press("]") == ["No event further on."]
+    assert typing.press("]") == ["No next event."]
     typing.press("[")  # full time, which has a place of its own
     (line,) = typing.press("[")
     assert "Yellow card, Vrsaljko (Croatia)" in line
     (line,) = typing.press("w")
-    assert re.search(r"1:34:30, 4 to 2\. Disk (not held|held by touch)\.", line)
+    assert re.search(r"1:34:30, 4 to 2\. Disk (not held|held by touch)\. ", line)
+    assert typing.player.state.text in line
     (line,) = typing.press("escape")
     assert line.startswith("Released at 1:34:30")
     (line,) = typing.press("enter")
@@ -152,7 +165,8 @@ def test_each_key_of_the_help_is_answered_and_others_are_named(
     lines = typing.press("?")
     assert all(line.isprintable() for line in lines)
     assert {line[:2] for line in lines} >= {"w:", "R:", "c:", "m,", "r:", "q:"}
-    command = [*"gain", "space", *"tactor", "space", *"-7", "enter"]
+    # one terminal sends DEL for backspace, another BS; other control characters are no text
+    command = [*"gain", "space", *"tactorr", "\x08", *"x", "\x7f", "\x01", "space", *"-7", "enter"]
     forms = typing.press("c", *command)[0]
     assert "gain click|tactor DB" in forms
     assert typing.player.output.settings.tactor.gain_db == -7.0
