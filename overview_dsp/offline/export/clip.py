@@ -17,8 +17,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -278,14 +278,18 @@ def _sharpness(modes: tuple[ClickMode, ...]) -> float:
 
 @dataclass(frozen=True)
 class PerceptualError:
-    """Perceptual difference between an exported clip and the render.
+    """Perceptual difference between an exported clip and the render, while either is felt.
 
     Attributes
     ----------
     median_db, largest_db : float
         Error of the level over 10 ms, dB.
     within_percent : float
-        Part of the clip with an error below one JND (2.3 dB), %.
+        Part of the felt time with an error below one JND (2.3 dB), %.
+    worst_event : Transient or None
+        Strike with the largest error in the 30 ms after it.
+    worst_db : float
+        That error, dB.
 
     Examples
     --------
@@ -297,16 +301,31 @@ class PerceptualError:
     median_db: float
     largest_db: float
     within_percent: float
+    worst_event: Transient | None = field(default=None, repr=False)
+    worst_db: float = 0.0
 
 
-def perceptual_error(played: FloatArray, rendered: FloatArray) -> PerceptualError:
-    """Compare two amplitude curves with one value per millisecond; a missing end is silence."""
+def perceptual_error(
+    played: FloatArray, rendered: FloatArray, strikes: Iterable[Transient] = ()
+) -> PerceptualError:
+    """Compare two amplitude curves with one value per millisecond; a missing end is silence.
+
+    Windows in which both are at `FLOOR` or below don't count.
+    """
     count = max(len(played), len(rendered))
     sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
-    error = np.abs(_windows_db(sides[0]) - _windows_db(sides[1]))
-    return PerceptualError(
-        float(np.median(error)), float(error.max()), float(100.0 * np.mean(error <= NOTICEABLE_DB))
-    )
+    levels = np.stack([_windows_db(side) for side in sides])
+    error = np.abs(levels[0] - levels[1])
+    felt = error[levels.max(axis=0) > felt_db(np.array(FLOOR))]
+    if not len(felt):
+        return PerceptualError(0.0, 0.0, 100.0)
+    worst, worst_db = None, 0.0
+    for strike in strikes:
+        first = int(strike.time_s / FELT_WINDOW_S)
+        if (most := float(error[first : first + 3].max(initial=0.0))) > worst_db:
+            worst, worst_db = strike, most
+    within = float(100.0 * np.mean(felt <= NOTICEABLE_DB))
+    return PerceptualError(float(np.median(felt)), float(felt.max()), within, worst, worst_db)
 
 
 def _windows_db(level: FloatArray) -> FloatArray:

@@ -27,6 +27,7 @@ from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
 from overview_dsp.offline.export.document import MAX_ENTRIES, Count, Part, Seconds, Unit, descending
 
+STEP_MS = 10  # step of Meta's player on Android, ms
 DUCKING = 0.5
 DULL_MS, SHARP_MS = 36.4, 12.1
 
@@ -150,6 +151,12 @@ def with_emphasis(level: FloatArray, strikes: Iterable[Transient]) -> FloatArray
         emphasis[start : start + emphasis_ms(strike.sharpness)] = strike.amplitude
     ducked = np.where(emphasis > 0.0, DUCKING, 1.0) * level
     return np.asarray(np.minimum(ducked + emphasis, 1.0))
+
+
+def on_android(played: FloatArray) -> FloatArray:
+    """Return a level in the steps of Meta's player on Android: 10 ms, amplitudes 1 to 255."""
+    steps = np.maximum(np.floor(255.0 * played[::STEP_MS]), 1.0) / 255.0
+    return np.repeat(steps, STEP_MS)[: len(played)]
 
 
 def decoded(document: Haptic) -> tuple[FloatArray, list[Transient]]:

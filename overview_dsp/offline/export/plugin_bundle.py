@@ -10,20 +10,27 @@ import math
 import re
 import unicodedata
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import datetime, timedelta
-from importlib import metadata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC
+from importlib import metadata, resources
+from urllib.parse import quote
+
+import numpy as np
 
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import OverviewWarning
 from overview_dsp.kernels import layout
+from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.offline.export.browser_memory import encode_engine
 from overview_dsp.offline.export.c_code import prepared_engine
+from overview_dsp.offline.rendering.many import RenderedJob, render_jobs, render_many
 
-IMAGES = "images.bin"  # file with all images, which `bundle.c` includes
+SOURCES = resources.files("overview_dsp.offline.export") / "plugin"
+IMAGES = "images.bin"  # file with all images, which `data.h` includes
 _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 
 
@@ -31,11 +38,13 @@ _UNIT_OF_KEY = re.compile(r"_(db|hz|ms|s|mnm)$")
 class Image:
     """Image of a timeline in a preset: bytes, tail in seconds, parameter values, and map.
 
-    The map has times (s) and their positions (0 to 1).
+    The tail is that at 48 kHz and below; it is longer for each octave of the sample rate above. The
+    map has times (s) and their positions (0 to 1).
     """
 
     data: bytes
     tail_s: float
+    tail_per_octave_s: float
     values: tuple[float, ...]
     map: tuple[tuple[float, float], ...]
 
@@ -61,26 +70,31 @@ class Bundle:
 
     @property
     def slug(self) -> str:
-        """Name for ids and files: ASCII letters, or a digest."""
+        """Name of its files: ASCII letters, or a digest."""
         plain = unicodedata.normalize("NFKD", self.name).encode("ascii", "ignore").decode()
-        digest = hashlib.sha256(self.name.encode()).hexdigest()
-        return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{digest[:8]}"
+        return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or f"timeline-{self._digest}"
+
+    @property
+    def _digest(self) -> str:
+        return hashlib.sha256(self.name.encode()).hexdigest()[:8]
+
+    @property
+    def _own_name(self) -> str:
+        """Name for ids, different for different names: a digest follows a slug that differs."""
+        return self.slug if self.slug == self.name else f"{self.slug}.{self._digest}"
 
     @property
     def id(self) -> str:
         """Id by which projects find the plugin, independent of its data."""
-        return f"org.overview-dsp.{self.slug}"
+        return f"org.overview-dsp.{self._own_name}"
 
     def of_preset(self, preset: int) -> tuple[Image, ...]:
         """Return the images of a preset, by timeline."""
         return self.images[preset :: len(self.presets)]
 
     def uri(self, preset: int) -> str:
-        """Return the URI of a preset's LV2 plugin, which depends on the data."""
-        digests = [image.digest for image in self.of_preset(preset)]
-        if len(digests) > 1:
-            digests = [hashlib.sha256("".join(digests).encode()).hexdigest()]
-        return f"urn:overview-dsp:{digests[0][:32]}"
+        """Return the URI of a preset's LV2 plugin, by which projects find it, as by `id`."""
+        return f"urn:overview-dsp:{self._own_name}:{quote(self.presets[preset], safe='')}"
 
     @property
     def data(self) -> bytes:
@@ -106,15 +120,13 @@ def bundle_of(
                 noted.setdefault((preset.name, *one), []).append(called)
     for (preset_name, text, category), of in noted.items():
         warnings.warn(f"{', '.join(of)} in {preset_name}: {text}", category, stacklevel=3)
-    starts = tuple(_start_of(timeline) for timeline in timelines.values())
+    starts = tuple(
+        timeline.start.replace(tzinfo=UTC).timestamp() if timeline.start else math.nan
+        for timeline in timelines.values()
+    )
     names = tuple(preset.name for preset in presets)
+    images = list(_with_tails(images, timelines.values(), presets, seed))
     return Bundle(name, tuple(timelines), starts, names, tuple(images))
-
-
-def _start_of(timeline: Timeline) -> float:
-    if timeline.start is None:
-        return math.nan
-    return (timeline.start.replace(tzinfo=None) - datetime(1970, 1, 1)) / timedelta(seconds=1)
 
 
 def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
@@ -123,18 +135,48 @@ def _image_of(timeline: Timeline, preset: Preset, seed: int) -> Image:
     values = engine.memory[layout.PARAMS : layout.PARAMS + layout.PARAMETERS]
     made = engine.surface.angle_map
     points = zip(made.time_s.tolist(), made.position.tolist(), strict=True)
-    return Image(data, engine.tail_seconds, tuple(map(float, values)), tuple(points))
+    return Image(data, engine.tail_seconds, 0.0, tuple(map(float, values)), tuple(points))
 
 
-def _quoted(text: bytes) -> str:
+_FROM_END = sweep(8.0, 1.0, 1.0)  # a disk at rest at the end has the longest way back
+_HELD = tuple(sweep(2.0, place, place) for place in (np.arange(1, 17) * 0.618 % 1.0).tolist())
+_TAIL_MARGIN_S = 0.1  # for other movements and sample rates
+
+
+def _with_tails(
+    images: Sequence[Image], timelines: Iterable[Timeline], presets: Sequence[Preset], seed: int
+) -> Iterator[Image]:
+    """Yield images with an upper bound of the time from a release to the last sound.
+
+    A released disk moves to its last target, for `ARRIVAL_S` at most, and then returns for no
+    longer than from rest at the end of the timeline. Bristles and detents may hold it anywhere, so
+    that its return is measured from several positions. At higher rates, softer texture is heard.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the images gave them
+        jobs = list(render_jobs(timelines, presets, (_FROM_END,), (seed,)))
+        highs = render_many(jobs, 4 * 48_000)
+        for image, one, high in zip(images, render_many(jobs), highs, strict=True):
+            tail_s = _sound_s(one)
+            per_octave_s = max(0.0, _sound_s(high) - tail_s) / 2.0 if tail_s < math.inf else 0.0
+            if one.surface.bristles is not None or one.surface.detents is not None:
+                held = render_many([replace(one.job, gesture=gesture) for gesture in _HELD])
+                tail_s = max(tail_s, *map(_sound_s, held))
+            tail_s = min(ARRIVAL_S + tail_s + _TAIL_MARGIN_S, image.tail_s)
+            yield replace(image, tail_s=tail_s, tail_per_octave_s=min(per_octave_s, image.tail_s))
+
+
+def _sound_s(one: RenderedJob[None]) -> float:
+    """Return the time from the release to the last sound; a render ends 30 s after the gesture."""
+    last = int(np.flatnonzero(np.append(True, one.samples.any(axis=1)))[-1])
+    is_over = last < len(one.samples)
+    return last / one.sample_rate - one.job.gesture.duration_s if is_over else math.inf
+
+
+def _quoted(text: str) -> str:
     """Return a C string of any text, with octal escapes of three digits."""
-    return '"' + "".join(_ESCAPED[byte] for byte in text) + '"'
-
-
-_ESCAPED = [
-    chr(byte) if 32 <= byte < 127 and byte not in b'"\\?' else f"\\{byte:03o}"
-    for byte in range(256)
-]
+    plain = set(range(32, 127)) - set(b'"\\?')
+    return '"' + "".join(chr(b) if b in plain else f"\\{b:03o}" for b in text.encode()) + '"'
 
 
 def parameter_ids() -> list[str]:
@@ -169,34 +211,12 @@ def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
     return f"{section.capitalize()} {words}", section.capitalize(), choices
 
 
-_DATA = """
-#if defined __APPLE__
-__asm__(".const\\n.private_extern _bundle_data\\n.p2align 3\\n_bundle_data:\\n"
-        ".incbin \\"{file}\\"\\n.text\\n");
-#elif defined _WIN32
-__asm__(".section .rdata,\\"dr\\"\\n.globl bundle_data\\n.p2align 3\\nbundle_data:\\n"
-        ".incbin \\"{file}\\"\\n.text\\n");
-#else
-__asm__(".pushsection .rodata\\n.globl bundle_data\\n.hidden bundle_data\\n.p2align 3\\n"
-        "bundle_data:\\n.incbin \\"{file}\\"\\n.popsection\\n");
-#endif
-""".replace("{file}", IMAGES)
-
-
 def bundle_source(bundle: Bundle) -> Iterator[str]:
     """Yield the text of `bundle.c`, which includes the file `images.bin`."""
-
-    def text(value: str) -> str:
-        return _quoted(value.encode())
-
     yield '#include "bundle.h"\n\n#include <math.h>\n\n'
-    for what, value in (
-        ("id", bundle.id),
-        ("name", bundle.name),
-        ("version", metadata.version("overview-dsp")),
-        ("description", "A timeline under the hand: clicks to hear, a vibration to feel."),
-    ):
-        yield f"const char bundle_{what}[] = {text(value)};\n"
+    yield f"const char bundle_id[] = {_quoted(bundle.id)};\n"
+    yield f"const char bundle_name[] = {_quoted(bundle.name)};\n"
+    yield f"const char bundle_version[] = {_quoted(metadata.version('overview-dsp'))};\n"
     named = hashlib.sha256(f"{bundle.id} in VST3".encode()).hexdigest()
     words = ", ".join(f"0x{named[at : at + 8]}" for at in range(0, 32, 8))
     yield f"const uint32_t bundle_class[4] = {{{words}}};\n"
@@ -205,21 +225,22 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
         name, section, choices = label_of(id)
         if choices:
             yield f"static const char *const choices_{number}[] = "
-            yield f"{{{', '.join(map(text, choices))}}};\n"
+            yield f"{{{', '.join(map(_quoted, choices))}}};\n"
         listed = f"choices_{number}" if choices else "NULL"
-        texts = ", ".join(map(text, (host_id(id), name, section)))
-        labels.append(f"    {{{texts}, {listed}}},\n")
+        texts = ", ".join(map(_quoted, (host_id(id), name, section)))
+        labels.append(f"    {{{texts}, {listed}, {PARAMETERS[id].scale == 'log':d}}},\n")
     yield "const bundle_label bundle_labels[OVERVIEW_PARAMETERS] = {\n"
     yield "".join(labels) + "};\n"
     yield f"const int bundle_timelines_count = {len(bundle.timelines)};\n"
-    yield f"const char *const bundle_timelines[] = {{{', '.join(map(text, bundle.timelines))}}};\n"
+    listed = ", ".join(map(_quoted, bundle.timelines))
+    yield f"const char *const bundle_timelines[] = {{{listed}}};\n"
     starts = ", ".join("NAN" if start != start else start.hex() for start in bundle.starts_s)
     yield f"const double bundle_starts[] = {{{starts}}};\n"
     yield f"const int bundle_presets_count = {len(bundle.presets)};\n"
     yield "const bundle_preset bundle_presets[] = {\n"
     for number, preset in enumerate(bundle.presets):
         values = ", ".join(value.hex() for value in bundle.of_preset(number)[0].values)
-        yield f"    {{{text(preset)}, {text(bundle.uri(number))},\n     {{{values}}}}},\n"
+        yield f"    {{{_quoted(preset)}, {_quoted(bundle.uri(number))},\n     {{{values}}}}},\n"
     yield "};\n"
     for number, image in enumerate(bundle.images):
         points = ", ".join(f"{{{time.hex()}, {place.hex()}}}" for time, place in image.map)
@@ -228,37 +249,13 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
     at = 0
     for number, image in enumerate(bundle.images):
         size, points = len(image.data), f"map_{number}, {len(image.map)}"
-        yield f"    {{{text(image.digest)}, {at}, {size}, {image.tail_s.hex()}, {points}}},\n"
+        tail = f"{image.tail_s.hex()}, {image.tail_per_octave_s.hex()}"
+        yield f"    {{{_quoted(image.digest)}, {at}, {size}, {tail}, {points}}},\n"
         at += size
-    yield "};\n" + _DATA
+    yield '};\n#include "data.h"\n'
 
 
 DESCRIPTIONS = "plugins.ttl"
-
-_PREFIXES = """\
-@prefix atom: <http://lv2plug.in/ns/ext/atom#> .
-@prefix doap: <http://usefulinc.com/ns/doap#> .
-@prefix lv2: <http://lv2plug.in/ns/lv2core#> .
-@prefix midi: <http://lv2plug.in/ns/ext/midi#> .
-@prefix pprops: <http://lv2plug.in/ns/ext/port-props#> .
-@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .
-@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
-@prefix units: <http://lv2plug.in/ns/extensions/units#> .
-@prefix urid: <http://lv2plug.in/ns/ext/urid#> .
-
-"""
-_UNITS = {"dB": "db", "Hz": "hz", "ms": "ms", "s": "s"}
-_FIXED_PORTS = (
-    "a lv2:InputPort , atom:AtomPort ; atom:bufferType atom:Sequence ; "
-    "atom:supports midi:MidiEvent ; lv2:designation lv2:control ; "
-    'lv2:symbol "events" ; lv2:name "Taps"',
-    'a lv2:OutputPort , lv2:AudioPort ; lv2:symbol "click" ; lv2:name "Click"',
-    'a lv2:OutputPort , lv2:AudioPort ; lv2:symbol "tactor" ; lv2:name "Tactor"',
-    'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "theta2" ; lv2:name "Angle" ; '
-    "lv2:default 0.0 ; lv2:minimum 0.0 ; lv2:maximum 1.0",
-    'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "touch" ; lv2:name "Touch" ; '
-    "lv2:default 0.0 ; lv2:minimum 0.0 ; lv2:maximum 1.0 ; lv2:portProperty lv2:toggled",
-)
 
 
 def manifest(library: str, bundle: Bundle) -> str:
@@ -268,7 +265,7 @@ def manifest(library: str, bundle: Bundle) -> str:
         f"lv2:binary <{library}> ; rdfs:seeAlso <{DESCRIPTIONS}> .\n"
         for number in range(len(bundle.presets))
     )
-    return _PREFIXES + plugins
+    return _file_text("prefixes.ttl") + plugins
 
 
 def description(bundle: Bundle) -> str:
@@ -276,7 +273,10 @@ def description(bundle: Bundle) -> str:
     plugins = []
     for number, preset in enumerate(bundle.presets):
         name = bundle.name if len(bundle.presets) == 1 else f"{bundle.name}, {preset}"
-        ports = [*_FIXED_PORTS, *_controls(bundle.of_preset(number)[0].values)]
+        ports = [
+            *_file_text("ports.ttl").splitlines(),
+            *_controls(bundle.of_preset(number)[0].values),
+        ]
         if len(bundle.timelines) > 1:
             ports.append(
                 'a lv2:InputPort , lv2:ControlPort ; lv2:symbol "timeline" ; '
@@ -294,7 +294,7 @@ def description(bundle: Bundle) -> str:
             "    lv2:minorVersion 2 ; lv2:microVersion 0 ;\n"
             f"    lv2:port {listed} .\n\n"
         )
-    return _PREFIXES + "".join(plugins)
+    return _file_text("prefixes.ttl") + "".join(plugins)
 
 
 def _enumeration(choices: Sequence[str]) -> str:
@@ -323,8 +323,8 @@ def _controls(values: Sequence[float]) -> Iterator[str]:
             port += _enumeration(choices)
         elif known.scale == "log":
             port += " ; lv2:portProperty pprops:logarithmic"
-        if known.unit in _UNITS:
-            port += f" ; units:unit units:{_UNITS[known.unit]}"
+        if known.unit in ("dB", "Hz", "ms", "s"):
+            port += f" ; units:unit units:{known.unit.lower()}"
         elif known.unit:
             unit = _text(known.unit)
             port += (
@@ -332,6 +332,10 @@ def _controls(values: Sequence[float]) -> Iterator[str]:
                 f"units:render {_text(f'%f {known.unit}')} ]"
             )
         yield port
+
+
+def _file_text(name: str) -> str:
+    return (SOURCES / name).read_text(encoding="utf-8")
 
 
 def _text(value: str) -> str:

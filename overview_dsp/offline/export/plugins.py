@@ -1,9 +1,7 @@
 """Audio plugins: the voice in C with images of timelines, compiled for audio workstations.
 
 `plugin/` has the sources: `voice.h` is shared by all formats, `bundle.h` declares the generated
-data.
-
-Formats differ in the location of the library and in additional files for hosts.
+data. Formats differ in the location of the library and in additional files for hosts.
 """
 
 from __future__ import annotations
@@ -12,7 +10,6 @@ import os
 import plistlib
 import tempfile
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from pathlib import Path, PurePosixPath
 
 from overview_dsp.data.timeline import Timeline
@@ -30,6 +27,7 @@ from overview_dsp.offline.export.c_code import (
 from overview_dsp.offline.export.plugin_bundle import (
     DESCRIPTIONS,
     IMAGES,
+    SOURCES,
     Bundle,
     bundle_of,
     bundle_source,
@@ -55,37 +53,32 @@ def contents_of(to: str, bundle: Bundle, machine: Machine, library: bytes) -> di
         }
     if machine.system == "macos":
         inside = PurePosixPath(called, "Contents")
-        return {
-            str(inside / "MacOS" / bundle.slug): library,
-            str(inside / "Info.plist"): _property_list(bundle),
-            str(inside / "PkgInfo"): b"BNDL????",
-        }
-    if to == "clap":
-        return {called: library}
-    windows = machine.system == "windows"
-    inside = PurePosixPath(
-        called, "Contents", f"{machine.processor}-{'win' if windows else 'linux'}"
-    )
-    return {str(inside / f"{bundle.slug}.{'vst3' if windows else 'so'}"): library}
-
-
-def _property_list(bundle: Bundle) -> bytes:
-    return plistlib.dumps(
-        {
+        described = {
             "CFBundleDevelopmentRegion": "en",
             "CFBundleExecutable": bundle.slug,
             "CFBundleIdentifier": bundle.id,
             "CFBundleInfoDictionaryVersion": "6.0",
-            "CFBundleName": bundle.name,
+            "CFBundleName": "".join(c if c.isprintable() else " " for c in bundle.name),
             "CFBundlePackageType": "BNDL",
             "CFBundleSignature": "????",
             "CFBundleVersion": "1.0.0",
         }
-    )
+        return {
+            str(inside / "MacOS" / bundle.slug): library,
+            str(inside / "Info.plist"): plistlib.dumps(described),
+            str(inside / "PkgInfo"): b"BNDL????",
+        }
+    if to == "clap":
+        return {called: library}
+    system, suffix = ("win", "vst3") if machine.system == "windows" else ("linux", "so")
+    is_arm = machine.processor == "aarch64" and system == "win"  # which has its own name
+    processor = "arm64" if is_arm else machine.processor
+    inside = PurePosixPath(called, "Contents", f"{processor}-{system}")
+    return {str(inside / f"{bundle.slug}.{suffix}"): library}
 
 
 MOST_NAMES = 64  # highest number of timelines and of presets in a plugin
-_SOURCES = ("bundle.h", "voice.h")
+_SHARED_SOURCES = ("bundle.h", "data.h", "voice.h")
 _OWN_SOURCES = {
     "clap": ("values.h", "state.h", "clap.h", "clap.c"),
     "lv2": ("lv2.h", "lv2.c"),
@@ -163,9 +156,8 @@ def build_plugin(
     made = make_folder(folder)
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
-        sources = resources.files("overview_dsp.offline.export") / "plugin"
-        for source in (*_SOURCES, *_OWN_SOURCES[to]):
-            (work / source).write_bytes((sources / source).read_bytes())
+        for source in (*_SHARED_SOURCES, *_OWN_SOURCES[to]):
+            (work / source).write_bytes((SOURCES / source).read_bytes())
         for source, content in c_sources("kernel.c", "operations.h", "overview.h").items():
             (work / source).write_bytes(content)
         (work / "bundle.c").write_text("".join(bundle_source(bundle)), encoding="ascii")

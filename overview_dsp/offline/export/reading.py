@@ -298,7 +298,9 @@ def _mode(strike: Transient, loudest: float) -> ClickMode:
 
 def with_layer(preset: Preset, kind: str, clip: DecodedClip, layer: Layer) -> Preset:
     """Return a preset with a clip in one of its kinds; a new kind extends `default`."""
-    base: EventKind = replace(preset.kinds[preset.kind_for(kind) or DEFAULT_KIND], aliases=())
+    base: EventKind = preset.kinds[preset.kind_for(kind) or DEFAULT_KIND]
+    if kind not in preset.kinds:
+        base = replace(base, aliases=())
     if layer in ("tactor", "both"):
         base = replace(base, points=amplitude_profile(clip))
     # of both, a clip without strikes leaves the click as it is

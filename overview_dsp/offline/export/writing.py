@@ -11,7 +11,7 @@ from types import MappingProxyType
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 from overview_dsp.files.sound import save_sound
 from overview_dsp.offline.export import ahap, android, haptic, hjif
 from overview_dsp.offline.export.clip import Clip, PerceptualError, clip_of, perceptual_error
@@ -82,7 +82,8 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
 def _haptic(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = haptic.document(clip, budget)
     played = haptic.with_emphasis(*haptic.decoded(made))
-    return {".haptic": encoded(made)}, {"Quest": played}, len(made.points)
+    players = {"Quest": played, "Android, steps of 10 ms": haptic.on_android(played)}
+    return {".haptic": encoded(made)}, players, len(made.points)
 
 
 def _hjif(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
@@ -186,9 +187,10 @@ def export(
     written: list[Path] = []
     for suffix, data in files.items():
         place = stem.with_name(stem.name + suffix) if written else target
-        with atomic_file(place) as temporary:
-            temporary.write_bytes(data)
+        write_file(place, data)
         written.append(place)
-    players = {name: perceptual_error(level, clip.level) for name, level in played.items()}
+    players = {
+        name: perceptual_error(level, clip.level, clip.transients) for name, level in played.items()
+    }
     error = next(iter(players.values()))
     return ExportResult(tuple(written), error, points, len(clip.transients), players)

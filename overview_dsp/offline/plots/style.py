@@ -5,7 +5,9 @@ Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds di
 
 from __future__ import annotations
 
+import tomllib
 import zlib
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,53 +27,14 @@ GREY = "#767676"
 Marker = Any  # marker of matplotlib: a letter, a number, or a tuple of corners, style and rotation
 Style = tuple[Marker, str, str]  # marker, face colour, words
 
-# the paper's goals are blue, its cards yellow and red
+_KINDS = tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8"))
 KIND_STYLE: dict[str, Style] = {
-    "goal": ("o", BLUE, "goal"),
-    "own_goal": ("h", SKY, "own goal"),
-    "near_miss": ("^", GREEN, "near miss"),
-    "yellow_card": ("s", YELLOW, "yellow card"),
-    "red_card": ("D", VERMILION, "red card"),
-    "foul": ("x", GREY, "foul"),
-    "period": ("|", BLACK, "start or end of a half"),
-    "shot": ("<", GREEN, "shot"),
-    "touch": ("+", GREY, "touch"),
-    # of series
-    "highest": ("*", VERMILION, "highest"),
-    "lowest": ((5, 1, 36), BLUE, "lowest"),
-    "record_high": ((4, 1, 0), ORANGE, "record high"),
-    "record_low": ((4, 1, 45), SKY, "record low"),
-    "peak": ("2", VERMILION, "peak"),
-    "trough": ("1", BLUE, "trough"),
-    "largest_rise": ((3, 1, 0), GREEN, "largest rise"),
-    "largest_fall": ((3, 1, 180), PURPLE, "largest fall"),
-    "crossing_up": (">", SKY, "crossing up"),
-    "crossing_down": ("v", ORANGE, "crossing down"),
-    "split": ("X", BLACK, "share split"),
-    # of the calendar and the clock
-    "year": ("d", BLACK, "year"),
-    "month": (2, BLACK, "month"),
-    "week": (3, GREY, "week"),
-    "day": (10, GREY, "day"),
-    "hour": (11, GREY, "hour"),
-    "minute": (1, GREY, "minute"),
-    "second": (0, GREY, "second"),
-    # of hearts
-    "beat": (".", GREY, "beat"),
-    "premature": ("H", ORANGE, "premature beat"),
-    "premature_atrial": ("p", SKY, "premature atrial"),
-    "premature_ventricular": ("P", VERMILION, "premature ventricular"),
-    "other_shape": ((5, 2, 0), VERMILION, "beat of another shape"),
-    "missed_beat": ((6, 2, 0), BLACK, "missed beat"),
-    "rhythm": ("8", PURPLE, "rhythm"),
-    # of crowds
-    "cheer": ((8, 1, 0), YELLOW, "cheer"),
-    "burst": ((7, 1, 0), ORANGE, "burst"),
+    kind: (tuple(marker) if isinstance(marker, list) else marker, colour, words)
+    for kind, (marker, colour, words) in _KINDS.items()
 }
 # of kinds without a style, selected by the kind's name
 _OTHERS: tuple[tuple[Marker, str], ...] = tuple(
-    (marker, colour)
-    for marker, colour in zip(
+    zip(
         (
             *((6, 1, 0), (5, 0, 180), (7, 0, 0), (9, 1, 0), (10, 1, 0), (12, 1, 0), (4, 2, 0)),
             *((5, 2, 0), (7, 2, 0), (8, 2, 0), (3, 0, 30), (3, 0, 90), (6, 1, 30), (9, 0, 0)),

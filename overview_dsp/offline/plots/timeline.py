@@ -192,8 +192,7 @@ def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = N
 
 def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     """Hatch the gaps, with their reasons in the legend and in wide gaps."""
-    reasons: tuple[str, ...] = getattr(timeline, "gap_reasons", ())
-    reasons = reasons or ("",) * len(timeline.gaps)
+    reasons = timeline.gap_reasons or ("",) * len(timeline.gaps)
     named: set[str] = set()
     for gap, reason in zip(timeline.gaps, reasons, strict=True):
         start, end = axis.x(gap).tolist()

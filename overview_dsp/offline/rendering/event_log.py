@@ -18,7 +18,7 @@ import numpy as np
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 from overview_dsp.signal.engine.memory_reader import Strikes
 
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
@@ -156,9 +156,7 @@ def writer_of(path: str | os.PathLike[str]) -> Callable[[Sequence[PassedEvent]],
 
 def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str]) -> None:
     """Write passed events in the format of the file's suffix."""
-    text = writer_of(path)(passed)
-    with atomic_file(Path(path)) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_file(path, writer_of(path)(passed))
 
 
 MOST = 8  # default number of lines for the way out and for the recoil

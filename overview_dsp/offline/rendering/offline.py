@@ -20,7 +20,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.gestures.spec import DEFAULT, parse_gesture
 from overview_dsp.design.gestures.take import load_gesture
-from overview_dsp.design.presets.library import best_preset_for, load_preset
+from overview_dsp.design.presets.library import fitting_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SavableSound
@@ -307,8 +307,8 @@ def _prepared(
     """Return a prepared engine, gesture and actuator stage from the arguments of `render`."""
     timeline = load_timeline(timeline)
     if not isinstance(preset, Preset):
-        name = best_preset_for(timeline) if preset is None else validation.path(preset, "preset")
-        preset = load_preset(name)
+        chosen = fitting_preset_for(timeline).preset if preset is None else preset
+        preset = load_preset(validation.path(chosen, "preset"))
     engine = Engine(preset, timeline, seed=seed)
     if gesture is None or isinstance(gesture, str):
         gesture = parse_gesture(DEFAULT if gesture is None else gesture)

@@ -10,7 +10,7 @@ import numpy as np
 from overview_dsp.arrays import IntArray
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.signal.engine import Engine
+from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.replay import apply_change
 from overview_dsp.signal.surface.model import Surface
 

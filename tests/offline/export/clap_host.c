@@ -4,11 +4,21 @@
 #include "clap.h"
 
 static void host_tail_changed(const clap_host_t *host) { (void)host, tail_changes++; }
-static void host_rescan(const clap_host_t *host, clap_param_rescan_flags flags) { (void)host, (void)flags, rescans++; }
+static void host_rescan(const clap_host_t *host, clap_param_rescan_flags flags) {
+    (void)host, rescans++;
+    /* the moments of another timeline are other texts */
+    if (flags != (CLAP_PARAM_RESCAN_VALUES | CLAP_PARAM_RESCAN_TEXT)) fail("values or texts are not rescanned");
+}
+static void host_log(const clap_host_t *host, clap_log_severity severity, const char *text) {
+    (void)host;
+    if (severity >= CLAP_LOG_WARNING) snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", text);
+}
 static const void *host_extension(const clap_host_t *host, const char *id) {
     static const clap_host_tail_t tail = {host_tail_changed};
     static const clap_host_params_t params = {host_rescan, NULL, NULL};
+    static const clap_host_log_t log = {host_log};
     (void)host;
+    if (!strcmp(id, CLAP_EXT_LOG)) return &log;
     if (!strcmp(id, CLAP_EXT_TAIL)) return &tail;
     return strcmp(id, CLAP_EXT_PARAMS) ? NULL : &params;
 }
@@ -24,7 +34,12 @@ static const clap_plugin_params_t *params;
 
 static uint32_t events_size(const clap_input_events_t *in) { return (uint32_t)((const list *)in->ctx)->count; }
 static const clap_event_header_t *events_get(const clap_input_events_t *in, uint32_t index) {
-    static union { clap_event_param_value_t value; clap_event_note_t note; clap_event_midi_t midi; } event;
+    static union {
+        clap_event_param_value_t value;
+        clap_event_note_t note;
+        clap_event_midi_t midi;
+        clap_event_transport_t transport;
+    } event;
     const list *events = (const list *)in->ctx;
     const row *r = events->rows + index;
     memset(&event, 0, sizeof event);
@@ -33,6 +48,10 @@ static const clap_event_header_t *events_get(const clap_input_events_t *in, uint
     if (r->kind == KIND_VALUE) {
         event.value.header.type = CLAP_EVENT_PARAM_VALUE;
         event.value.param_id = (clap_id)r->number, event.value.value = r->value;
+    } else if (r->kind == KIND_TRANSPORT) {
+        event.transport.header.type = CLAP_EVENT_TRANSPORT;
+        event.transport.flags = CLAP_TRANSPORT_HAS_SECONDS_TIMELINE | (r->number ? CLAP_TRANSPORT_IS_PLAYING : 0);
+        event.transport.song_pos_seconds = rounded(r->value * 2147483648.0);
     } else if (r->kind < KIND_MIDI) {
         event.note.header.type = r->kind == KIND_DOWN ? CLAP_EVENT_NOTE_ON : CLAP_EVENT_NOTE_OFF;
         event.note.key = (int16_t)r->number, event.note.velocity = r->value;
@@ -77,8 +96,12 @@ static bool host_activate(int i, double rate) {
 static int host_process(int i, const list *events, int64_t frames, float *click, float *tactor) {
     clap_audio_buffer_t ports[2] = {{&click, NULL, 1, 0, 0}, {&tactor, NULL, 1, 0, 0}};
     clap_input_events_t in = {(void *)(uintptr_t)events, events_size, events_get};
+    clap_event_transport_t now = {.flags = CLAP_TRANSPORT_HAS_SECONDS_TIMELINE};
     clap_process_t block = {-1, (uint32_t)frames, NULL, NULL, ports, 0, 2, &in, &nowhere};
     int status;
+    if (transport.is_known) block.transport = &now;
+    if (transport.is_playing) now.flags |= CLAP_TRANSPORT_IS_PLAYING;
+    now.song_pos_seconds = rounded(transport_seconds(events->first) * 2147483648.0);
     processing = 1;
     status = plugins[i]->process(plugins[i], &block);
     processing = 0;

@@ -2,6 +2,8 @@
    plugin_host.h.
 
    lv2_host BUNDLE_URI NUMBER play RATE BLOCK FRAMES EVENTS OUT
+   A row of kind 4 is the transport: 1 if it plays, and its seconds, or NaN to say no place.
+
    lv2_host BUNDLE_URI NUMBER probe    calls every function with what it must refuse or bear
 
    NUMBER: which plugin, in the order of their names. EVENTS: rows of kind (0 a control port, else
@@ -12,6 +14,7 @@
 #include <lilv/lilv.h>
 #include <lv2/atom/atom.h>
 #include <lv2/midi/midi.h>
+#include <lv2/time/time.h>
 #include <lv2/urid/urid.h>
 
 #include <math.h>
@@ -57,6 +60,21 @@ static void put_midi(uint32_t number, int64_t frame, uint32_t bytes) {
     event->head.time.frames = frame;
     event->head.body.size = 3, event->head.body.type = map(NULL, LV2_MIDI__MidiEvent);
     for (i = 0; i < 3; i++) event->data[i] = (uint8_t)(bytes >> (16 - 8 * i));
+}
+/* The host's transport, an event that takes three places. */
+static uint32_t put_position(uint32_t number, int64_t frame, double song, float speed) {
+    struct { LV2_Atom_Event head; LV2_Atom_Object_Body body; LV2_Atom_Property_Body at; int64_t song;
+             LV2_Atom_Property_Body runs; float speed, none; } event;
+    memset(&event, 0, sizeof event);
+    if (sizeof event != 3 * sizeof(midi_event)) fail("another size");
+    event.head.time.frames = frame;
+    event.head.body.size = sizeof event - sizeof event.head, event.head.body.type = map(NULL, LV2_ATOM__Object);
+    event.body.otype = map(NULL, LV2_TIME__Position);
+    event.at.key = map(NULL, isnan(song) ? LV2_TIME__bar : LV2_TIME__frame), event.at.value.size = 8, event.at.value.type = map(NULL, LV2_ATOM__Long);
+    event.runs.key = map(NULL, LV2_TIME__speed), event.runs.value.size = 4, event.runs.value.type = map(NULL, LV2_ATOM__Float);
+    event.song = isnan(song) ? 0 : (int64_t)(song < 0.0 ? song - 0.5 : song + 0.5), event.speed = speed;
+    memcpy(&sequence.events[number], &event, sizeof event);
+    return 3;
 }
 static void put_count(uint32_t events) {
     sequence.head.atom.type = map(NULL, LV2_ATOM__Sequence);
@@ -106,6 +124,9 @@ static int play(const LilvPlugin *plugin, char **given) {
         n = frames - done < block ? frames - done : block;
         for (; next < total && rows[next].frame < done + n; next++)
             if (rows[next].kind == 0) controls[rows[next].number] = (float)rows[next].value;
+            else if (rows[next].kind == 4)
+                events += put_position(events, rows[next].frame - done, rows[next].value * atof(given[0]),
+                                       (float)rows[next].number);
             else put_midi(events++, rows[next].frame - done, (uint32_t)rows[next].number);
         put_count(events);
         for (i = 0; i < INSTANCES; i++) run(instances[i], out[i], n);

@@ -3,12 +3,12 @@
 
    HOST PLUGIN list
    HOST PLUGIN play RATE BLOCK FRAMES EVENTS OUT STATE_IN STATE_OUT WARM
-   HOST PLUGIN load STATE...           says 1 for each that is taken, 0 for each refused
+   HOST PLUGIN load STATE...           says 1 for each that is taken, 0 for each refused; then what is logged
    HOST PLUGIN texts STATE NUMBER TEXT...   the value of each text of a parameter, and its text again
    HOST PLUGIN probe                   calls every function with what it must refuse or bear
 
    PLUGIN: the library. BLOCK 0: of any size from 1 to 512. EVENTS: rows of kind (0 value, 1 key down,
-   2 key up, 3 MIDI), number, frame, value; those at -1 come before it is active, those at -2 to -9
+   2 key up, 3 MIDI, 4 transport: 1 if it plays, and its seconds), number, frame, value; those at -1 come before it is active, those at -2 to -9
    after it is, without a block. STATE_*: a path or -; STATE_IN is loaded before it is active, with a
    + before it after. WARM: frames of the same events that are played before a reset. OUT: the two
    outputs' samples in turn. */
@@ -33,7 +33,7 @@ static void *library_open(const char *path) { return dlopen(path, RTLD_NOW | RTL
 static void *library_find(void *library, const char *name) { return dlsym(library, name); }
 #endif
 enum { LARGEST = 4096, GUARD = 16, MOST_EVENTS = 1 << 16 };
-enum { KIND_VALUE, KIND_DOWN, KIND_UP, KIND_MIDI };
+enum { KIND_VALUE, KIND_DOWN, KIND_UP, KIND_MIDI, KIND_TRANSPORT };
 typedef struct { int64_t kind, number, frame; double value; } row;
 typedef struct { const row *rows; int64_t count, first; } list;
 typedef struct { char *bytes; size_t size, at; } memory_file;
@@ -83,8 +83,24 @@ static bool host_load(int i, memory_file *from);
 static bool host_save(int i, memory_file *to);
 static void host_close(void);
 static unsigned host_latency(void), host_tail(void);
+static int64_t rounded(double x) { return (int64_t)(x < 0.0 ? x - 0.5 : x + 0.5); }
+/* The host's transport: where it was at a frame, and whether it plays. */
+static struct { bool is_known, is_playing; double seconds, rate; int64_t frame; } transport;
+static void transport_hear(const list *events, int64_t last) {
+    int64_t i;
+    for (i = 0; i < events->count; i++) {
+        const row *r = events->rows + i;
+        if (r->kind != KIND_TRANSPORT || r->frame > last) continue;
+        transport.is_known = true, transport.is_playing = r->number != 0;
+        transport.seconds = r->value, transport.frame = r->frame;
+    }
+}
+static double transport_seconds(int64_t frame) {
+    return transport.seconds + (double)(transport.is_playing ? frame - transport.frame : 0) / transport.rate;
+}
 static int tail_changes, rescans;
 static long told;
+static char logged[4096]; /* lines */
 
 static bool load(int i, const char *path) {
     memory_file file = {NULL, 0, 0};
@@ -133,6 +149,7 @@ static int play_all(char **given) {
     }
     for (pass = warm ? 0 : 1; pass < 2; pass++) {
         int64_t end = pass ? frames : warm;
+        transport.is_known = false, transport.rate = rate;
         for (next = 0; next < total && rows[next].frame < 0;) next++;
         for (done = 0; done < end; done += n) {
             list events = {rows + next, 0, done};
@@ -140,7 +157,9 @@ static int play_all(char **given) {
             n = fixed ? fixed : 1 + (int64_t)(random >> 23);
             if (n > end - done) n = end - done;
             while (next < total && rows[next].frame < done + n) next++, events.count++;
+            transport_hear(&events, done);
             for (i = 0; i < 2; i++) status = play((int)i, &events, n, out[i]);
+            transport_hear(&events, done + n);
             for (i = 0; pass && i < n; i++) {
                 float pair[2] = {out[0][i], out[0][LARGEST + GUARD + i]};
                 float twin[2] = {out[1][i], out[1][LARGEST + GUARD + i]};
@@ -181,7 +200,7 @@ int main(int count, char **given) {
     else if (!strcmp(given[2], "probe")) host_probe();
     else if (!strcmp(given[2], "load")) {
         for (i = 3; i < count; i++) printf("%d", load(0, given[i]));
-        printf("\n");
+        printf("\n%s", logged);
     } else if (!strcmp(given[2], "texts") && count > 4) {
         if (*given[3] == '/' && !load(0, given[3])) fail("state refused");
         for (i = 5; i < count; i++) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import subprocess
 from dataclasses import dataclass, field, replace
@@ -17,7 +18,7 @@ from tests.web.surfaces import preset_of
 
 HERE = Path(__file__).parent
 HEADERS = Path(ov.export.__file__).with_name("plugin")
-VALUE, DOWN, UP, MIDI = range(4)
+VALUE, DOWN, UP, MIDI, TRANSPORT = range(5)
 EARLIER, FLUSHED = -1, -2
 """Frames of events before the plugin is active, and without a block after it is."""
 
@@ -26,7 +27,7 @@ PRESETS = ("viscous", "bristles", "wells")
 TIMELINES = ("match", "second half")
 FRAMES = 40_000
 HANDS = ("theta2", "touch")
-NOT_THE_PRESETS = (*HANDS, "timeline", "preset")
+NOT_THE_PRESETS = (*HANDS, "timeline", "preset", "follow")
 
 
 def preset_named(name):
@@ -39,10 +40,14 @@ def both_halves(match):
     return dict(zip(TIMELINES, (match, match.window(2700.0, 5600.0)), strict=True))
 
 
+def is_log(id):
+    return id in PARAMETERS and PARAMETERS[id].scale == "log"
+
+
 def number_of(id):
-    """A parameter's number in a CLAP host: FNV-1a of its id."""
+    """A parameter's number in a CLAP host: FNV-1a of its id, on a logarithmic range of more."""
     value = 2166136261
-    for byte in host_id(id).encode():
+    for byte in (host_id(id) + ".log" * is_log(id)).encode():
         value = (value ^ byte) * 16777619 % 2**32
     return value
 
@@ -57,20 +62,52 @@ def range_of(id):
     return (0.0, len(known.choices) - 1.0) if known.choices else (known.low, known.high)
 
 
-def normal(id, value):
-    """As a VST3 host says it."""
+ROOTS = 53  # bits of a number between 0 and 1
+
+
+def roots(id):
+    """Square root of a logarithmic range's ratio, that one's root, and so on, with their bits."""
     low, high = range_of(id)
-    return (value - low) / (high - low)
+    ratio = high / low
+    for n in range(1, ROOTS + 1):
+        ratio = math.sqrt(ratio)
+        yield ratio, 0.5**n
 
 
-def through_vst3(events, preset):
+def normal(id, value):
+    """As a VST3 host says it, and on a logarithmic range a CLAP host."""
+    low, high = range_of(id)
+    if not is_log(id) or not low <= value <= high:
+        return (value - low) / (high - low)
+    if value == high:
+        return 1.0
+    part, rest = 0.0, value / low
+    for ratio, bit in roots(id):
+        if rest >= ratio:
+            rest, part = rest / ratio, part + bit
+    return part
+
+
+def plain(id, part):
+    """What a plugin makes of a host's number."""
+    low, high = range_of(id)
+    if not is_log(id):
+        return low + part * (high - low)
+    value = low
+    for ratio, bit in roots(id):
+        if part >= bit:
+            part, value = part - bit, value * ratio
+    return min(value, high)
+
+
+def through_host(events, preset, to):
     """What comes out of numbers between 0 and 1: a preset's own values, others with a rounding."""
     heard = []
     for kind, id, frame, value in events:
-        if kind == VALUE and id in PARAMETERS and not PARAMETERS[id].choices:
-            (low, high), said = range_of(id), normal(id, value)
-            own = preset.values[id]
-            value = own if said == normal(id, own) else low + said * (high - low)
+        known = kind == VALUE and id in PARAMETERS and not PARAMETERS[id].choices
+        if known and (to == "vst3" or is_log(id)):
+            said, own = normal(id, value), preset.values[id]
+            value = own if said == normal(id, own) else plain(id, said)
         heard.append((kind, id, frame, value))
     return heard
 
@@ -79,7 +116,9 @@ def rows_of(events, to):
     """As the tests' hosts read them; a value that is a float32 is what a VST3 host says itself."""
 
     def said(id, value):
-        return value if to != "vst3" or isinstance(value, np.float32) else normal(id, value)
+        if isinstance(value, np.float32) or not (to == "vst3" or is_log(id)):
+            return value
+        return normal(id, value)
 
     return np.array(
         [
@@ -166,6 +205,57 @@ def score(frames=FRAMES, seed=1):
     return sorted(events, key=lambda event: event[2])
 
 
+TRANSPORTS = [
+    (TRANSPORT, 1, 1024, 100.0013),
+    (TRANSPORT, 1, 8_192, 2_000.0),
+    (TRANSPORT, 0, 16_384, 2_000.2),
+    (TRANSPORT, 1, 20_480, -0.05),
+    (TRANSPORT, 1, 30_720, 5_879.95),
+]
+"""A host's transport that plays, jumps, stops, starts before the timeline and passes its end."""
+
+
+def followed(*images, frames=FRAMES, rate=48_000, transports=TRANSPORTS, hands=()):
+    """What engines play whose input is at the transport; `images` as in `switched`.
+
+    `hands`: rows of a frame, a place, and whether it is touched, of the first image.
+    """
+    heard = None
+    for number, (at, timeline, preset) in enumerate(images):
+        until = images[number + 1][0] if number + 1 < len(images) else frames
+        played = _followed(timeline, preset, at, until, frames, rate, transports, hands)
+        hands = ()
+        heard = played if heard is None else faded(heard, played, at, rate)
+    return heard
+
+
+def _followed(timeline, preset, first, until, frames, rate, transports, hands):
+    """What one plays that begins at a frame; it is told of the transport until another begins."""
+    engine = ov.Engine(preset, timeline, seed=3)
+    engine.prepare(rate, frames)
+    for frame, place, held in hands:
+        engine.control(np.pi * place, held, frame, "touch")
+    made, step = engine.surface.angle_map, round(0.002 * rate)
+    times, places = made.time_s.tolist(), made.position.tolist()
+    touches, expected, playing, begin, seconds = False, None, 0, 0, 0.0
+    changes = {frame: (playing, seconds) for _, playing, frame, seconds in transports}
+    for frame in range(until):
+        if frame in changes:
+            (playing, seconds), begin = changes[frame], frame
+        song = round(seconds * rate) + frame - begin
+        within = bool(playing) and 0.0 <= song / rate <= times[-1] and frame >= first
+        if within != touches or (within and (song % step == 0 or song != expected)):
+            if within:
+                i = int(np.searchsorted(times[1:-1], song / rate, "right"))
+                part = (song / rate - times[i]) / (times[i + 1] - times[i])
+                place = places[i] + part * (places[i + 1] - places[i])
+            engine.control(np.pi * place, within, frame - first, "remote")
+        touches, expected = within, song + 1
+    out = np.zeros((frames - first, 2), np.float32)
+    engine.process(out)
+    return out
+
+
 def faded(before, after, at, rate=48_000):
     """Sound that gives way at a frame to what began there: over 30 ms."""
     fade = int(0.03 * rate) + 1
@@ -225,7 +315,7 @@ class Host:
 
     def heard(self, events, preset):
         """What comes through of values."""
-        return through_vst3(events, preset) if self.to == "vst3" else events
+        return through_host(events, preset, self.to)
 
 
 def library_of(plugin):

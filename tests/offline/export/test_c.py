@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import platform
+import re
 import shutil
 import subprocess
 import sys
@@ -228,10 +229,79 @@ def test_a_miscompiled_voice_reports_it_or_has_the_right_bits(folders, native, t
             assert not (tmp_path / "out").exists()
 
 
-def test_no_thread_races_with_another(folders, tmp_path):
+BUGS = {
+    "ov_prepare": "v1 *= 1.0000000001;",
+    "ov_control": "v3 *= 1.0000000001;",
+    "ov_change": "v2 *= 1.0000000001;",
+    "ov_reset": "if (v0) return 0;",
+    "ov_process": "v2 -= v2 > 1;",
+}
+"""A line that makes a function of kernel.c a little wrong."""
+
+
+@pytest.fixture(scope="module", params=BUGS)
+def wrong_library(request, folders, tmp_path_factory):
+    """A voice with one wrong function, compiled."""
+    if not shutil.which("gcc"):
+        pytest.skip("needs gcc")
+    folder = tmp_path_factory.mktemp("wrong")
+    source = (folders["viscous"] / "kernel.c").read_text(encoding="utf-8")
+    begin = re.search(rf"^static \w+ {request.param}\(.*\) {{$", source, re.M)
+    source = source[: begin.end()] + "\n" + BUGS[request.param] + source[begin.end() :]
+    (folder / "wrong.c").write_text(source, encoding="utf-8")
+    command = ["gcc", "-O0", "-fPIC", "-shared", f"-I{folders['viscous']}", "wrong.c"]
+    subprocess.run([*command, "-o", "voice.so", "-lm"], check=True, cwd=folder)
+    return folder / "voice.so"
+
+
+def test_a_wrong_function_is_found_at_once_and_refused_from_then_on(folders, wrong_library):
+    import ctypes
+
+    image = (folders["viscous"] / "timeline.image").read_bytes()
+    for _ in range(2):
+        said, memory = in_memory(folders, wrong_library, image)
+        assert (said, memory.any()) == (-2, False)
+    voice = ctypes.CDLL(str(wrong_library))
+    m, out = ctypes.c_void_p(memory.ctypes.data), np.ones(8, np.float32)
+    now, number = ctypes.c_int64(-1), ctypes.c_double(48_000.0)
+    results = (
+        voice.overview_prepare(m, number),
+        voice.overview_reset(m),
+        voice.overview_control(m, 0, now, ctypes.c_double(1.0), 1),
+        voice.overview_change(m, 0, ctypes.c_double(1e-5), now),
+        voice.overview_process(m, ctypes.c_void_p(out.ctypes.data), ctypes.c_int64(4), 2),
+    )
+    assert results == (-2,) * 5
+    assert not memory.any()
+    assert (out == 1.0).all()
+
+
+ATOMICS = {
+    "builtins": (),
+    "fences": ("-U__GCC_ATOMIC_LLONG_LOCK_FREE",),
+    "C11": ("-U__GCC_ATOMIC_LLONG_LOCK_FREE", "-U__GCC_ATOMIC_INT_LOCK_FREE", "-std=c11"),
+    "none": ("-U__GCC_ATOMIC_LLONG_LOCK_FREE", "-U__GCC_ATOMIC_INT_LOCK_FREE", "-std=gnu99"),
+}
+"""Options of gcc for each way in which `operations.h` orders the queues of threads."""
+
+
+@pytest.mark.parametrize("name", list(ATOMICS)[1:])
+def test_every_kind_of_atomic_access_gives_the_same_bits(folders, native, tmp_path, name):
+    options = ("-Wno-builtin-macro-redefined", *ATOMICS[name])
+    program = (str(built(folders["viscous"], ("gcc", "-O1", *options), tmp_path / "run")),)
+    for kind in PRESETS:
+        assert np.array_equal(
+            in_c(program, folders[kind], RATE, 256, len(native(kind))), native(kind)
+        ), kind
+
+
+# the sanitizer cannot follow fences, and without atomics one thread alone is allowed
+@pytest.mark.parametrize("name", ["builtins", "C11"])
+def test_no_thread_races_with_another(folders, tmp_path, name):
     """One thread processes, one controls, one changes parameters, as `overview.h` allows."""
     program = tmp_path / "races"
     command = ["gcc", "-O1", "-fsanitize=thread", f"-I{folders['viscous']}"]
+    command += ["-D_GNU_SOURCE", "-Wno-builtin-macro-redefined", *ATOMICS[name]]
     sources = [RUNNER.with_name("races.c"), folders["viscous"] / "kernel.c"]
     empty = tmp_path / "empty.c"
     empty.write_text("int main(void) { return 0; }\n", encoding="utf-8")

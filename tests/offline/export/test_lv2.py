@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,12 @@ from tests.offline.export.plugin_playing import (
     MIDI,
     PRESETS,
     ROW,
+    TRANSPORT,
+    TRANSPORTS,
     UP,
     VALUE,
     both_halves,
+    followed,
     natively,
     preset_named,
     score,
@@ -29,7 +33,8 @@ from tests.offline.export.plugin_playing import (
 
 HOST = Path(__file__).with_name("lv2_host.c")
 BLOCK = 128
-PORTS = {id: 3 + n for n, id in enumerate(["theta2", "touch", *parameter_ids(), "timeline"])}
+PORT_IDS = ["theta2", "touch", "follow", *parameter_ids(), "timeline"]
+PORTS = {id: 3 + n for n, id in enumerate(PORT_IDS)}
 SYSTEM_BUNDLES = Path("/usr/lib/lv2")
 
 
@@ -86,7 +91,7 @@ def at_blocks(events, preset):
 def as_row(kind, number, frame, value):
     if kind == VALUE:
         return kind, PORTS[number], frame, value
-    if kind == MIDI:
+    if kind in (MIDI, TRANSPORT):
         return kind, number, frame, value
     return kind, (0x90_00_7F if kind == DOWN else 0x80_00_00) | number << 8, frame, value
 
@@ -121,6 +126,25 @@ def test_ports_at_blocks_and_midi_at_any_frame_are_the_engines(match, presets, p
     expected = natively(match, presets[name], rate, events)
     assert np.abs(expected).max(axis=0).min() > 0.01
     assert np.array_equal(play(events, name, rate), expected)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_angle_follows_the_transport_of_a_host(match, presets, play, name):
+    expected = followed((0, match, presets[name]))
+    assert np.array_equal(play([(VALUE, "follow", 0, 1.0), *TRANSPORTS], name), expected)
+    assert not play(TRANSPORTS, name).any()
+
+
+def test_a_transport_that_stopped_is_still_there_when_it_starts_again(match, presets, play):
+    """A host may say no place as it stops and starts."""
+    # it plays for 7206, 3590 and 1100 frames, and reaches the timeline's end 104 frames later
+    plays = [(1, 1_024, 12_000), (0, 8_230, 4_794), (1, 16_411, 4_794), (0, 20_001, 1_204)]
+    plays += [(1, 20_011, 1_204), (0, 21_111, 104), (1, 21_127, 104)]
+    known = [(TRANSPORT, is_on, at, 5_880.0 - left / 48_000) for is_on, at, left in plays]
+    expected = followed((0, match, presets["wells"]), transports=known)
+    assert np.abs(expected).max() > 0.01
+    said = [known[0], *((*event[:3], np.nan) for event in known[1:])]
+    assert np.array_equal(play([(VALUE, "follow", 0, 1.0), *said], "wells"), expected)
 
 
 def test_another_timeline_fades_in(timelines, presets, play):
@@ -182,14 +206,22 @@ def test_the_description_of_the_plugin_is_valid(bundle):
     assert "0 errors" in done.stdout + done.stderr
 
 
-def test_each_preset_is_a_plugin_whose_name_is_its_data(bundle):
+def uris_of(bundle):
+    lines = (bundle / "manifest.ttl").read_text(encoding="ascii").splitlines()
+    return [line.split()[0] for line in lines if "a lv2:Plugin" in line]
+
+
+def test_each_preset_is_a_plugin_of_a_name_that_other_data_keep(bundle, timelines, tmp_path):
     assert bundle.name == "a-quoted-name.lv2"
-    uris = [
-        line.split()[0]
-        for line in (bundle / "manifest.ttl").read_text().splitlines()
-        if "a lv2:Plugin" in line
-    ]
-    assert len(set(uris)) == len(PRESETS)
+    uris = uris_of(bundle)
+    assert uris == [f"<urn:overview-dsp:a-quoted-name.68d121fa:{name}>" for name in PRESETS]
+    louder = preset_named("wells").with_changes({"tactor.gain_db": 3.0, "surface.friction": 1e-3})
+    changed = [replace(louder, name="Tür & Tor"), louder]
+    other = ov.export.build_plugin(
+        timelines["second half"], changed, "lv2", tmp_path, name='a "quoted" \\ name'
+    )
+    door = "<urn:overview-dsp:a-quoted-name.68d121fa:T%C3%BCr%20%26%20Tor>"
+    assert uris_of(other) == [door, uris[-1]]
     described = (bundle / "plugins.ttl").read_text(encoding="utf-8")
     for uri, name in zip(uris, PRESETS, strict=True):
         called = rf'doap:name "a \"quoted\" \\ name, {name}"'

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import plistlib
 import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.offline.export.c_code import Machine, machine_of
 from overview_dsp.offline.export.plugin_bundle import bundle_of, host_id, parameter_ids
+from overview_dsp.offline.export.plugins import contents_of
 from tests.cli.running import MATCH, overview
 from tests.offline.export.plugin_playing import (
     EARLIER,
@@ -56,6 +60,28 @@ def test_a_note_comes_once_with_the_timelines_and_the_preset_it_is_of(match, foo
     assert len(one) == 1
 
 
+def test_a_bundle_of_macos_names_its_library_whatever_the_plugin_is_called(match, football):
+    bundle = bundle_of("Tom & <Jerry>", {"m": match}, [football], 0)
+    files = contents_of("vst3", bundle, machine_of("aarch64-macos"), b"library")
+    described = plistlib.loads(files["tom-jerry.vst3/Contents/Info.plist"])
+    assert described["CFBundleName"] == "Tom & <Jerry>"
+    assert described["CFBundleIdentifier"] == bundle.id
+    assert f"tom-jerry.vst3/Contents/MacOS/{described['CFBundleExecutable']}" in files
+    odd = replace(bundle, name="Tom\x00 \x1b&\n\x7f J\u00e9rry")
+    files = contents_of("clap", odd, machine_of("x86_64-macos"), b"library")
+    described = plistlib.loads(files[f"{odd.slug}.clap/Contents/Info.plist"])
+    assert described["CFBundleName"] == "Tom   &   J\u00e9rry"
+
+
+def test_a_vst3_folder_names_processors_as_hosts_look_for_them(match, football):
+    bundle = bundle_of("film", {"m": match}, [football], 0)
+    folders = {("x86_64", "linux"): "x86_64-linux", ("aarch64", "linux"): "aarch64-linux"}
+    folders |= {("x86_64", "windows"): "x86_64-win", ("aarch64", "windows"): "arm64-win"}
+    for named, folder in folders.items():
+        (path,) = contents_of("vst3", bundle, Machine(*named), b"library")
+        assert path.startswith(f"film.vst3/Contents/{folder}/film.")
+
+
 def test_hosts_keep_the_first_id_of_a_parameter_that_was_renamed():
     kept = [host_id(id) for id in parameter_ids()]
     assert len(set(kept)) == len(kept)
@@ -69,6 +95,18 @@ def test_a_name_of_any_letters_is_a_file_of_its_own(match, football):
     assert slug("Zürich & Genève") == "zurich-geneve"
     assert slug("決勝") != slug("準決勝")
     assert slug("決勝").startswith("timeline-")
+
+
+def test_plugins_of_different_names_have_different_ids(match, football):
+    bundle = bundle_of("match", {"match": match}, [football], 0)
+    others = [replace(bundle, name=name) for name in ("Match", "Match!", "m\u00e4tch", "match-")]
+    assert {other.slug for other in others} == {bundle.slug} == {"match"}
+    assert len({one.id for one in (bundle, *others)}) == 5
+    assert len({one.uri(0) for one in (bundle, *others)}) == 5
+    # a name that is its own file name has the id of earlier versions
+    assert bundle.id == "org.overview-dsp.match"
+    assert bundle.uri(0) == "urn:overview-dsp:match:football"
+    assert others[0].id == "org.overview-dsp.match.03c0e806"
 
 
 @pytest.mark.soak
@@ -86,7 +124,9 @@ def test_without_a_timeline_it_is_all_that_is_bundled(tmp_path):
         for number, name in enumerate(names):
             chosen = [(VALUE, "timeline", EARLIER, second), (VALUE, "preset", EARLIER, number)]
             heard, _ = host.play(tmp_path, [*chosen, *score()], frames=15_000)
-            expected = natively(timeline, ov.load_preset(name), 48_000, score(), 15_000)
+            preset = ov.load_preset(name)
+            events = host.heard(score(), preset)  # values on logarithmic ranges are rounded
+            expected = natively(timeline, preset, 48_000, events, 15_000)
             assert np.array_equal(heard, expected), (second, name)
 
 
@@ -130,3 +170,22 @@ def test_an_angle_of_a_timeline_with_a_calendar_is_told_as_a_date(tmp_path):
     for place, line in zip(places, said, strict=True):
         moment = share.moment_text(float(surface.time_at(place)))
         assert line.partition("\t")[2] == f"{place:.9g} ({moment})"
+
+
+@pytest.mark.parametrize("to", ["clap", "vst3"])
+def test_a_name_without_room_ends_with_a_whole_character(match, football, tmp_path, to):
+    short, long = "x" + "\u00e9" * 39, "\u00e9" * 200
+    halves = {"first": match.window(0, 2700), long: match.window(2700, 5600)}
+    plugin = ov.export.build_plugin(halves, football, to, tmp_path, name=short)
+    host = Host(to, built_host(to, tmp_path), library_of(plugin))
+    name = host.run("list").splitlines()[0].partition("\t")[2]
+    assert name == {"clap": short, "vst3": short[:32]}[to]
+    number = number_of("timeline") & {"clap": 2**32 - 1, "vst3": 2**31 - 1}[to]
+    (said,) = host.run("texts", "-", number, 1).splitlines()
+    assert said == "1\t" + "\u00e9" * {"clap": 127, "vst3": 126}[to]
+    host.play(tmp_path, [], frames=1, saved=tmp_path / "state")
+    lost = "x" + "\u00e9" * 127  # as a state has a longer one
+    named = (tmp_path / "state").read_bytes().replace(b"first".ljust(255, b"\0"), lost.encode())
+    (tmp_path / "state").write_bytes(named)
+    (said,) = host.run("texts", tmp_path / "state", number, 0).splitlines()
+    assert said == f"0\tfirst (in place of {lost[:50]})"

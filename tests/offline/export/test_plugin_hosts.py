@@ -283,7 +283,7 @@ def test_qtractor_lists_the_clap(build, tmp_path):
         pytest.skip("needs Qtractor: apt-get install qtractor")
     path = build("clap")
     # outputs, MIDI, parameters; it has a state, and is fit for real time
-    count = len(["theta2", "touching", "timeline", "preset", *parameter_ids()])
+    count = len(["theta2", "touching", "timeline", "preset", "follow", *parameter_ids()])
     assert f"CLAP|Match!|0:1|1:0|{count}:0|EXT,RT|{path}|0|" in scanned(QTRACTOR, path, tmp_path)
 
 

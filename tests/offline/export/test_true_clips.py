@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.offline.export.clip import clip_of
+from overview_dsp.offline.export import haptic
+from overview_dsp.offline.export.clip import Transient, clip_of, perceptual_error
 from overview_dsp.offline.export.writing import export
 
 MATCHES = {
@@ -90,3 +91,25 @@ def test_a_strike_stands_out_of_what_is_around_it(result):
         at = round(strike.time_s * 1000)
         around = np.concatenate([clip.felt[max(0, at - 12) : at - 3], clip.felt[at + 25 : at + 80]])
         assert strike.amplitude > 1.3 * around.min()
+
+
+def test_errors_are_over_the_felt_time_and_name_the_event_with_the_largest():
+    rendered, played = np.zeros(1000), np.zeros(1000)
+    rendered[:100], played[:100] = 0.5, 0.5 * 10.0 ** (-1.0 / 20.0)
+    played[60:70] = 0.05  # 20 dB less after the second strike
+    strikes = [Transient(0.0, 0.5, 0.5, "foul"), Transient(0.055, 0.5, 0.5, "goal")]
+    error = perceptual_error(played, rendered, strikes)
+    assert error.median_db == pytest.approx(1.0)  # silence agrees for 900 ms, and doesn't count
+    assert error.within_percent == pytest.approx(90.0)
+    assert error.worst_event == strikes[1]
+    assert error.worst_db == error.largest_db == pytest.approx(20.0)
+    silent = perceptual_error(np.zeros(50), np.zeros(50), strikes)
+    assert (silent.within_percent, silent.worst_event) == (100.0, None)
+
+
+def test_metas_player_on_android_holds_amplitudes_for_10_ms_and_never_stops():
+    played = haptic.on_android(np.concatenate([np.linspace(0.0, 1.0, 25), [0.999]]))
+    assert len(played) == 26
+    assert played[:10] == pytest.approx(1.0 / 255.0)
+    assert played[10:20] == pytest.approx(np.floor(255.0 * 10.0 / 24.0) / 255.0)
+    assert len(set(played.tolist())) == 3

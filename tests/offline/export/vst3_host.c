@@ -143,7 +143,10 @@ static int process(int i, const list *events, int64_t frames, float *click, floa
     struct v3_audio_bus_buffers buses[2] = {{.num_channels = i ? 2 : 1, .channel_buffers_32 = first},
                                             {.num_channels = i ? 0 : 1, .channel_buffers_32 = i ? none : second}};
     struct v3_process_data data = {.symbolic_sample_size = V3_SAMPLE_32, .nframes = (int32_t)frames};
+    struct v3_process_context now = {transport.is_playing ? V3_PLAYING : 0, transport.rate, 0};
     v3_result result;
+    now.project_time_in_samples = rounded(transport_seconds(events->first) * transport.rate);
+    if (transport.is_known) data.ctx = &now;
     sort(events);
     data.num_output_buses = frames ? 2 : 0, data.outputs = frames ? buses : NULL;
     data.input_params = (struct v3_param_changes **)(void *)&sorted_changes;
@@ -229,11 +232,11 @@ static void host_close(void) {
 }
 
 static const char *plain_text(const int16_t *text) {
-    static char said[4][128];
+    static char said[4][512];
     static int turn;
     char *to = said[turn = (turn + 1) % 4];
     int n = 0;
-    for (; *text && n < 124; text++) {
+    for (; *text && n < 508; text++) {
         unsigned point = (uint16_t)*text;
         if (point > 0x7FF) to[n++] = (char)(0xE0 | point >> 12), to[n++] = (char)(0x80 | (point >> 6 & 63));
         else if (point > 0x7F) to[n++] = (char)(0xC0 | point >> 6);

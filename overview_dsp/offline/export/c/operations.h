@@ -61,11 +61,24 @@ static inline void ov_release_l(unsigned char *p, uint64_t x) {
     __atomic_thread_fence(__ATOMIC_RELEASE); ov_store_l(p, x); }
 #define OV_GET(place) __atomic_load_n(place, __ATOMIC_RELAXED)
 #define OV_SET(place, value) __atomic_store_n(place, value, __ATOMIC_RELAXED)
-#else /* for one thread, or x86, where loads and stores keep their order */
-#define ov_acquire_l ov_load_l
-#define ov_release_l ov_store_l
-#define OV_GET(place) (*(place))
-#define OV_SET(place, value) (*(place) = (value))
+#elif !defined(__cplusplus) && defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L \
+    && !defined(__STDC_NO_ATOMICS__)
+#include <stdatomic.h>
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    return atomic_load_explicit((_Atomic uint64_t *)(uintptr_t)p, memory_order_acquire); }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    atomic_store_explicit((_Atomic uint64_t *)(uintptr_t)p, x, memory_order_release); }
+#define OV_GET(place) atomic_load_explicit((_Atomic int32_t *)(place), memory_order_relaxed)
+#define OV_SET(place, value) \
+    atomic_store_explicit((_Atomic int32_t *)(place), value, memory_order_relaxed)
+#else /* for one thread; on x86, whose loads and stores keep their order, for several: a compiler
+         without C11 does not move them past volatile ones */
+static inline uint64_t ov_acquire_l(const unsigned char *p) {
+    return *(const volatile uint64_t *)(const void *)p; }
+static inline void ov_release_l(unsigned char *p, uint64_t x) {
+    *(volatile uint64_t *)(void *)p = x; }
+#define OV_GET(place) (*(volatile int32_t *)(place))
+#define OV_SET(place, value) (*(volatile int32_t *)(place) = (value))
 #endif
 
 #define OV_LANES(name, operator) \

@@ -6,7 +6,9 @@
 
    Nothing is allocated and nothing locked. overview_process belongs to the audio thread;
    overview_control and overview_change to one thread each. The others may be called only while no
-   other function runs on that memory. Little-endian machines only. */
+   other function runs on that memory. With a compiler that has neither GCC's builtins nor
+   <stdatomic.h>, on machines other than x86, one thread must call all of them. Little-endian
+   machines only. */
 #ifndef OVERVIEW_H
 #define OVERVIEW_H
 #include <stdint.h>
@@ -68,7 +70,8 @@ extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
 /* Load an image of `bytes` bytes; call overview_prepare next. OVERVIEW_REFUSED if it is
    damaged, or of another layout: then the memory is all zero, or untouched. The first call in a
    process tests the machine code, in some 20 ms: OVERVIEW_MISCOMPILED if it would not give the
-   bits of `ov.render`. */
+   bits of `ov.render`. From then on every function below returns that, too, and does nothing else,
+   until the process ends. */
 int32_t overview_load(void *memory, const void *image, int64_t bytes);
 
 /* Reset at a sample rate in Hz: 1000 to 768000, and above the carrier's frequency / 0.45. */

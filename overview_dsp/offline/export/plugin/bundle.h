@@ -14,7 +14,8 @@ typedef struct {
 typedef struct {
     const char *digest; /* SHA-256 of the image */
     int64_t at, bytes; /* in bundle_data */
-    double tail; /* s, from the last release to exact silence, with the preset's own values */
+    double tail; /* s, from the last release to exact silence, with the preset's own values, at 48 kHz */
+    double tail_per_octave; /* s more for each octave above */
     const double (*map)[2]; /* times, s, and their positions, 0 to 1; linear in between */
     int points; /* of the map */
 } bundle_image;
@@ -22,9 +23,10 @@ typedef struct {
 typedef struct {
     const char *id, *name, *section; /* the id that hosts keep, whatever is renamed */
     const char *const *choices; /* NULL for a number; a choice's value is its index */
+    int is_log; /* whether its range is logarithmic */
 } bundle_label;
 
-extern const char bundle_id[], bundle_name[], bundle_version[], bundle_description[];
+extern const char bundle_id[], bundle_name[], bundle_version[];
 extern const uint32_t bundle_class[4]; /* in VST3 */
 extern const int bundle_presets_count, bundle_timelines_count;
 extern const char *const bundle_timelines[];

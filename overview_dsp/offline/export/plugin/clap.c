@@ -16,6 +16,20 @@ static instance *of(const clap_plugin_t *plugin) { return (instance *)plugin->pl
 
 static int which_is(clap_id number) { return value_of(number, UINT32_MAX); }
 
+/* A host has 0 to 1 on a logarithmic range, else the value itself. */
+static double to_host(const voice *v, int which, double plain) {
+    return value_is_log(which) ? value_normal(v, which, plain) : plain;
+}
+static double from_host(const voice *v, int which, double said, const double *known) {
+    return value_is_log(which) ? value_plain(v, which, said, known) : said;
+}
+static double from_host_now(voice *v, int which, double said) {
+    double known[VOICE_VALUES];
+    int i;
+    for (i = 0; i < VOICE_VALUES; i++) known[i] = atomic_load(&v->values[i]);
+    return from_host(v, which, said, known);
+}
+
 static uint32_t CLAP_ABI params_count(const clap_plugin_t *plugin) {
     (void)plugin;
     return VOICE_VALUES;
@@ -31,21 +45,24 @@ static bool CLAP_ABI params_info(const clap_plugin_t *plugin, uint32_t index, cl
     snprintf(info->name, sizeof info->name, "%s", value_name(which));
     if (which >= VOICE_OWN)
         snprintf(info->module, sizeof info->module, "%s", bundle_labels[which - VOICE_OWN].section);
-    info->min_value = voice_lowest(which), info->max_value = voice_highest(v, which);
-    info->default_value = voice_default(v, which);
+    info->min_value = to_host(v, which, voice_lowest(which));
+    info->max_value = to_host(v, which, voice_highest(v, which));
+    info->default_value = to_host(v, which, voice_default(v, which));
     return true;
 }
 static bool CLAP_ABI params_value(const clap_plugin_t *plugin, clap_id id, double *value) {
     int which = which_is(id);
     if (which < 0) return false;
-    *value = atomic_load(&of(plugin)->voice.values[which]);
+    *value = to_host(&of(plugin)->voice, which, atomic_load(&of(plugin)->voice.values[which]));
     return true;
 }
 static bool CLAP_ABI params_to_text(
     const clap_plugin_t *plugin, clap_id id, double value, char *text, uint32_t size) {
+    voice *v = &of(plugin)->voice;
     int which = which_is(id);
     size_t length;
-    if (which < 0 || !size || !value_to_text(&of(plugin)->voice, which, value, text, size)) return false;
+    if (which < 0 || !size || (value_is_log(which) && !(value >= 0.0 && value <= 1.0))) return false;
+    if (!value_to_text(v, which, from_host_now(v, which, value), text, size)) return false;
     length = strlen(text);
     if (*value_unit(which)) snprintf(text + length, size - length, " %s", value_unit(which));
     return true;
@@ -53,7 +70,9 @@ static bool CLAP_ABI params_to_text(
 static bool CLAP_ABI params_from_text(
     const clap_plugin_t *plugin, clap_id id, const char *text, double *value) {
     int which = which_is(id);
-    return which >= 0 && value_from_text(&of(plugin)->voice, which, text, value);
+    if (which < 0 || !value_from_text(&of(plugin)->voice, which, text, value)) return false;
+    *value = to_host(&of(plugin)->voice, which, *value);
+    return true;
 }
 
 /* ---- events */
@@ -63,9 +82,15 @@ static void tell(const clap_output_events_t *out, const voice *v, int which, uin
     memset(&event, 0, sizeof event);
     event.header.size = sizeof event, event.header.time = time;
     event.header.space_id = CLAP_CORE_EVENT_SPACE_ID, event.header.type = CLAP_EVENT_PARAM_VALUE;
-    event.param_id = value_number(which), event.value = v->applied[which];
+    event.param_id = value_number(which), event.value = to_host(v, which, v->applied[which]);
     event.note_id = event.port_index = event.channel = event.key = -1;
     if (out) out->try_push(out, &event.header);
+}
+
+static void hear_transport(voice *v, const clap_event_transport_t *now, int32_t at) {
+    const uint32_t needed = CLAP_TRANSPORT_IS_PLAYING | CLAP_TRANSPORT_HAS_SECONDS_TIMELINE;
+    if (at > v->done) voice_run(v, at);
+    voice_transport(v, (double)now->song_pos_seconds / 2147483648.0, (now->flags & needed) == needed, at);
 }
 
 /* An event at frame `at` of the block; a flush has no frames: at once. */
@@ -77,7 +102,7 @@ static void hear(voice *v, const clap_event_header_t *event, int32_t at, const c
         const clap_event_param_value_t *set = (const clap_event_param_value_t *)event;
         double before = v->applied[VOICE_PRESET];
         if ((which = which_is(set->param_id)) < 0) return;
-        voice_set(v, which, set->value, at);
+        voice_set(v, which, from_host(v, which, set->value, v->applied), at);
         if (v->applied[VOICE_PRESET] != before)
             for (which = VOICE_OWN; which < VOICE_VALUES; which++) tell(out, v, which, time);
     } else if (event->type == CLAP_EVENT_NOTE_ON) {
@@ -85,6 +110,8 @@ static void hear(voice *v, const clap_event_header_t *event, int32_t at, const c
         if (note->key >= 0 && note->key < 128) voice_press(v, note->key, at);
     } else if (event->type == CLAP_EVENT_NOTE_OFF || event->type == CLAP_EVENT_NOTE_CHOKE) {
         voice_release(v, ((const clap_event_note_t *)event)->key, at);
+    } else if (event->type == CLAP_EVENT_TRANSPORT) {
+        hear_transport(v, (const clap_event_transport_t *)event, at);
     } else if (event->type == CLAP_EVENT_MIDI) {
         if (voice_midi(v, ((const clap_event_midi_t *)event)->data, at)) tell(out, v, VOICE_THETA2, time);
     }
@@ -118,6 +145,8 @@ static clap_process_status CLAP_ABI process(const clap_plugin_t *plugin, const c
         if (buffer->data32 && buffer->channel_count > 0) outputs[i] = buffer->data32[0];
     }
     voice_begin(v, outputs[0], outputs[1]);
+    v->is_playing = 0; /* without a transport, or where it doesn't say */
+    if (block->transport) hear_transport(v, block->transport, 0);
     for (i = 0; i < count; i++) {
         const clap_event_header_t *event = block->in_events->get(block->in_events, i);
         /* in their order, whatever a host's stamps are */
@@ -134,6 +163,32 @@ static clap_process_status CLAP_ABI process(const clap_plugin_t *plugin, const c
 
 /* ---- state */
 
+static void report(const instance *self, clap_log_severity severity, const char *text) {
+    const clap_host_log_t *log = (const clap_host_log_t *)self->host->get_extension(self->host, CLAP_EXT_LOG);
+    if (log) log->log(self->host, severity, text);
+}
+static void report_missing(instance *self) {
+    voice *v = &self->voice;
+    char text[1024];
+    int which;
+    for (which = VOICE_TIMELINE; which <= VOICE_PRESET; which++) {
+        int choice = v->in_place[which - VOICE_TIMELINE];
+        const char *missing = value_missing(v, which, choice);
+        char kept[VOICE_NAME];
+        if (!missing) continue;
+        value_copy(kept, sizeof kept - 1, missing); /* a longer one may end within a character */
+        if (*missing)
+            snprintf(text, sizeof text, "%s '%s' of the project is not in this plugin: '%s' plays in its "
+                     "place, with the project's values; build the plugin with it", value_name(which), kept,
+                     value_choice(v, which, choice));
+        else
+            snprintf(text, sizeof text, "The project was saved by an earlier build and names no %s: '%s' plays, "
+                     "with the project's values; choose another %s if it is a wrong one", value_id(which),
+                     value_choice(v, which, choice), value_id(which));
+        report(self, CLAP_LOG_WARNING, text);
+    }
+}
+
 static bool CLAP_ABI state_save(const clap_plugin_t *plugin, const clap_ostream_t *stream) {
     char bytes[STATE_BYTES];
     size_t done = 0;
@@ -149,8 +204,8 @@ static bool CLAP_ABI state_save(const clap_plugin_t *plugin, const clap_ostream_
 static bool CLAP_ABI state_load(const clap_plugin_t *plugin, const clap_istream_t *stream) {
     instance *self = of(plugin);
     const clap_host_params_t *params;
-    char bytes[STATE_BYTES + 1];
-    double values[VOICE_VALUES];
+    char bytes[STATE_MOST + 1];
+    state_values read;
     size_t done = 0;
     for (;;) {
         int64_t n = stream->read(stream, bytes + done, sizeof bytes - done);
@@ -159,10 +214,11 @@ static bool CLAP_ABI state_load(const clap_plugin_t *plugin, const clap_istream_
         done += (size_t)n;
         if (done == sizeof bytes) return false;
     }
-    if (!state_read(&self->voice, bytes, done, values)) return false;
-    state_take(&self->voice, values);
+    if (!state_read(&self->voice, bytes, done, &read)) return false;
+    state_take(&self->voice, &read);
+    report_missing(self);
     params = (const clap_host_params_t *)self->host->get_extension(self->host, CLAP_EXT_PARAMS);
-    if (params) params->rescan(self->host, CLAP_PARAM_RESCAN_VALUES);
+    if (params) params->rescan(self->host, CLAP_PARAM_RESCAN_VALUES | CLAP_PARAM_RESCAN_TEXT);
     return true;
 }
 
@@ -215,8 +271,9 @@ static void CLAP_ABI destroy(const clap_plugin_t *plugin) {
     free(of(plugin));
 }
 static bool CLAP_ABI activate(const clap_plugin_t *plugin, double rate, uint32_t least, uint32_t most) {
+    int32_t refused = voice_activate(&of(plugin)->voice, rate);
     (void)least, (void)most;
-    if (voice_activate(&of(plugin)->voice, rate)) return false;
+    if (refused) return report(of(plugin), CLAP_LOG_ERROR, overview_message(refused)), false;
     of(plugin)->told_tail = tail_get(plugin);
     return true;
 }
@@ -250,7 +307,7 @@ static const void *CLAP_ABI get_extension(const clap_plugin_t *plugin, const cha
 static const char *features[] = {"instrument", "synthesizer", NULL};
 static const clap_plugin_descriptor_t descriptor = {
     CLAP_VERSION_INIT, bundle_id, bundle_name, "overView DSP", "", "", "",
-    bundle_version, bundle_description, features,
+    bundle_version, "A timeline under the hand: clicks to hear, a vibration to feel.", features,
 };
 
 static uint32_t CLAP_ABI factory_count(const clap_plugin_factory_t *factory) {

@@ -363,6 +363,13 @@ typedef struct clap_plugin_latency {
    uint32_t(CLAP_ABI *get)(const clap_plugin_t *plugin);
 } clap_plugin_latency_t;
 
+static const char CLAP_EXT_LOG[] = "clap.log";
+enum { CLAP_LOG_DEBUG, CLAP_LOG_INFO, CLAP_LOG_WARNING, CLAP_LOG_ERROR, CLAP_LOG_FATAL };
+typedef int32_t clap_log_severity;
+typedef struct clap_host_log {
+   void(CLAP_ABI *log)(const clap_host_t *host, clap_log_severity severity, const char *msg);
+} clap_host_log_t;
+
 static const char CLAP_EXT_TAIL[] = "clap.tail";
 typedef struct clap_plugin_tail {
    uint32_t(CLAP_ABI *get)(const clap_plugin_t *plugin);

@@ -4,19 +4,20 @@
 
 /* Ports, as in the bundle's Turtle file, the last one where there are several timelines: of the
    values all but the preset. */
-enum { PORT_EVENTS, PORT_CLICK, PORT_TACTOR, PORT_THETA2, PORT_TOUCH, PORT_OWN, MOST_PRESETS = 64 };
+enum { PORT_EVENTS, PORT_CLICK, PORT_TACTOR, PORT_THETA2, PORT_TOUCH, PORT_FOLLOW, PORT_OWN, MOST_PRESETS = 64 };
 enum { PORT_TIMELINE = PORT_OWN + OVERVIEW_PARAMETERS, PORTS };
 
 typedef struct {
     void *ports[PORTS];
     float heard[PORTS]; /* what the controls were */
     int fresh; /* no block since it was activated */
-    LV2_URID midi;
+    LV2_URID midi, object, position, frame, speed;
     voice voice;
 } instance;
 
 static int value_at(int port) {
     if (port == PORT_TIMELINE) return VOICE_TIMELINE;
+    if (port == PORT_FOLLOW) return VOICE_FOLLOW;
     return port < PORT_OWN ? port - PORT_THETA2 + VOICE_THETA2 : port - PORT_OWN + VOICE_OWN;
 }
 
@@ -39,6 +40,10 @@ static LV2_Handle instantiate(const LV2_Descriptor *descriptor, double rate, con
     if (!map || preset == bundle_presets_count) return NULL;
     if (!(self = (instance *)calloc(1, sizeof *self))) return NULL;
     self->midi = map->map(map->handle, LV2_MIDI__MidiEvent);
+    self->object = map->map(map->handle, LV2_ATOM__Object);
+    self->position = map->map(map->handle, LV2_TIME__Position);
+    self->frame = map->map(map->handle, LV2_TIME__frame);
+    self->speed = map->map(map->handle, LV2_TIME__speed);
     voice_init(&self->voice, preset, 1);
     if (!voice_activate(&self->voice, rate)) return self;
     free(self);
@@ -50,6 +55,32 @@ static void cleanup(LV2_Handle handle) {
 }
 static void connect_port(LV2_Handle handle, uint32_t port, void *data) {
     if (port < PORTS) ((instance *)handle)->ports[port] = data;
+}
+/* A host tells where its transport is as it starts, stops and jumps. `body`: of an atom object. */
+static void hear_position(instance *self, const char *body, uint32_t size, int32_t at) {
+    voice *v = &self->voice;
+    const char *next = body + sizeof(LV2_Atom_Object_Body);
+    double seconds = (double)(v->song + (v->is_playing ? at : 0)) / v->rate; /* if it says no place */
+    int is_playing = v->is_playing;
+    if (size < sizeof(LV2_Atom_Object_Body) || ((const LV2_Atom_Object_Body *)body)->otype != self->position) return;
+    while (next + sizeof(LV2_Atom_Property_Body) <= body + size) {
+        const LV2_Atom_Property_Body *property = (const LV2_Atom_Property_Body *)next;
+        const char *value = (const char *)(property + 1);
+        if (property->value.size > (size_t)(body + size - value)) return;
+        if (property->key == self->frame && property->value.size == 8) {
+            int64_t frame;
+            memcpy(&frame, value, 8);
+            seconds = (double)frame / v->rate;
+        } else if (property->key == self->speed && property->value.size == 4) {
+            float speed;
+            memcpy(&speed, value, 4);
+            is_playing = speed > 0.0f;
+        }
+        next = value + ((property->value.size + 7u) & ~7u);
+    }
+    if (at > v->done) voice_run(v, at);
+    voice_transport(v, seconds, is_playing, at);
+    if (!v->is_playing) v->song += at; /* it stays there */
 }
 static void activate(LV2_Handle handle) { ((instance *)handle)->fresh = 1; }
 static void deactivate(LV2_Handle handle) { (void)handle; }
@@ -82,11 +113,14 @@ static void run(LV2_Handle handle, uint32_t frames) {
             if (event->body.size > (size_t)(end - (const char *)data)) break;
             if (event->time.frames > frame)
                 frame = event->time.frames < frames ? (int32_t)event->time.frames : (int32_t)frames;
+            if (event->body.type == self->object)
+                hear_position(self, (const char *)data, event->body.size, frame);
             if (event->body.type == self->midi && event->body.size >= 3) voice_midi(v, data, frame);
             at += sizeof(LV2_Atom_Event) + ((event->body.size + 7u) & ~7u);
         }
     }
     voice_run(v, (int32_t)frames);
+    if (v->is_playing) v->song += frames; /* a host says only where it starts, stops and jumps */
 }
 
 static const void *extension_data(const char *uri) {

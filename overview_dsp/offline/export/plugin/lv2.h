@@ -26,8 +26,13 @@
 #endif
 
 #define LV2_ATOM__Sequence "http://lv2plug.in/ns/ext/atom#Sequence"
+#define LV2_ATOM__Object "http://lv2plug.in/ns/ext/atom#Object"
 #define LV2_MIDI__MidiEvent "http://lv2plug.in/ns/ext/midi#MidiEvent"
 #define LV2_URID__map "http://lv2plug.in/ns/ext/urid#map"
+
+#define LV2_TIME__Position "http://lv2plug.in/ns/ext/time#Position"
+#define LV2_TIME__frame "http://lv2plug.in/ns/ext/time#frame"
+#define LV2_TIME__speed "http://lv2plug.in/ns/ext/time#speed"
 
 typedef void *LV2_Handle;
 typedef struct {
@@ -59,6 +64,15 @@ typedef struct {
   uint32_t size;
   uint32_t type;
 } LV2_Atom;
+typedef struct {
+  uint32_t id;
+  uint32_t otype;
+} LV2_Atom_Object_Body;
+typedef struct {
+  LV2_URID key;
+  uint32_t context;
+  LV2_Atom value;
+} LV2_Atom_Property_Body;
 typedef struct {
   union {
     int64_t frames;

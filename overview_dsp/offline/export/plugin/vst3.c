@@ -55,10 +55,10 @@ static v3_result V3_API set_active(void *self, v3_bool state) {
 }
 static v3_result V3_API set_state(void *self, struct v3_bstream **stream) {
     instance *object = OF(self, component);
-    double values[VOICE_VALUES];
-    if (!stream_values(&object->voice, stream, values)) return V3_FALSE;
-    state_take(&object->voice, values);
-    show(object, values);
+    state_values read;
+    if (!stream_state(&object->voice, stream, &read)) return V3_FALSE;
+    state_take(&object->voice, &read);
+    show(object, read.values);
     return V3_OK;
 }
 static v3_result V3_API get_state(void *self, struct v3_bstream **stream) {
@@ -138,6 +138,11 @@ static v3_result V3_API process(void *self, struct v3_process_data *data) {
     if (data->symbolic_sample_size != V3_SAMPLE_32) return V3_INVALID_ARG;
     if (!voice_active(v) && bytes) return V3_NOT_INITIALIZED;
     if (voice_active(v)) voice_begin(v, click, beside ? beside : apart);
+    if (voice_active(v)) {
+        const struct v3_process_context *now = data->ctx;
+        int is_playing = now && (now->state & V3_PLAYING);
+        voice_transport(v, is_playing ? (double)now->project_time_in_samples / v->rate : 0.0, is_playing, 0);
+    }
     hear(object, data); /* without frames, values only */
     if (!bytes) return V3_OK;
     voice_run(v, data->nframes);
@@ -157,7 +162,7 @@ static v3_result V3_API process(void *self, struct v3_process_data *data) {
 
 static uint32_t V3_API context_needed(void *self) {
     (void)self;
-    return 0;
+    return V3_NEEDS_TRANSPORT_STATE;
 }
 
 /* ---- the object */
@@ -249,7 +254,7 @@ static v3_result V3_API class_info_2(void *self, int32_t index, struct v3_class_
     class_id(info->class_id);
     info->cardinality = INT32_MAX;
     snprintf(info->category, sizeof info->category, "Audio Module Class");
-    snprintf(info->name, sizeof info->name, "%s", bundle_name);
+    value_copy(info->name, sizeof info->name, bundle_name);
     snprintf(info->sub_categories, sizeof info->sub_categories, "Instrument|Synth");
     snprintf(info->vendor, sizeof info->vendor, "%s", maker);
     snprintf(info->version, sizeof info->version, "%s", bundle_version);

@@ -264,7 +264,12 @@ struct v3_audio_bus_buffers {
         double **channel_buffers_64;
     };
 };
-struct v3_process_context;
+struct v3_process_context { /* its beginning */
+    uint32_t state;
+    double sample_rate;
+    int64_t project_time_in_samples;
+};
+enum { V3_PLAYING = 1 << 1, V3_NEEDS_TRANSPORT_STATE = 1 << 10 };
 struct v3_process_data {
     int32_t process_mode;
     int32_t symbolic_sample_size;

@@ -61,43 +61,17 @@ static v3_param_id parameter_number(int which) {
 static int parameter_of(v3_param_id number) {
     return number < PARAMETERS - VOICE_VALUES ? VOICE_VALUES + (int)number : value_of(number, INT32_MAX);
 }
-static double normal_of(const voice *v, int which, double plain) {
-    double low, high;
-    if (which >= VOICE_VALUES) return plain;
-    low = voice_lowest(which), high = voice_highest(v, which);
-    return high > low ? (plain - low) / (high - low) : 0.0;
-}
-/* Whether a host says what it was told: some hold numbers as floats. */
-static int is_told(double told, double said) {
-    return told == said || (said == (double)(float)said && (float)told == (float)said);
-}
-/* `known`: values that keep all their bits on the way through a host. NaN stays. */
-static double plain_of(const voice *v, int which, double normal, const double *known) {
-    double low, high;
-    if (normal != normal || which >= VOICE_VALUES) return normal;
-    low = voice_lowest(which), high = voice_highest(v, which);
-    normal = normal < 0.0 ? 0.0 : normal > 1.0 ? 1.0 : normal;
-    if (voice_is_choice(which)) {
-        int choice = (int)(normal * (high + 1.0));
-        return choice > (int)high ? high : choice;
-    }
-    if (is_told(normal_of(v, which, known[which]), normal)) return known[which];
-    if (which >= VOICE_OWN) {
-        double own = voice_preset(v, (int)known[VOICE_PRESET])->values[which - VOICE_OWN];
-        if (is_told(normal_of(v, which, own), normal)) return own;
-    }
-    return low + normal * (high - low);
-}
 static double plain_shown(instance *self, int which, double normal) {
     double known[VOICE_VALUES];
     int i;
+    if (which >= VOICE_VALUES) return normal;
     for (i = 0; i < VOICE_VALUES; i++) known[i] = atomic_load(&self->voice.values[i]);
-    return plain_of(&self->voice, which, normal, known);
+    return value_plain(&self->voice, which, normal, known);
 }
 static void show(instance *self, const double values[VOICE_VALUES]) {
     int which;
     for (which = 0; which < VOICE_VALUES; which++)
-        self->shown[which] = normal_of(&self->voice, which, values[which]);
+        self->shown[which] = value_normal(&self->voice, which, values[which]);
 }
 
 static int32_t V3_API parameter_count(void *self) {
@@ -118,13 +92,13 @@ static v3_result V3_API parameter_info(void *self, int32_t which, struct v3_para
     wide(value_unit(which), info->units, 128);
     if (voice_is_choice(which)) info->step_count = (int32_t)voice_highest(v, which);
     if (info->step_count > 1) info->flags |= V3_PARAM_IS_LIST;
-    info->default_normalised_value = normal_of(v, which, voice_default(v, which));
+    info->default_normalised_value = value_normal(v, which, voice_default(v, which));
     return V3_OK;
 }
 static v3_result V3_API parameter_text(void *self, v3_param_id id, double normal, v3_str_128 text) {
     instance *object = OF(self, controller);
     int which = parameter_of(id);
-    char said[128];
+    char said[512]; /* for 128 characters of any length */
     if (which < 0 || normal != normal) return V3_INVALID_ARG;
     if (which >= VOICE_VALUES) snprintf(said, sizeof said, "%.9g", normal);
     else if (!value_to_text(&object->voice, which, plain_shown(object, which, normal), said, sizeof said))
@@ -140,7 +114,7 @@ static v3_result V3_API parameter_from_text(void *self, v3_param_id id, int16_t 
     if (which < 0 || which >= VOICE_VALUES) return V3_INVALID_ARG;
     narrow(text, said, sizeof said);
     if (!value_from_text(v, which, said, &plain)) return V3_FALSE;
-    *normal = normal_of(v, which, plain);
+    *normal = value_normal(v, which, plain);
     return V3_OK;
 }
 static double V3_API parameter_plain(void *self, v3_param_id id, double normal) {
@@ -149,7 +123,7 @@ static double V3_API parameter_plain(void *self, v3_param_id id, double normal) 
 }
 static double V3_API parameter_normal(void *self, v3_param_id id, double plain) {
     int which = parameter_of(id);
-    return which < 0 ? plain : normal_of(&OF(self, controller)->voice, which, plain);
+    return which < 0 || which >= VOICE_VALUES ? plain : value_normal(&OF(self, controller)->voice, which, plain);
 }
 static double V3_API parameter_get(void *self, v3_param_id id) {
     int which = parameter_of(id);
@@ -173,8 +147,8 @@ static v3_result V3_API controller_assignment(
 
 /* ---- state */
 
-static int stream_values(const voice *v, struct v3_bstream **stream, double values[VOICE_VALUES]) {
-    char bytes[STATE_BYTES + 1];
+static int stream_state(const voice *v, struct v3_bstream **stream, state_values *read) {
+    char bytes[STATE_MOST + 1];
     int32_t done = 0, n;
     while (done < (int32_t)sizeof bytes) {
         n = 0;
@@ -182,12 +156,12 @@ static int stream_values(const voice *v, struct v3_bstream **stream, double valu
         if (n > (int32_t)sizeof bytes - done) return 0;
         done += n;
     }
-    return state_read(v, bytes, (size_t)done, values);
+    return state_read(v, bytes, (size_t)done, read);
 }
 static v3_result V3_API component_state(void *self, struct v3_bstream **stream) {
-    double values[VOICE_VALUES];
-    if (!stream_values(&OF(self, controller)->voice, stream, values)) return V3_FALSE;
-    show(OF(self, controller), values);
+    state_values read;
+    if (!stream_state(&OF(self, controller)->voice, stream, &read)) return V3_FALSE;
+    show(OF(self, controller), read.values);
     return V3_OK;
 }
 /* The component's state is the whole. */

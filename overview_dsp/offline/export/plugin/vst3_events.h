@@ -28,7 +28,7 @@ static void tell(const instance *self, struct v3_param_changes **out, int which,
     int32_t index = 0;
     struct v3_param_value_queue **queue = out ? (*out)->add_param_data(out, &id, &index) : NULL;
     if (queue)
-        (*queue)->add_point(queue, at, normal_of(&self->voice, which, self->voice.applied[which]), &index);
+        (*queue)->add_point(queue, at, value_normal(&self->voice, which, self->voice.applied[which]), &index);
 }
 
 static void hear_point(
@@ -43,7 +43,7 @@ static void hear_point(
         if (wheel != self->wheel && voice_midi(v, message, at)) tell(self, out, VOICE_THETA2, at);
         self->wheel = wheel;
     } else {
-        voice_set(v, which, plain_of(v, which, normal, v->applied), at);
+        voice_set(v, which, value_plain(v, which, normal, v->applied), at);
         if (v->applied[VOICE_PRESET] != before)
             for (which = VOICE_OWN; which < VOICE_VALUES; which++) tell(self, out, which, at);
     }
