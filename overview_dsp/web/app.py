@@ -40,18 +40,10 @@ def make_app(
 ) -> ASGIApp:
     """Return the application with its access checks.
 
-    Parameters
-    ----------
-    names
-        Host names of this machine; its addresses are always accepted.
-    report
-        Receives a message for each failed request.
-    session
-        Session that plays on this machine; None if the page plays.
-    data_routes
-        Routes of the data.
-    public
-        Paths of another page that need no token; its files are in `data_routes`.
+    `names`: host names of this machine; its addresses are always accepted.
+    `report`: receives a message for each failed request.
+    `session`: session that plays on this machine; None if the page plays.
+    `public`: paths of another page that need no token; its files are in `data_routes`.
     """
 
     def open_session(request: Request) -> Response:

@@ -64,12 +64,8 @@ def folder_files(*, live: bool) -> dict[str, bytes]:
 def other_page_files(own: Mapping[str, bytes], shared: Iterable[str]) -> dict[str, bytes]:
     """Return the files of another page and the shared files of this one, by their path.
 
-    Parameters
-    ----------
-    own : mapping of str to bytes
-        The other page's files.
-    shared : iterable of str
-        Files of this page that the other page uses, in addition to imported modules.
+    `own` has the other page's files by path. It uses the `shared` files of this page in addition
+    to imported modules.
     """
     files = dict(own)
     pending = [*shared, *(one for name, file in own.items() for one in _imports(name, file))]

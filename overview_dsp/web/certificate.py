@@ -20,7 +20,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file, make_folder
+from overview_dsp.files.atomic import make_folder, write_file
 
 DAYS = 397
 """Some phones reject certificates with a longer validity."""
@@ -30,28 +30,19 @@ MAX_NAMES = 20
 FILE = "server.pem"
 
 
-def certificate_file() -> Path:
-    """Return the path of key and certificate: `server.pem` in the user's config folder."""
-    return platformdirs.user_config_path("overview-dsp", appauthor=False) / FILE
-
-
 def user_certificate(names: Iterable[str]) -> Path:
     """Return the file of a certificate for these names and addresses; create it if needed.
 
-    Raises
-    ------
-    InputError, OutputError
-        The file can't be written.
+    InputError or OutputError if it can't be written.
     """
-    path = certificate_file()
+    path = platformdirs.user_config_path("overview-dsp", appauthor=False) / FILE
     required = list(dict.fromkeys(names))
     stored = _names(path)
     if stored is None or not set(required) <= set(stored):
         # earlier names stay: a laptop alternates between networks
         both = list(dict.fromkeys([*required, *(stored or ())]))[:MAX_NAMES]
         make_folder(path.parent)
-        with atomic_file(path, private=True) as temporary:
-            temporary.write_bytes(make_certificate(both))
+        write_file(path, make_certificate(both), private=True)
     return path
 
 
@@ -74,19 +65,14 @@ def make_certificate(names: list[str], now: datetime.datetime | None = None) -> 
         .sign(key, hashes.SHA256())
     )
     return key.private_bytes(
-        serialization.Encoding.PEM,
-        serialization.PrivateFormat.PKCS8,
-        serialization.NoEncryption(),
+        serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
     ) + certificate.public_bytes(serialization.Encoding.PEM)
 
 
 def secure_context(certificate: Path, key: Path | None = None) -> ssl.SSLContext:
     """Return a context for TLS 1.2 or later with a PEM certificate and its key.
 
-    Raises
-    ------
-    InputError
-        The files can't be read, or certificate and key don't match.
+    InputError if the files can't be read, or certificate and key don't match.
     """
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2

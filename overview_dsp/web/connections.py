@@ -105,17 +105,13 @@ class HttpConnection(_SlowReaderLimit, H11Protocol):
         same = [one for one in others if address_of(one) == address_of(self)]
         group = same if len(same) >= self._limit_per_address else others
         if group is same or len(others) >= self._limit:
-            idle = [one for one in group if isinstance(one, HttpConnection) and one.is_idle]
+            known = [one for one in group if isinstance(one, HttpConnection)]
+            idle = [one for one in known if one._idle_since is not None]
             if not idle:
                 transport.abort()
                 return
             min(idle, key=lambda one: one._idle_since or 0.0).transport.abort()
         self._start_deadline()
-
-    @property
-    def is_idle(self) -> bool:
-        """True while the connection waits for a request."""
-        return self._idle_since is not None
 
     def data_received(self, data: bytes) -> None:
         """Start or cancel the deadline for a request."""

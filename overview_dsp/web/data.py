@@ -82,22 +82,13 @@ def data_routes(
     live: LiveTimeline | None = None,
     linear: bool = False,
 ) -> list[BaseRoute]:
-    """Return the routes of a timeline.
+    """Return the routes of a timeline, for the name or path of a preset.
 
-    Parameters
-    ----------
-    preset
-        Name or path of the preset.
-    audio
-        What plays the sound: "here" (the page) or "host".
-    first
-        The window (s) that is shown first.
-    media
-        Film or recording of the timeline.
-    live
-        Live timeline; `timeline` is its snapshot.
-    linear
-        Whether presets are used without their angle map.
+    `audio`: machine that plays the sound, "here" (the page's) or "host".
+    `first`: the window (s) that is shown first.
+    `media`: film or recording of the timeline.
+    `live`: live timeline; `timeline` is its snapshot.
+    `linear`: whether presets are used without their angle map.
     """
     one_at_a_time = threading.Lock()
     is_library_name = any(preset in names for names in preset_names().values())

@@ -6,11 +6,11 @@ import html
 import os
 import re
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import atomic_folder
-from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.web.assets import START, page_files
 from overview_dsp.web.static_site import HEIGHT, PICTURE, WIDTH, link_tags, write_site
 
@@ -26,29 +26,14 @@ def write_gallery(
     items: Sequence[tuple[Timeline, Preset]],
     path: str | os.PathLike[str],
     *,
-    levels: int | None = None,
-    seed: int = 0,
-    actuator: Actuator | None = None,
     address: str | None = None,
     progress: Callable[[float], None] | None = None,
+    **options: Any,
 ) -> int:
     """Write the folder completely or not at all; return its size in bytes.
 
-    Parameters
-    ----------
-    items
-        Timelines in order, each with its preset.
-    path
-        A new or empty folder, or an earlier gallery.
-    levels, seed, actuator
-        Settings of each page, as in `write_site`.
-    address
-        URL of the published folder, if known: ``https://example.org/matches/``.
-
-    Raises
-    ------
-    InputError
-        The folder can't be written, contains other files, or a surface can't be built.
+    `items` are timelines in order, each with its preset. Other arguments and errors are those of
+    `write_site`; `path` may be an earlier gallery.
     """
     names = _folder_names([timeline.title for timeline, _ in items])
     files = {name: page_files()[name] for name in _FILES}
@@ -64,16 +49,8 @@ def write_gallery(
                 if progress is not None:
                     progress((i + done) / len(items))
 
-            size += write_site(
-                timeline,
-                preset,
-                folder / name,
-                levels=levels,
-                seed=seed,
-                actuator=actuator,
-                address=None if address is None else f"{address}{name}/",
-                progress=report,
-            )
+            options["address"] = None if address is None else f"{address}{name}/"
+            size += write_site(timeline, preset, folder / name, progress=report, **options)
     return size
 
 

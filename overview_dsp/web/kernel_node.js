@@ -66,9 +66,7 @@ export class KernelNode extends AudioWorkletNode {
    * @param {boolean} touching
    */
   control(theta2, touching, source = "touch", sampleTime = AT_ONCE) {
-    if (!SOURCES.includes(source)) {
-      throw new Error(`unknown input ${source}; must be one of: ${SOURCES.join(", ")}`);
-    }
+    numberOf(source);
     this.unsentEvents.push({ sampleTime, source, theta2, touching });
     if (this.unsentEvents.length === 1) queueMicrotask(() => this.flush());
   }
@@ -155,6 +153,13 @@ export class KernelNode extends AudioWorkletNode {
   }
 }
 
+/** @param {string} source */
+function numberOf(source) {
+  const found = SOURCES.indexOf(source);
+  if (found < 0) throw new Error(`unknown input ${source}; must be one of: ${SOURCES.join(", ")}`);
+  return found;
+}
+
 /**
  * Return control events as rows for the audio thread.
  * @param {ControlEvent[]} events
@@ -162,7 +167,7 @@ export class KernelNode extends AudioWorkletNode {
 function eventRows(events) {
   const table = new Float64Array(4 * events.length);
   events.forEach(({ sampleTime = AT_ONCE, source = "touch", theta2, touching }, i) => {
-    table.set([sampleTime, SOURCES.indexOf(source), theta2, touching ? 1 : 0], 4 * i);
+    table.set([sampleTime, numberOf(source), theta2, touching ? 1 : 0], 4 * i);
   });
   return table;
 }

@@ -44,13 +44,7 @@ class Media:
 
 
 def open_media(path: str, offset_s: float) -> Media:
-    """Open a film or recording.
-
-    Raises
-    ------
-    InputError
-        The file can't be read, or browsers can't play its type.
-    """
+    """Open a film or recording; InputError if it can't be read, or browsers can't play its type."""
     kind = mimetypes.guess_type(path)[0] or ""
     if not kind.startswith(("video/", "audio/")):
         raise InputError(f"{path}: unknown media type; use .mp4, .webm, .mp3 or .ogg")

@@ -27,7 +27,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file, make_folder
+from overview_dsp.files.atomic import make_folder, write_file
 from overview_dsp.files.toml import SUFFIX
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
@@ -59,12 +59,8 @@ def parse_preset(value: Any) -> Preset:
 def save_preset(name: str, text: str, replace: bool) -> Path:
     """Save a preset file in the user's folder if it is valid.
 
-    Raises
-    ------
-    InputError
-        The name or the text is invalid, or the preset exists and `replace` is false.
-    OutputError
-        The disk is full.
+    InputError for an invalid name or text, and for an existing preset unless `replace` is true;
+    OutputError if the disk is full.
     """
     if not NAME.fullmatch(name) or WINDOWS_DEVICES.fullmatch(name):
         raise InputError(f"preset name is {name[:70]!r}; must be letters, digits, - and _")
@@ -76,8 +72,7 @@ def save_preset(name: str, text: str, replace: bool) -> Path:
     _check_parent(text, name)
     parse_user_preset(text, path)
     make_folder(path.parent)
-    with atomic_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_file(path, text)
     return path
 
 

@@ -35,10 +35,7 @@ PING_INTERVAL_S = 2.0
 def listen(host: str, port: int) -> socket.socket:
     """Return a listening socket; port 0 selects a free port.
 
-    Raises
-    ------
-    InputError
-        The address isn't local, or the port is in use or not allowed.
+    InputError if the address isn't local, or the port is in use or not allowed.
     """
     try:
         info = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
@@ -104,10 +101,7 @@ class WebServer:
     ) -> None:
         """Start serving; `crowd` raises the connection limits for hundreds of pages.
 
-        Raises
-        ------
-        OverviewError
-            The server can't start.
+        OverviewError if the server can't start.
         """
         logging.getLogger("uvicorn").propagate = False  # the guard reports failures
         logging.getLogger("uvicorn").addHandler(logging.NullHandler())

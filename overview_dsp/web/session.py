@@ -36,7 +36,8 @@ class HostSession(Input):
     def use(self, preset: Preset) -> None:
         """Change the preset at the next poll; raise InputError if the engine can't play it."""
         check_carrier(preset, self._player.engine.sample_rate)
-        build_surface(self._player.window_timeline, preset)  # here an error reaches the page
+        # here an error reaches the page
+        build_surface(self._player.active_window.window_timeline, preset)
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:

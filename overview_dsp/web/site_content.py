@@ -28,16 +28,10 @@ FIRST = ("data/timeline.json", "data/window-0.json", "data/points-0.json")
 class SiteContent:
     """The files of a timeline and its windows for one preset.
 
-    Parameters
-    ----------
-    levels
-        Number of zoom levels.
-    actuator
-        Actuator of the tactor's signal.
-    server
-        Features of the server (`data`); None in a static folder.
-    live
-        Settings of a live timeline (`live_data`, `static_publisher`).
+    `levels`: number of zoom levels.
+    `actuator`: actuator of the tactor's signal.
+    `server`: features of the server (`data`); None in a static folder.
+    `live`: settings of a live timeline (`live_data`, `static_publisher`).
     """
 
     def __init__(

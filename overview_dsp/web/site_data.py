@@ -4,7 +4,7 @@
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
      "series": {"unit", "decimals", "complete", "has_times"}, null without values (`values`),
-     "reference_torque": N m, "base_friction": N m s/rad, "rates": [44100, 48000],
+     "reference_torque": N m, "rates": [44100, 48000],
      "kinds": {"goal": {"name": "goal", "shape": "circle", "colour": "blue", "count": 6,
                         "pattern": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
@@ -16,7 +16,7 @@
     {"angle_map": {"time_s": [s of the timeline], "position": [...]}, linear between its points,
         or null where position is proportional to time,
      "level": [COLUMNS numbers 0 to 1, null without data], "band": null or [minimum, maximum] of
-        the levels of each column, "resistance": [COLUMNS numbers, N m s/rad],
+        the levels of each column,
      "gaps": [[from, to], ...], "now": position up to which data are known, or null,
      "events": [{"position", "time_s", "kind", "label", "value" of a series}, ...],
      "strike_events": [index in "events" of each strike number, or -1],
@@ -25,8 +25,7 @@
 ``data/points-N.json`` of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
 
 The future of a live timeline is drawn as a gap. Columns are evenly spaced and include both ends.
-Each has the mean level of its points and the largest resistance. `sound_data` has the sound of the
-windows.
+Each has the mean level of its points. `sound_data` has the sound of the windows.
 
 The windows of each zoom level are a third as long as those of the level before and overlap by half.
 A page can only show these windows, since it can't build surfaces. Any time lies in the middle half
@@ -38,14 +37,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.model import Surface
@@ -91,17 +87,27 @@ def site_windows(timeline: Timeline, levels: int) -> list[Window]:
 
 COLUMNS = 1025
 
-# shape and colour of each kind that has a style in the plots
+# shape of each known kind, and colour on the page of a study
 _STYLES = {
     "goal": ("circle", "blue"),
     "own_goal": ("hexagon", "sky"),
     "near_miss": ("triangle", "green"),
-    "yellow_card": ("square", "yellow"),
-    "red_card": ("diamond", "vermilion"),
+    "yellow_card": ("card", "yellow"),
+    "red_card": ("red", "vermilion"),
     "foul": ("cross", "grey"),
     "period": ("bar", "ink"),
     "shot": ("wedge", "green"),
     "touch": ("plus", "grey"),
+    "highest": ("triangle", "vermilion"),
+    "lowest": ("fall", "blue"),
+    "record_high": ("square", "vermilion"),
+    "record_low": ("open_square", "blue"),
+    "peak": ("peak", "vermilion"),
+    "trough": ("trough", "blue"),
+    "largest_rise": ("diamond", "vermilion"),
+    "largest_fall": ("open_diamond", "blue"),
+    "crossing_up": ("arrow_up", "vermilion"),
+    "crossing_down": ("arrow_down", "blue"),
 }
 # names of kinds whose identifier isn't plain English
 _NAMES = {
@@ -109,7 +115,12 @@ _NAMES = {
     "crossing_up": "rises above a level",
     "crossing_down": "falls below a level",
 }
-_OTHER_SHAPES = ("pentagon", "star", "triangle", "square", "diamond", "circle", "wedge", "hexagon")
+_OTHER_SHAPES = (
+    "star", "diamond", "triangle", "square", "circle", "wedge", "cross", "plus", "fall",
+    "open_diamond", "open_triangle", "open_square", "open_circle", "open_wedge", "open_star",
+    "open_fall", "pentagon", "hexagon", "arrow_up", "arrow_down", "peak", "trough",
+    "open_pentagon", "open_hexagon",
+)  # fmt: skip
 _OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
 
 
@@ -124,13 +135,17 @@ def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]
         counts.setdefault(kind, 0)
     fixed = {**_STYLES, **dict.fromkeys(TICKS, ("bar", "grey"))}
     others = sorted(set(counts) - set(fixed))
+    taken = {fixed[kind][0] for kind in counts if kind in fixed}
+    # goals of the second team are outlines
+    taken |= {f"open_{fixed[kind][0]}" for kind in ("goal", "own_goal") if kind in counts}
+    free = [shape for shape in _OTHER_SHAPES if shape not in taken]
     styles = {}
     for kind in (*(name for name in fixed if name in counts), *others):
         if kind in fixed:
             shape, colour = fixed[kind]
         else:
             i = others.index(kind)
-            shape = _OTHER_SHAPES[i % len(_OTHER_SHAPES)]
+            shape = free[min(i, len(free) - 1)]
             colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
         name = KIND_STYLE[kind][2] if kind in _STYLES else kind.replace("_", " ")
         styles[kind] = {
@@ -154,38 +169,27 @@ def timeline_json(
         "start": None if timeline.start is None else timeline.start.isoformat(),
         "series": series_json(timeline),
         "reference_torque": preset.number("tactor.reference_torque_mnm") * 1e-3,
-        "base_friction": preset.number("surface.friction"),
         "rates": list(rates),
         "kinds": kind_styles(timeline, preset),
         "provenance": timeline.provenance,
         "notes": list(timeline.notes),
-        "windows": [
-            {"level": window.level, "start_s": window.start_s, "end_s": window.end_s}
-            for window in windows
-        ],
+        "windows": [vars(window) for window in windows],
     }
 
 
 def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
     """Return ``data/window-N.json`` of a window that begins at `start_s` of the whole timeline."""
-    columns = np.rint(np.arange(CELLS + 1) * ((COLUMNS - 1) / CELLS)).astype(np.int64)
-    first = np.searchsorted(columns, np.arange(COLUMNS))
-    resistance = np.maximum.reduceat(surface.resistance, first)
     angle_map = surface.angle_map
     map_points = {
         "time_s": (start_s + angle_map.time_s).tolist(),
         "position": angle_map.position.tolist(),
     }
     curve = drawn_curve(timeline, angle_map, COLUMNS)
-    now = (
-        None
-        if timeline.known_until_s is None
-        else float(angle_map.position_of(timeline.known_until_s))
-    )
+    until_s = timeline.known_until_s
+    now = None if until_s is None else float(angle_map.position_of(until_s))
     return {
         "angle_map": None if angle_map.is_linear else map_points,
         **curve,
-        "resistance": [float(f"{one:.4g}") for one in resistance.tolist()],
         "gaps": [
             *(angle_map.position_of(gap).tolist() for gap in timeline.gaps),
             *([[now, 1.0]] if now is not None else []),

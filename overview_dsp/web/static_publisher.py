@@ -24,7 +24,7 @@ from pathlib import Path
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import OverviewError
-from overview_dsp.files.atomic import atomic_file
+from overview_dsp.files.atomic import write_file
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.site_content import RATES
 from overview_dsp.web.static_site import write_site
@@ -50,10 +50,7 @@ class StaticPublisher:
     ) -> None:
         """Write the folder and start the thread; `report` receives later errors.
 
-        Raises
-        ------
-        InputError
-            The folder can't be written, or contains other files.
+        InputError if the folder can't be written, or contains other files.
         """
         self._data = LiveData(live, lambda: preset)
         self._live = live
@@ -94,16 +91,13 @@ class StaticPublisher:
         files = []
         for rate in RATES:
             files.append(self._folder / f"{version}-{rate}.update")
-            with atomic_file(files[-1]) as temporary:
-                temporary.write_bytes(self._data.update(-1, rate))
+            write_file(files[-1], self._data.update(-1, rate))
         timeline = self._data.timeline
         if has_values(timeline):
             files.append(self._folder / f"{version}-points.json")
-            with atomic_file(files[-1]) as temporary:
-                points = points_json(timeline, 0.0, timeline.duration_s)
-                temporary.write_text(json.dumps(points), encoding="utf-8")
-        with atomic_file(self._folder / "now.json") as temporary:
-            temporary.write_text(json.dumps(self._data.notice(0)), encoding="utf-8")
+            points = points_json(timeline, 0.0, timeline.duration_s)
+            write_file(files[-1], json.dumps(points))
+        write_file(self._folder / "now.json", json.dumps(self._data.notice(0)))
         self._versions.append(files)
         while len(self._versions) > KEPT_VERSIONS + 1:
             for old in self._versions.popleft():

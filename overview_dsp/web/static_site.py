@@ -98,23 +98,13 @@ def write_site(
 ) -> int:
     """Write the folder completely or not at all; return its size in bytes.
 
-    Parameters
-    ----------
-    path
-        A new or empty folder, or an earlier export.
-    levels
-        Number of zoom levels, each with windows a third as long. None: `default_levels`.
-    actuator
-        Actuator of the tactor's signal.
-    live
-        Settings of a live timeline (`static_publisher`).
-    address
-        URL of the published folder, if known: ``https://example.org/match/``.
+    `path`: a new or empty folder, or an earlier export.
+    `levels`: number of zoom levels, each with windows a third as long. None: `default_levels`.
+    `actuator`: actuator of the tactor's signal.
+    `live`: settings of a live timeline (`static_publisher`).
+    `address`: URL of the published folder, if known: ``https://example.org/match/``.
 
-    Raises
-    ------
-    InputError
-        The folder can't be written, contains other files, or a surface can't be built.
+    InputError if the folder can't be written, contains other files, or a surface can't be built.
     """
     levels = default_levels(timeline) if levels is None else levels
     content = SiteContent(timeline, preset, levels=levels, seed=seed, actuator=actuator, live=live)

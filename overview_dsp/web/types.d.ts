@@ -10,6 +10,9 @@ export interface TimelineEvent {
   label: string;
   /** Value of a series at the event. */
   value?: number;
+  /** Score after a goal, and the team (1 or 2) that scored; `scores.js` sets them. */
+  score?: string;
+  side?: number;
 }
 
 /** An event kind: name, mark, number of events, and vibration pattern (ms on, off, ...). */
@@ -56,7 +59,6 @@ export interface View extends Part {
   level: (number | null)[];
   /** Minimum and maximum of each column's levels; null if each column has one value. */
   band: [(number | null)[], (number | null)[]] | null;
-  resistance: number[];
   gaps: [number, number][];
   events: TimelineEvent[];
   strike_events: number[];
@@ -66,6 +68,8 @@ export interface View extends Part {
   tolerance?: number;
   /** Position up to which a live timeline is known. */
   now?: number;
+  /** Score at the window's start, if a goal was before it; `scores.js` sets it. */
+  score?: string;
 }
 
 export interface Series {
@@ -95,7 +99,6 @@ export interface Info {
   start: string | null;
   series: Series | null;
   reference_torque: number;
-  base_friction: number;
   rates: number[];
   kinds: Record<string, Kind>;
   provenance: string;
@@ -250,13 +253,6 @@ export interface Disk {
   radius: number;
 }
 
-export interface TraceBox {
-  left: number;
-  right: number;
-  y: number;
-  half: number;
-}
-
 /** Layout of the picture, in CSS pixels. */
 export interface Geometry {
   width: number;
@@ -266,12 +262,23 @@ export interface Geometry {
   right: number;
   top: number;
   bottom: number;
-  axis: number;
-  disk: Disk | null;
-  trace: TraceBox | null;
+  /** Radius of the disk. */
+  radius: number;
+  /** y of the lane of marks, and of the groove's middle. */
+  lane: number;
+  groove: number;
+  dial: Disk | null;
+  still: boolean;
   x(position: number): number;
   y(level: number): number;
   position(x: number): number;
+}
+
+/** Mark of an event kind: shape, colour by its name, and whether only the outline is drawn. */
+export interface Mark {
+  shape: string;
+  colour: string;
+  isRing: boolean;
 }
 
 export type Colours = Record<string, string>;
@@ -294,27 +301,28 @@ export interface Settings {
   steps: string;
   name: string;
   contrast: boolean;
+  circular: boolean;
   still: boolean;
   start: number;
 }
 
-type Plain = "title" | "window" | "link" | "latency" | "moment" | "clock" | "value" | "event" | "strip" | "strip-window"
-  | "stage" | "disk" | "rub" | "needle" | "grip" | "others" | "cursor" | "ring" | "halo" | "dot" | "pull" | "finger"
-  | "hint" | "summary" | "announcement" | "fault" | "events-title" | "events-summary" | "events-list" | "values-title"
-  | "values-note" | "values-head" | "values-rows" | "help-title" | "keys" | "dialog-title" | "share-access" | "about"
-  | "editor" | "editor-title" | "editor-rows" | "editor-message" | "film-title";
-type Button = "play" | "start" | "twist" | "earlier" | "out" | "in" | "later" | "settings" | "previous" | "tap" | "run"
-  | "next" | "list" | "all-values" | "values-more" | "calibrate" | "share" | "tune" | "editor-a" | "editor-b"
-  | "editor-close" | "editor-save" | "editor-download";
+type Plain = "title" | "window" | "link" | "latency" | "moment" | "clock" | "value" | "number" | "unit" | "event"
+  | "strip" | "strip-window" | "stage" | "passed" | "disk" | "torque" | "needle" | "others" | "cursor" | "ring" | "dot"
+  | "finger" | "hint" | "hint-text" | "tools" | "legend" | "zooming" | "summary" | "announcement" | "fault" | "run-text"
+  | "events-title" | "events-summary" | "kinds" | "found" | "events-list" | "values-title" | "values-note" | "values-head"
+  | "values-rows" | "help-title" | "keys" | "dialog-title" | "more-title" | "motor" | "share-access" | "about" | "marks" | "editor"
+  | "editor-title" | "editor-differences" | "editor-difference" | "editor-difference-list" | "editor-rows" | "editor-message" | "film-title";
+type Button = "play" | "watch" | "twist" | "out" | "in" | "whole" | "settings" | "previous" | "run" | "next" | "list" | "all-values"
+  | "values-more" | "calibrate" | "share" | "tune" | "editor-a" | "editor-b" | "editor-undo" | "editor-close"
+  | "editor-save" | "editor-download";
 
 /** Elements of index.html by their id. */
 export interface Elements
   extends Record<Plain, HTMLElement>,
     Record<Button, HTMLButtonElement>,
     Record<"events" | "values" | "help" | "dialog" | "film", HTMLDialogElement>,
-    Record<"slider" | "share-play" | "share-token" | "editor-name", HTMLInputElement>,
-    Record<"canvas" | "strip-curve", SVGSVGElement> {
-  trace: HTMLCanvasElement;
+    Record<"slider" | "find" | "editor-find" | "share-play" | "share-token" | "editor-name", HTMLInputElement>,
+    Record<"canvas" | "passed-curve" | "pull" | "arc" | "strip-curve", SVGSVGElement> {
   "values-download": HTMLAnchorElement;
   "settings-form": HTMLFormElement;
   "editor-preset": HTMLSelectElement;

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.signal.surface.angle_map import AngleMap
@@ -76,9 +77,7 @@ def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, A
     }
 
 
-def _thinned(
-    timeline: Timeline, first: int, last: int, start_s: float, end_s: float
-) -> NDArray[np.int64]:
+def _thinned(timeline: Timeline, first: int, last: int, start_s: float, end_s: float) -> IntArray:
     """Return about `MAX_POINTS` known points of a window, in which `last` - `first` points lie.
 
     Points are read in chunks, since a series may be larger than the memory.
@@ -110,13 +109,10 @@ def _thinned(
 def drawn_curve(timeline: Timeline, angle_map: AngleMap, columns: int) -> dict[str, Any]:
     """Return the picture's curve at evenly spaced positions.
 
-    Returns
-    -------
-    dict
-        ``level``, 0 to 1 or null without data; ``band``, minimum and maximum of the points of each
-        column, or null where each column has one value; ``scale``, the value at level 0 and the
-        difference to that at level 1. A series reaches from its lowest to its highest value outside
-        of gaps; a curve that a reader derived from events has the levels that are felt.
+    ``level`` is 0 to 1, or null without data. ``band`` has minimum and maximum of the points of
+    each column, or is null where each column has one value. ``scale`` has the value at level 0 and
+    the difference to that at level 1. A series reaches from its lowest to its highest value outside
+    of gaps; a curve that a reader derived from events has the levels that are felt.
     """
     curve = timeline.intensity
     if curve is None or not has_values(timeline):
@@ -143,7 +139,7 @@ def event_values(timeline: Timeline) -> list[float | int | None]:
     return [_number(one) if is_known else None for one, is_known in zip(values, known, strict=True)]
 
 
-def _rounded(row: NDArray[np.float64]) -> list[float | None]:
+def _rounded(row: FloatArray) -> list[float | None]:
     return [None if math.isnan(one) else round(one, 4) for one in row.tolist()]
 
 

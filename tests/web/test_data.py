@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +12,9 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.offline.export.browser_memory import encode_change
 from overview_dsp.signal.surface.build import build_surface
+from overview_dsp.web.assets import WEB
 from overview_dsp.web.media import open_media
-from overview_dsp.web.site_data import window_json
+from overview_dsp.web.site_data import kind_styles, window_json
 from overview_dsp.web.static_site import start_page, write_site
 from tests.web.serving import served
 
@@ -88,9 +91,10 @@ def test_any_window_is_drawn_as_the_surface_has_it(page, match, football):
     assert drawn == json.loads(json.dumps(window_json(part, build_surface(part, football), 100.0)))
     assert len(drawn["events"]) == len(part.events)
     changed = page.get("/data/preset").json()["preset"]
-    changed["values"]["surface.friction"] *= 2
-    rough = page.post("/data/window", json={"window": [100.0, 2000.0], "preset": changed}).json()
-    assert max(rough["resistance"]) > 1.5 * max(drawn["resistance"])
+    changed["values"]["surface.angle_map"] = 0.0
+    even = page.post("/data/window", json={"window": [100.0, 2000.0], "preset": changed}).json()
+    assert even["angle_map"] is None
+    assert drawn["angle_map"] is not None
 
 
 @pytest.mark.parametrize(
@@ -303,3 +307,24 @@ def test_without_the_map_no_preset_of_a_page_has_one(match):
         for name in ("football", "football-stadium"):
             preset = client.get(f"/data/preset?name={name}").json()["preset"]
             assert preset["values"]["surface.angle_map"] == 0.0
+
+
+@pytest.mark.parametrize("known", [(), ("goal", "own_goal", "near_miss", "foul"), "series"])
+def test_each_kind_has_its_own_mark_which_the_page_can_draw(known, football, tmp_path):
+    names = [*known, *(f"other_{i}" for i in range(14))] if known != "series" else ["note", "news"]
+    events = tuple(ov.Event(float(i), kind) for i, kind in enumerate(names))
+    timeline = ov.Timeline("kinds", 100.0, events)
+    if known == "series":
+        rows = [f"{i},{np.sin(i):.3f}" for i in range(100)]
+        (tmp_path / "kinds.csv").write_text("\n".join(["time_s,value (V)", *rows]))
+        timeline = replace(ov.load_timeline(tmp_path / "kinds.csv"), events=events)
+        assert timeline.rules is not None
+    styles = kind_styles(timeline, football)
+    shapes = [style["shape"] for style in styles.values() if style["shape"] != "bar"]
+    assert len(shapes) == len(set(shapes)) >= len(names)
+    drawn = re.search(
+        r"const SHAPES = {(.*?)^};", (WEB / "site" / "marks.js").read_text(), re.S | re.M
+    )
+    assert {shape.removeprefix("open_") for shape in shapes} <= set(
+        re.findall(r"^  (\w+):", drawn[1], re.M)
+    )

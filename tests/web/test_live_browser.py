@@ -61,6 +61,46 @@ def test_what_is_new_comes_when_no_hand_holds_the_disk(live, chromium):
         assert wrong == []
 
 
+def test_a_button_visits_what_was_missed_since_the_release(live, chromium):
+    with (
+        served(live.padded_snapshot(), plays=False, live=live) as server,
+        page_of(server, chromium) as (tab, wrong),
+    ):
+        until(tab, f"p.view && p.live && {kinds('foul')}")
+        assert tab.evaluate("overview.live.missed.button.hidden")
+        gone = event(1100, "goal", "2-0")
+        for one in (event(1000, "red_card", "x"), event(900, "goal", "1-0 Parris"), gone):
+            live.append(events=[one], clock_s=1200.0)
+        until(tab, kinds("red_card"))
+        live.retract(gone)
+        until(tab, "p.live.missed.events.length === 2")
+        tab.get_by_role("button", name="Feel what you missed: 2 events").click()
+        place = "p.view.events.find(({ kind }) => kind === 'goal').position + 0.012"
+        until(tab, f"Math.abs(p.input.position - ({place})) < 1e-6 && p.input.active === 'play'")
+        says(tab, "announcement", "Parris")
+        until(tab, "p.view.events.some(({ kind, position }) => kind === 'red_card' "
+              "&& Math.abs(p.input.position - position - 0.012) < 1e-6)")  # fmt: skip
+        says(tab, "announcement", "ed card")
+        until(tab, "p.input.active === null")
+        assert tab.evaluate("overview.live.missed.button.hidden")
+        # a hand that was here has missed nothing, and takes the disk from a visit
+        live.append(events=[event(1300, "goal", "2-0")], clock_s=1300.0)
+        until(tab, "p.live.missed.events.length === 1")
+        tab.mouse.click(*at(tab, 0.5))
+        until(tab, "p.live.missed.button.hidden")
+        live.append(events=[event(1400, "foul", "y"), event(1450, "foul", "z")], clock_s=1500.0)
+        until(tab, "p.live.missed.events.length === 2")
+        until(tab, "p.view.events.filter(({ kind }) => kind === 'foul').length === 3")
+        tab.get_by_role("button", name="Feel what you missed").click()
+        until(tab, "p.input.active === 'play'")
+        tab.mouse.move(*at(tab, 0.6))
+        tab.mouse.down()
+        until(tab, "p.input.active === 'touch' && !p.live.missed.visiting")
+        tab.mouse.up()
+        until(tab, "p.input.active === null")
+        assert wrong == []
+
+
 def test_a_page_that_was_hidden_has_what_came_meanwhile(live, chromium):
     with (
         served(live.padded_snapshot(), plays=False, live=live) as server,

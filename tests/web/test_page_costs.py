@@ -88,6 +88,28 @@ def test_the_main_threads_work_a_frame_on_a_slow_phone(page):
     assert page.evaluate("window.painted") == 0  # the curve is drawn once
 
 
+def test_a_drag_moves_parts_and_draws_nothing_again(page):
+    """Transforms, visibility and the arc of the torque change; no curve, mark or label."""
+    page.evaluate("""() => {
+        window.changed = new Set();
+        new MutationObserver((changes) => {
+            for (const { type, target, attributeName } of changes) {
+                changed.add(`${target.id} ${type === "attributes" ? attributeName : "content"}`);
+            }
+        }).observe(
+            document.getElementById("stage"), { attributes: true, childList: true, subtree: true },
+        );
+    }""")
+    drag(page, (0.9, 0.2))
+    page.mouse.up()
+    until(page, "p.input.active === null && p.cursor < 0.05")
+    moving = ["cursor", "dot", "ring", "finger", "pull", "disk", "needle", "passed", "passed-curve"]
+    allowed = {*(f"{one} style" for one in moving), "torque stroke-dasharray", "stage class"}
+    allowed |= {"slider value", "slider aria-valuetext"}
+    assert "disk style" in page.evaluate("[...changed]")
+    assert set(page.evaluate("[...changed]")) <= allowed
+
+
 def test_no_audio_is_posted(page):
     """What the audio thread says are answers: one a look, of a few numbers."""
     page.evaluate("""async () => {

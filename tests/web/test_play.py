@@ -77,15 +77,24 @@ def test_a_finger_takes_the_disk_from_play(chromium, site):
         until(page, "p.cursor < 0.01")
 
 
-def test_a_link_plays_what_it_says_after_one_touch_anywhere(chromium, site):
+def test_a_link_plays_what_it_says_after_play_is_pressed_and_after_no_other_touch(chromium, site):
     with cold(chromium, site, "play=sweep:4:0.2:0.8") as page:
-        until(page, "!document.getElementById('start').hidden")
+        until(page, "document.getElementById('run').classList.contains('offered')")
         page.touchscreen.tap(30, 500)
+        page.locator("#title").click()
+        until(page, "p.meters?.clock > 0 && p.input.active === null")
+        page.wait_for_timeout(500)
+        assert page.evaluate("[overview.playback.player.playing, overview.input.active]") == [
+            False, None,
+        ]  # fmt: skip
+        assert page.evaluate("document.getElementById('run').classList.contains('offered')")
+        page.evaluate("window.furthest = 0")
+        page.click("#run")
         until(page, "p.input.active === 'play' && p.meters?.touching === 1")
         assert page.evaluate("overview.playback.player.gesture") == {
             "name": "sweep", "seconds": 4, "from": 0.2, "to": 0.8,
         }  # fmt: skip
-        assert not page.is_visible("#start")
+        assert not page.evaluate("document.getElementById('run').classList.contains('offered')")
         until(page, "furthest > 0.78")
         until(page, "p.input.active === null")
 
@@ -158,7 +167,7 @@ def test_share_gives_this_place_as_a_link(chromium, site):
         page.goto(link)
         until(page, "p.view && p.input.active === 'keys'")
         assert page.evaluate("[overview.currentEvent.kind, overview.currentEvent.time_s]") == named
-        until(page, "!document.getElementById('start').hidden")  # and it plays
+        until(page, "document.getElementById('run').classList.contains('offered')")  # and it plays
 
 
 def test_a_shared_place_between_events_and_a_window_are_where_they_were(chromium, site):
@@ -209,7 +218,7 @@ def test_picture_and_words_are_there_before_the_sound(chromium, site):
         page.route("**/kernel.deflated", lambda route: held.append(route))
         page.goto(host.url)
         until(page, "p.view && document.querySelectorAll('#canvas path').length > 30")
-        until(page, "document.getElementById('hint').textContent.includes('loading')")
+        until(page, "document.getElementById('hint').textContent.includes('Loading')")
         assert "0:00 to 98:00" in page.text_content("#window")
         page.mouse.move(*at(page, 0.4))
         page.mouse.down()  # a finger that is already exists is felt once the sound is

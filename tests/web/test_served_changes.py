@@ -155,6 +155,7 @@ def test_a_page_goes_on_with_a_server_that_was_started_again(tmp_path, chromium,
 def test_twist_without_a_sensor_says_so(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, _):
         until(tab, "p.sound?.node")
+        tab.click("#settings")
         tab.click("#twist")
         says(tab, "fault", "reports no motion")
         assert tab.get_attribute("#twist", "aria-pressed") == "false"
@@ -163,8 +164,20 @@ def test_twist_without_a_sensor_says_so(match, chromium):
 def test_the_drawn_disk_is_turned_by_a_circular_drag(match, chromium):
     with served(match, plays=False) as server, page_of(server, chromium) as (tab, wrong):
         until(tab, "p.sound?.node")
+        tab.focus("#slider")
+        tab.keyboard.press("PageUp")
+        until(tab, "p.cursor > 0.09")
+        tab.keyboard.press("Escape")
+        tab.click("#settings")
+        tab.get_by_role("checkbox", name="Circular drag").check()
+        tab.get_by_text("Done").click()
+        tab.wait_for_timeout(200)
         box = tab.locator("#disk").bounding_box()
         x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, box["width"] / 3
+        dial, left, top = tab.evaluate(
+            "[overview.picture.geometry.dial, overview.picture.left, overview.picture.top]"
+        )
+        assert (x, y) == pytest.approx((left + dial["x"], top + dial["y"]), abs=1)
         tab.mouse.move(x - radius, y - 1)
         tab.mouse.down()
         until(tab, "p.input.active === 'touch' && p.position < 0.02")

@@ -123,7 +123,9 @@ def test_zooms_of_the_page_and_of_the_host_meet(match, chromium):
         wait_for(lambda: server.player.window == pytest.approx((start, end)))
         server.session.show(1000.0, 1300.0)  # as another page would: a window of its own
         until(tab, "p.view.start_s === 1000 && p.view.end_s === 1300")
-        tab.click("#later")
+        tab.focus("#slider")
+        tab.keyboard.press("End")
+        tab.keyboard.press("PageUp")  # beyond the window: the next one
         until(tab, "p.view.end_s > 1300")
         tab.click("#out")
         until(tab, "p.view.zoom < 2")
@@ -260,6 +262,43 @@ def watched(tab, title="goal, 4-1 Mbappé", moment=7.0):
     assert not tab.evaluate("overview.film.video.ended")
 
 
+SMALL = {"width": 320, "height": 568}
+DOUBLE = "document.documentElement.style.fontSize = '200%'"
+
+
+def test_a_small_screen_has_the_film_in_more(match, springy_file, chromium, tmp_path):
+    with with_film(match, springy_file, chromium, tmp_path) as tab:
+        tab.set_viewport_size(SMALL)
+        tab.evaluate(DOUBLE)
+        tab.evaluate("(at) => overview.goTo(at)", GOAL)
+        until(tab, "p.currentEvent?.label.startsWith('4-1')")
+        tab.click("#settings")
+        tab.click("#watch")
+        assert not tab.evaluate("document.getElementById('dialog').open")
+        watched(tab)
+
+
+def test_a_small_screen_shows_the_connection(match, chromium):
+    with served(match) as server, page_of(server, chromium) as (tab, wrong):
+        tab.set_viewport_size(SMALL)
+        tab.evaluate(DOUBLE)
+        until(tab, "p.view && document.documentElement.dataset.fit >= 3")
+        says(tab, "link", "connected to the host")
+        box = tab.locator("#link").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= SMALL["width"]
+        assert box["width"] > 100
+        clips = """() => {
+            const found = [];
+            for (let one = document.getElementById("link"); one; one = one.parentElement) {
+                found.push(getComputedStyle(one).clipPath);
+            }
+            return found;
+        }"""
+        assert set(tab.evaluate(clips)) == {"none"}
+        assert wrong == []
+
+
 def test_a_goal_can_be_watched_from_a_little_before(match, springy_file, chromium, tmp_path):
     with with_film(match, springy_file, chromium, tmp_path) as tab:
         tab.mouse.move(*at(tab, 0.6))
@@ -356,9 +395,8 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         x, y = tab.evaluate("""() => {
             const { picture, view } = overview;
             const goal = view.events.find(({ label }) => label.startsWith("4-1"));
-            const level = view.level[Math.round(goal.position * (view.level.length - 1))];
-            const { x, y } = picture.geometry;
-            return [picture.left + x(goal.position), picture.top + y(level)];
+            const { x, lane } = picture.geometry;
+            return [picture.left + x(goal.position), picture.top + lane];
         }""")
         tab.touchscreen.tap(x, y)
         watched(tab)

@@ -72,7 +72,9 @@ class Access:
         if _same(token, self.token):
             return Verdict.ALLOWED
         subnet = _subnet(address)
-        failures = self._recent_failures(subnet)
+        failures = self._failures.get(subnet, deque())
+        while failures and failures[0] < self._clock() - WRONG_TOKEN_WINDOW_S:
+            failures.popleft()
         if len(failures) >= MAX_WRONG_TOKENS:
             return Verdict.LIMITED
         failures.append(self._clock())
@@ -82,21 +84,11 @@ class Access:
             self._failures.popitem(last=False)
         return Verdict.WRONG
 
-    def _recent_failures(self, subnet: str) -> deque[float]:
-        failures = self._failures.get(subnet, deque())
-        since = self._clock() - WRONG_TOKEN_WINDOW_S
-        while failures and failures[0] < since:
-            failures.popleft()
-        return failures
-
 
 def load_token(path: str) -> str:
     """Return the token of a file; a missing file is created, readable by this user alone.
 
-    Raises
-    ------
-    InputError
-        The file contains no token, or can't be read or written.
+    InputError if the file contains no token, or can't be read or written.
     """
     file = Path(path)
     try:

@@ -124,14 +124,9 @@ REJECTIONS = {
 class Guard:
     """ASGI application that checks each request to another one.
 
-    Parameters
-    ----------
-    names
-        Host names of this machine; its addresses are always accepted.
-    public
-        Paths that need no token: the page without data.
-    report
-        Receives a message for each exception.
+    `names`: host names of this machine; its addresses are always accepted.
+    `public`: paths that need no token: the page without data.
+    `report`: receives a message for each exception.
     """
 
     def __init__(
@@ -174,12 +169,8 @@ class Guard:
             await self._app(scope, inner, answer)
         except TimeoutError:
             if not started:
-                await reject(
-                    scope,
-                    answer,
-                    408,
-                    f"the request took too long; the limit is {BODY_TIMEOUT_S:.0f} s",
-                )
+                message = f"the request took too long; the limit is {BODY_TIMEOUT_S:.0f} s"
+                await reject(scope, answer, 408, message)
         except Exception as error:
             # escaped: a path may contain terminal control codes
             self._report(f"{scope['path']!a}: {type(error).__name__}: {str(error)!a}")
@@ -204,9 +195,7 @@ class Guard:
             return 413, f"the request is too large; the limit is {MAX_BODY:,} bytes"
         client = scope["client"]
         verdict = self._access.check(
-            _bearer(headers),
-            _cookie(headers, cookie_name(scope)),
-            client[0] if client else "",
+            _bearer(headers), _cookie(headers, cookie_name(scope)), client[0] if client else ""
         )
         return REJECTIONS.get(verdict)
 

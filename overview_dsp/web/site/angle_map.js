@@ -42,23 +42,6 @@ export function croppedMap(view, from, to) {
 }
 
 /**
- * Return the ranges that the map makes at least 1.5 times as wide as a linear map.
- * @param {View} view
- * @returns {[number, number][]}
- */
-export function stretched({ angle_map: map, start_s, end_s }) {
-  if (!map) return [];
-  const { time_s, position } = map;
-  /** @type {[number, number][]} */
-  const parts = [];
-  for (let i = 1; i < position.length; i += 1) {
-    const even = (time_s[i] - time_s[i - 1]) / (end_s - start_s);
-    if (position[i] - position[i - 1] >= 1.5 * even) parts.push([position[i - 1], position[i]]);
-  }
-  return parts;
-}
-
-/**
  * @param {number[]} x ascending; of equal ones the last counts
  * @param {number[]} y
  * @param {number} at

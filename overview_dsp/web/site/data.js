@@ -1,8 +1,10 @@
 // The timeline's files: JSON for the picture, bytes for the kernel. A static folder has files of some
 // windows and one preset. A server makes them for any window and preset (`info.server`).
 
+import { copyScores, setScores } from "./scores.js";
 import { request, openSession, post } from "./session.js";
 import { inflated, unpacked } from "./unpack.js";
+import { partOf } from "./windows.js";
 
 /** @import { Info, Part, Points, Preset, View } from "../types" */
 
@@ -23,6 +25,8 @@ export class Data {
     this.pointsFile = "data/points-0.json";
     /** The values of all windows, once they are loaded. */
     this.allPoints = /** @type {Points | null} */ (null);
+    /** The whole timeline, once it is loaded. */
+    this.whole = /** @type {View | null} */ (null);
   }
 
   static async open() {
@@ -36,10 +40,26 @@ export class Data {
    * @returns {Promise<View>}
    */
   async view(part) {
-    const content = this.hasFile(part)
-      ? await json(`data/window-${part.number}.json`)
-      : await (await post("data/window", { window: ends(part), ...this.presetField("preset") })).json();
-    return { points: this.allPoints, ...content, ...part };
+    const loaded = this.hasFile(part)
+      ? json(`data/window-${part.number}.json`)
+      : post("data/window", { window: ends(part), ...this.presetField("preset") }).then((answer) => answer.json());
+    const whole = part.number === 0 ? null : this.whole ?? this.view(partOf(this.info.windows, 0));
+    const [content, from] = await Promise.all([loaded, whole]);
+    return this.finished({ points: this.allPoints, ...content, ...part }, from);
+  }
+
+  /**
+   * Return a view with the scores of its goals; the whole timeline (whose `whole` is null) is kept.
+   * @param {View} view
+   * @param {View | null} whole
+   */
+  finished(view, whole) {
+    if (whole) copyScores(view, whole.events);
+    else {
+      setScores(view.events);
+      this.whole = view;
+    }
+    return view;
   }
 
   /**

@@ -1,7 +1,7 @@
 // Texts for times, events and positions.
 
 import { positionAt, secondsAt } from "./angle_map.js";
-import { nearestPoint, rangeOf, valueText } from "./values.js";
+import { nearestPoint, numberText, rangeOf, valueText } from "./values.js";
 
 const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
 export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
@@ -12,23 +12,25 @@ export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
 export const toleranceOf = (view) => view.tolerance ?? TOLERANCE;
 
 // created only once, because creating one takes longer than all else in a frame
-const DAYS = new Intl.DateTimeFormat("en-GB", {
-  timeZone: "UTC", day: "numeric", month: "short", year: "numeric",
-});
-const TIMES = new Intl.DateTimeFormat("en-GB", {
-  timeZone: "UTC", weekday: "short", hour: "2-digit", minute: "2-digit", second: "2-digit",
-});
+/** @param {Intl.DateTimeFormatOptions} options */
+export const dates = (options) => new Intl.DateTimeFormat("en-GB", { timeZone: "UTC", ...options });
+const DAYS = dates({ day: "numeric", month: "short", year: "numeric" });
+const SPOKEN_DAYS = dates({ day: "numeric", month: "long", year: "numeric" });
+export const HOURS = dates({ hour: "2-digit", minute: "2-digit" });
+/** @type {Intl.DateTimeFormatOptions} */
+const SECOND = { hour: "2-digit", minute: "2-digit", second: "2-digit" };
+export const SECONDS = dates(SECOND);
+const TIMES = dates({ weekday: "short", ...SECOND });
 
-const SPOKEN_DAYS = new Intl.DateTimeFormat("en-GB", {
-  timeZone: "UTC", day: "numeric", month: "long", year: "numeric",
-});
+export const LONG_S = 3 * 86400; // from here on a date is more useful than a weekday
 
-const HOURS = new Intl.DateTimeFormat("en-GB", {
-  timeZone: "UTC", hour: "2-digit", minute: "2-digit",
-});
-
-const DAY_S = 86400;
-const LONG_S = 3 * DAY_S; // from here on a date is more useful than a weekday
+/**
+ * Return the start of a timeline with a calendar in ms, in its own time zone; null without one.
+ * @param {Pick<Info, "start">} info
+ */
+export function startOf({ start }) {
+  return start === null ? null : Date.parse(`${start.replace(/(Z|[+-]\d\d:\d\d)$/, "")}Z`);
+}
 
 /**
  * Return minutes and seconds, or the date of a timeline with a calendar.
@@ -36,10 +38,9 @@ const LONG_S = 3 * DAY_S; // from here on a date is more useful than a weekday
  * @param {Info} info
  */
 export function momentText(seconds, info, days = DAYS) {
-  if (info.start) {
-    const zone = info.start.match(/(Z|[+-]\d\d:\d\d)$/)?.[0] ?? "";
-    const local = info.start.slice(0, info.start.length - zone.length);
-    const moment = new Date(Date.parse(`${local}Z`) + 1e3 * seconds);
+  const start = startOf(info);
+  if (start !== null) {
+    const moment = new Date(start + 1e3 * seconds);
     if (info.duration_s <= LONG_S) return TIMES.format(moment);
     const day = days.format(moment);
     return info.series?.has_times ? `${day}, ${HOURS.format(moment)}` : day;
@@ -52,17 +53,6 @@ export function momentText(seconds, info, days = DAYS) {
   const tenth = short ? `.${Math.floor((seconds - whole) * 10)}` : "";
   if (info.duration_s < 3 * 3600) return `${minutes}:${rest}${tenth}`;
   return `${hours}:${String(minutes % 60).padStart(2, "0")}:${rest}`;
-}
-
-/**
- * Return the time text for an axis with one label per `step` s.
- * @param {number} seconds
- * @param {Info} info
- * @param {number} step
- */
-export function tickText(seconds, info, step) {
-  const days = info.start && info.duration_s > LONG_S && step >= DAY_S;
-  return momentText(seconds, days ? { ...info, series: null } : info);
 }
 
 /**
@@ -185,27 +175,15 @@ export function positionText(view, position, info, withValue = true) {
 }
 
 /**
- * Return the value at a position as text; "" in a gap.
+ * Return the number at a position as text, without its unit; "No data" in a gap of a series.
  * @param {View} view
  * @param {number} position
  * @param {Info} info
  */
-export function valueAt(view, position, info) {
-  if (isInGap(view, position)) return "";
+export function numberAt(view, position, info) {
+  if (isInGap(view, position)) return info.series ? "No data" : "";
   const here = eventAt(view, position);
-  return valueText(nearestPoint(view, here?.time_s ?? secondsAt(view, position))?.value, info);
-}
-
-const SCORE = /^\d+-\d+(?= )/;
-
-/**
- * Return the scores of a match's window in order, each with its first position.
- * @param {View} view
- */
-export function scoresOf(view) {
-  const scores = view.events.flatMap(({ label, position }) =>
-    (label.match(SCORE) ?? []).map((score) => ({ position, text: score.replace("-", "\u2013") })));
-  return scores.length > 0 ? [{ position: 0, text: "0\u20130" }, ...scores] : [];
+  return numberText(nearestPoint(view, here?.time_s ?? secondsAt(view, position))?.value, info);
 }
 
 /**
@@ -214,7 +192,8 @@ export function scoresOf(view) {
  * @param {number} position
  */
 export function scoreAt(view, position) {
-  return scoresOf(view).slice(1).filter((one) => one.position <= position + toleranceOf(view)).at(-1)?.text ?? "";
+  const goals = view.events.filter((one) => one.score && one.position <= position + toleranceOf(view));
+  return goals.at(-1)?.score ?? view.score ?? "";
 }
 
 /**

@@ -37,7 +37,7 @@ export function valueText(value, unit) {
 const UNIT = /_(ms|hz|db|deg|percent|mnm)$/;
 
 /** @param {string} key */
-const labelOf = (key) => key.slice(key.lastIndexOf(".") + 1).replace(UNIT, "").replaceAll("_", " ");
+export const labelOf = (key) => key.slice(key.lastIndexOf(".") + 1).replace(UNIT, "").replaceAll("_", " ");
 
 /**
  * Return a row for `owner[key]`; `onchange()` is called after each change. Numbers are rounded to

@@ -1,26 +1,63 @@
-// The events of a window as a list of buttons, which move the disk or play the film.
+// The events of the timeline as a list of buttons, which move the disk or play the film. It has all events:
+// blocks of them are filled while they are near the visible part.
 
 import { byId } from "./dom.js";
-import { isDetail } from "./layer.js";
+import { chipsOf, markIcon } from "./legend.js";
+import { EXTREMES } from "./layer.js";
+import { markOf } from "./marks.js";
+import { isSameEvent } from "./scores.js";
 import { eventText, momentText, summaryText } from "./descriptions.js";
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 /** @import { Navigation } from "./navigation.js" */
+/** @typedef {{ event: TimelineEvent, text: string, when: string }} Row */
 
-const MOST = 500; // maximum number of listed events
+const BLOCK = 40; // events
+const ROW_REM = 3.25; // height of a row before it is filled
+const NEAR = "600px"; // distance at which blocks are filled
+
+/**
+ * Return a text in capitals and without accents, for comparison.
+ * @param {string} text
+ */
+const plain = (text) => text.normalize("NFD").replace(/\p{M}/gu, "").toUpperCase();
+
+/**
+ * Return the events of the whole timeline and those that only a window has, without its extremes.
+ * @param {View} view
+ * @param {View} whole
+ */
+function allEvents(view, { events }) {
+  if (view.number === 0) return events;
+  const near = events.filter(({ time_s }) => time_s >= view.start_s - 1 && time_s <= view.end_s + 1);
+  const more = view.events.filter((one) => !EXTREMES.has(one.kind) && !near.some((other) => isSameEvent(one, other)));
+  return [...events, ...more].sort((a, b) => a.time_s - b.time_s);
+}
 
 export class EventList {
   /**
-   * `go(event)` and `watch(event)` handle the buttons; `watch` is null without a film.
+   * `go(event)` and `watch(event)` handle the buttons; `watch` is null without a film. `toggle(kind)`
+   * shows or hides the marks of a kind, which are `hidden`.
    * @param {Info} info
    * @param {Navigation} navigation
-   * @param {(event: TimelineEvent) => void} go
-   * @param {((event: TimelineEvent) => void) | null} watch
+   * @param {{ go: (event: TimelineEvent) => void, watch: ((event: TimelineEvent) => void) | null,
+   *   hidden: Set<string>, toggle: (kind: string) => void }} handlers
    */
-  constructor(info, navigation, go, watch) {
+  constructor(info, navigation, { go, watch, hidden, toggle }) {
     this.info = info;
     this.go = go;
     this.watch = watch;
+    this.hidden = hidden;
+    this.toggle = toggle;
+    /** @type {Row[]} */
+    this.rows = [];
+    /** @type {Row[]} */
+    this.found = [];
+    this.observer = new IntersectionObserver((entries) => {
+      for (const { target, isIntersecting } of entries) this.fill(/** @type {HTMLElement} */ (target), isIntersecting);
+    }, { root: byId("events"), rootMargin: NEAR });
+    byId("find").addEventListener("input", () => this.search());
+    byId("find").addEventListener("keydown", (event) => event.key === "Enter" && event.preventDefault());
     /** @type {[string, () => void][]} */
     const targets = [
       ["first", () => navigation.toFirst()], ["highest", () => navigation.toHighest()],
@@ -35,39 +72,100 @@ export class EventList {
     }
   }
 
-  /** @param {View} view */
-  open(view) {
-    const events = view.events.filter(({ kind }) => !isDetail(this.info, kind));
-    byId("events-summary").textContent = summaryText(view, this.info);
-    byId("events-list").replaceChildren(...events.slice(0, MOST).map((event) => this.item(event)));
+  /**
+   * @param {View} view
+   * @param {View} whole the whole timeline
+   */
+  open(view, whole) {
+    this.rows = allEvents(view, whole).map((event) => ({
+      event, text: eventText(event, this.info), when: momentText(event.time_s, this.info),
+    }));
+    byId("events-summary").textContent = summaryText(whole, this.info);
+    byId("find").value = "";
+    this.search();
     byId("events").showModal();
     byId("events-title").focus();
   }
 
-  /** @param {TimelineEvent} event */
-  item(event) {
+  /** Show the events that have the words, and whose kinds are shown. */
+  search() {
+    const words = plain(byId("find").value).split(/\s+/).filter(Boolean);
+    this.found = this.rows.filter(({ event, text, when }) => {
+      const all = plain(`${text} ${this.info.kinds[event.kind].name} ${when}`);
+      return !this.hidden.has(event.kind) && words.every((word) => all.includes(word));
+    });
+    const { length } = this.found;
+    const count = length === 1 ? "1 event" : `${length} events`;
+    byId("found").textContent = length === 0 && words.length > 0 ? "Nothing called that" : count;
+    byId("kinds").replaceChildren(...chipsOf(this.info, this.hidden, (kind) => {
+      const at = [...byId("kinds").children].indexOf(/** @type {Element} */ (document.activeElement));
+      this.toggle(kind);
+      this.search();
+      /** @type {HTMLElement | undefined} */ (byId("kinds").children[at])?.focus();
+    }));
+    this.observer.disconnect();
+    const blocks = Array.from({ length: Math.ceil(length / BLOCK) }, (_, i) => {
+      const block = document.createElement("ul");
+      block.dataset.first = String(i * BLOCK);
+      block.style.height = `${Math.min(BLOCK, length - i * BLOCK) * ROW_REM}rem`;
+      return block;
+    });
+    byId("events-list").replaceChildren(...blocks);
+    blocks.forEach((block) => this.observer.observe(block));
+  }
+
+  /**
+   * Fill a block with its events, or empty it; it keeps its height.
+   * @param {HTMLElement} block
+   * @param {boolean} isNear
+   */
+  fill(block, isNear) {
+    const isFilled = block.firstChild !== null;
+    if (isNear === isFilled || block.contains(document.activeElement)) return;
+    if (isNear) {
+      const first = Number(block.dataset.first);
+      block.replaceChildren(...this.found.slice(first, first + BLOCK).map((row, i) => this.item(row, first + i)));
+      block.style.height = "";
+    } else {
+      block.style.height = `${block.getBoundingClientRect().height}px`;
+      block.replaceChildren();
+    }
+  }
+
+  /**
+   * @param {Row} row
+   * @param {number} index
+   */
+  item({ event, text, when }, index) {
     const item = document.createElement("li");
-    const description = `${momentText(event.time_s, this.info)}, ${eventText(event, this.info)}`;
-    item.append(this.button(description, "go", () => this.go(event)));
+    item.setAttribute("aria-setsize", String(this.found.length));
+    item.setAttribute("aria-posinset", String(index + 1));
     const { watch } = this;
+    const button = this.button("go", () => this.go(event));
+    const [words, time] = [text, when].map((one) => {
+      const element = document.createElement("span");
+      element.textContent = one;
+      return element;
+    });
+    button.append(markIcon(markOf(event.kind, this.info.kinds[event.kind], event.side)), words, " ", time);
+    item.append(button);
     if (watch !== null) {
-      const button = this.button("Watch", "watch", () => watch(event));
-      button.setAttribute("aria-label", `Watch ${description}`);
-      item.append(button);
+      const film = this.button("watch", () => watch(event));
+      film.textContent = "Watch";
+      film.setAttribute("aria-label", `Watch ${when}, ${text}`);
+      item.append(film);
     }
     return item;
   }
 
   /**
-   * @param {string} text
    * @param {string} name
    * @param {() => void} act
    */
-  button(text, name, act) {
+  button(name, act) {
     const button = document.createElement("button");
     button.type = "button";
     button.className = name;
-    button.textContent = text;
     button.addEventListener("click", () => {
       byId("events").close();
       act();

@@ -12,7 +12,7 @@ export const HELP = [
   [", and .", "previous and next value"],
   ["Home, End", "first, last"],
   ["X, N", "highest, lowest"],
-  ["Space", "tap: touch and release"],
+  ["Space, T", "tap: touch and release"],
   ["Escape", "release"],
   ["P", "play or pause"],
   ["+ and \u2212", "zoom"],
@@ -28,12 +28,18 @@ export const HELP = [
  * @param {() => void} onfirst
  */
 export function listenToKeys(element, { navigation, open }, onfirst) {
+  /** @type {(direction: number) => (event: KeyboardEvent) => unknown} */
+  const step = (direction) => ({ shiftKey }) =>
+    (shiftKey ? navigation.move(direction * STEP) : navigation.step(direction));
+  /** @param {KeyboardEvent} event */
+  const tap = ({ repeat }) => repeat || navigation.tap();
+  const help = () => open("help");
   /** @type {Record<string, (event: KeyboardEvent) => unknown>} */
   const keys = {
-    ArrowRight: ({ shiftKey }) => (shiftKey ? navigation.move(STEP) : navigation.step(1)),
-    ArrowUp: ({ shiftKey }) => (shiftKey ? navigation.move(STEP) : navigation.step(1)),
-    ArrowLeft: ({ shiftKey }) => (shiftKey ? navigation.move(-STEP) : navigation.step(-1)),
-    ArrowDown: ({ shiftKey }) => (shiftKey ? navigation.move(-STEP) : navigation.step(-1)),
+    ArrowRight: step(1),
+    ArrowUp: step(1),
+    ArrowLeft: step(-1),
+    ArrowDown: step(-1),
     PageUp: () => navigation.move(PAGE),
     PageDown: () => navigation.move(-PAGE),
     Home: () => navigation.toFirst(),
@@ -44,15 +50,16 @@ export function listenToKeys(element, { navigation, open }, onfirst) {
     "]": () => navigation.toEvent(1),
     ",": () => navigation.toValue(-1),
     ".": () => navigation.toValue(1),
-    " ": ({ repeat }) => repeat || navigation.tap(),
+    " ": tap,
+    t: tap,
     Escape: () => navigation.release(),
     "+": () => navigation.zoom(1),
     "=": () => navigation.zoom(1),
     "-": () => navigation.zoom(-1),
     e: () => open("events"),
     p: () => open("run"),
-    h: () => open("help"),
-    "?": () => open("help"),
+    h: help,
+    "?": help,
     v: () => open("film"),
   };
   element.addEventListener("keydown", (event) => {

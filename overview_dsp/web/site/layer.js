@@ -1,23 +1,30 @@
-// The static picture: curve, axis, events and the disk's scale. It is drawn again only if the window,
-// the size or the colours change.
+// The static picture: curve, marks, axis and groove. It is drawn again only if the window, the size or
+// the colours change.
 
-import { positionAt, stretched } from "./angle_map.js";
-import { angleOf } from "./geometry.js";
-import { drawMark } from "./marks.js";
-import { linesOf } from "./values.js";
-import { momentText, tickText } from "./descriptions.js";
+import { positionAt } from "./angle_map.js";
+import { drawKind, markOf } from "./marks.js";
+import { isGoal } from "./scores.js";
+import { ticksOf } from "./ticks.js";
+import { linesOf, valueText } from "./values.js";
 
-/** @import { Colours, Disk, Geometry, Info, TimelineEvent, TraceBox, View } from "../types" */
+/** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
 
 const FAMILY = 'system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", sans-serif';
-/** @param {Geometry} g */
-const fontOf = (g, weight = 400) => `${weight} ${(13 * g.em).toFixed(1)}px ${FAMILY}`;
-const VALUE_PX = 34; // minimum distance of two value lines
-const MOST_DETAILS = 400; // maximum number of details that are drawn
-const STEPS_S = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200,
-  86400, 604800, 2629800, 7889400, 31557600, 157788000, 315576000];
-const BETWEEN = 30; // minimum distance (px) of two labels
+/** @param {{ em: number }} g */
+export const fontOf = (g, weight = 400, size = 12) => `${weight} ${(size * g.em).toFixed(1)}px ${FAMILY}`;
+const VALUE_PX = 48; // minimum distance of two value lines
+const BETWEEN = 24; // minimum distance (px) of two labels
+const AWAY = 17; // distance (px) of a mark from the curve
+const CLOSE = 6; // distance (px) below which marks of a kind become a band
+const RARE = 12; // events of a kind whose marks are always drawn
+const BAND = 4; // px of a bar of the band
+const GROOVE = 9; // half height
+const MANY = 200; // events of a kind that would hide the curve, such as heartbeats
+const TALL = 600; // width (px) of a picture with larger marks
+const LABELLED = 60; // height of a curve whose extremes are named
+const BELOW = new Set(["lowest", "trough", "record_low", "largest_fall", "crossing_down"]);
+export const EXTREMES = new Set(["highest", "lowest"]);
 
 /**
  * @typedef {object} Scene
@@ -26,21 +33,29 @@ const BETWEEN = 30; // minimum distance (px) of two labels
  * @property {View} view
  * @property {Info} info
  * @property {Colours} colours
+ * @property {Set<string>} hidden kinds that are not drawn
  */
 
-/** @param {Scene} scene */
+/**
+ * Draw the layer.
+ * @param {Scene} scene
+ */
 export function drawLayer(scene) {
-  const { g, view, info } = scene;
+  const { view, info } = scene;
   drawGaps(scene);
-  drawCurve(scene);
   if (info.series) drawValues(scene);
-  drawAxis(scene);
-  drawStretched(scene);
+  drawCurve(scene, "ahead");
+  drawGroove(scene);
   drawEvents(scene);
-  drawLabels(scene);
   if (typeof view.now === "number") drawNow(scene, view.now);
-  if (g.disk) drawScale(scene, g.disk);
-  if (g.trace) drawTraceAxis(scene, g.trace);
+}
+
+/**
+ * Draw the passed part of the curve, over the layer.
+ * @param {Scene} scene
+ */
+export function drawPassed(scene) {
+  drawCurve(scene, "curve");
 }
 
 /**
@@ -56,40 +71,45 @@ function drawLine(c, from, to) {
 }
 
 /**
+ * Draw a text with a rim of paper.
  * @param {Scene} scene
- * @param {TraceBox} box
+ * @param {string} text
+ * @param {number} x
+ * @param {number} y
+ * @param {string} colour
  */
-function drawTraceAxis({ c, g, colours }, { left, right, y, half }) {
-  c.strokeStyle = colours.line;
-  c.lineWidth = 1;
-  drawLine(c, [left, y + 0.5], [right, y + 0.5]);
-  c.font = fontOf(g);
-  c.fillStyle = colours.soft;
-  c.textAlign = "left";
-  c.textBaseline = "bottom";
-  c.fillText("torque of the last seconds", left, y - half + 2);
+function drawText({ c, colours }, text, x, y, colour) {
+  c.lineWidth = 3;
+  c.strokeStyle = colours.paper;
+  c.strokeText(text, x, y);
+  c.fillStyle = colours[colour];
+  c.fillText(text, x, y);
 }
 
 /**
- * Draw one line for each of a few round values, with the value at its left.
+ * Return the round values of the axis.
+ * @param {View} view
+ * @param {number} height
+ * @param {number} em
+ */
+export const figuresOf = (view, height, em) =>
+  linesOf(view.scale, Math.max(1, Math.floor(height / (VALUE_PX * em))));
+
+/**
+ * Draw one line for each of a few round values, with the value at its right.
  * @param {Scene} scene
  */
 function drawValues({ c, g, view, colours }) {
-  const most = Math.max(2, Math.floor((g.bottom - g.top) / (VALUE_PX * g.em)));
   c.font = fontOf(g);
   c.textAlign = "left";
-  c.textBaseline = "bottom";
+  c.textBaseline = "alphabetic";
   c.lineWidth = 1;
-  for (const { text, level } of linesOf(view.scale, most)) {
+  c.strokeStyle = colours.line;
+  c.fillStyle = colours.soft;
+  for (const { text, level } of figuresOf(view, g.bottom - g.top, g.em)) {
     const y = Math.round(g.y(level)) + 0.5;
-    c.strokeStyle = colours.line;
     drawLine(c, [g.left, y], [g.right, y]);
-    c.lineWidth = 3;
-    c.strokeStyle = colours.paper;
-    c.strokeText(text, g.left + 2, y - 1);
-    c.lineWidth = 1;
-    c.fillStyle = colours.soft;
-    c.fillText(text, g.left + 2, y - 1);
+    c.fillText(text, g.right + 8, y + 4 * g.em);
   }
 }
 
@@ -114,19 +134,11 @@ export function markLevel(view, event) {
 }
 
 /**
- * Return the friction at a position, N m s/rad.
- * @param {View} view
- * @param {number} position
- */
-export function resistanceAt(view, position) {
-  return view.resistance[Math.round(position * (view.resistance.length - 1))];
-}
-
-/**
  * Draw the curve, interrupted where there are no data; for many points per column, their range.
  * @param {Scene} scene
+ * @param {string} colour
  */
-function drawCurve({ c, g, view, colours }) {
+function drawCurve({ c, g, view, colours }, colour) {
   const last = view.level.length - 1;
   const [lows, highs] = view.band ?? [view.level, view.level];
   /** @type {[number, number][][]} */
@@ -145,7 +157,7 @@ function drawCurve({ c, g, view, colours }) {
     if (ends[1] !== ends[0]) run.push([g.x(i / last), ends[1]]);
   }
   for (const run of runs) {
-    if (run.length === 0) continue;
+    if (run.length === 0 || colour === "curve") continue; // the passed part lies over the marks
     c.beginPath();
     for (const point of run) c.lineTo(...point);
     c.lineTo(run[run.length - 1][0], g.bottom);
@@ -158,8 +170,8 @@ function drawCurve({ c, g, view, colours }) {
     run.forEach((point, i) => (i === 0 ? c.moveTo(...point) : c.lineTo(...point)));
     if (run.length === 1) c.arc(...run[0], 1.5, 0, 2 * Math.PI); // a point between two gaps
   }
-  c.strokeStyle = colours.curve;
-  c.lineWidth = 1.75;
+  c.strokeStyle = colours[colour];
+  c.lineWidth = 2;
   c.stroke();
 }
 
@@ -169,7 +181,7 @@ function drawCurve({ c, g, view, colours }) {
  */
 function drawGaps({ c, g, view, colours }) {
   c.strokeStyle = colours.line;
-  c.lineWidth = 1;
+  c.lineWidth = 1.5;
   c.beginPath();
   for (const [from, to] of view.gaps) {
     const [left, right] = [g.x(from), g.x(to)];
@@ -188,7 +200,8 @@ function drawGaps({ c, g, view, colours }) {
  * @param {Scene} scene
  * @param {number} now
  */
-function drawNow({ c, g, colours }, now) {
+function drawNow(scene, now) {
+  const { c, g, colours } = scene;
   const x = g.x(now);
   c.strokeStyle = colours.ink;
   c.lineWidth = 1.5;
@@ -197,140 +210,185 @@ function drawNow({ c, g, colours }, now) {
   const before = x + 4 + c.measureText("now").width > g.right;
   c.textAlign = before ? "right" : "left";
   c.textBaseline = "bottom";
-  c.lineWidth = 3;
-  c.strokeStyle = colours.paper;
-  c.strokeText("now", before ? x - 4 : x + 4, g.bottom - 4);
-  c.fillStyle = colours.ink;
-  c.fillText("now", before ? x - 4 : x + 4, g.bottom - 4);
-}
-
-/** @param {Scene} scene */
-function drawAxis({ c, g, view, info, colours }) {
-  const length = view.end_s - view.start_s;
-  c.font = fontOf(g);
-  const { width } = c.measureText(momentText(view.end_s, info));
-  const most = Math.max(2, (g.right - g.left) / (width + BETWEEN));
-  const step = STEPS_S.find((one) => length / one <= most) ?? length;
-  c.strokeStyle = colours.line;
-  c.lineWidth = 1;
-  c.beginPath();
-  c.moveTo(g.left, g.bottom + 0.5);
-  c.lineTo(g.right, g.bottom + 0.5);
-  c.fillStyle = colours.soft;
-  c.textBaseline = "top";
-  let free = g.left; // x from which there is room for a label
-  for (let at = Math.ceil(view.start_s / step) * step; at <= view.end_s; at += step) {
-    const x = g.x(positionAt(view, at));
-    c.moveTo(x, g.bottom + 0.5);
-    c.lineTo(x, g.bottom + 6);
-    const text = tickText(at, info, step);
-    const half = c.measureText(text).width / 2;
-    const left = Math.min(Math.max(x - half, g.left), g.right - 2 * half);
-    if (left < free) continue;
-    c.textAlign = "left";
-    c.fillText(text, left, g.bottom + 10);
-    free = left + 2 * half + BETWEEN / 3;
-  }
-  c.stroke();
+  drawText(scene, "now", before ? x - 4 : x + 4, g.bottom - 4, "ink");
 }
 
 /**
- * Draw a bold axis where time is stretched to separate close events (`about.js`).
+ * Draw the groove, in spans of time that end at the ticks, and interrupted at gaps.
  * @param {Scene} scene
  */
-function drawStretched({ c, g, view, colours }) {
-  c.strokeStyle = colours.soft;
-  c.lineWidth = 3;
-  c.beginPath();
-  for (const [from, to] of stretched(view)) {
-    c.moveTo(g.x(from), g.bottom + 1.5);
-    c.lineTo(g.x(to), g.bottom + 1.5);
+function drawGroove({ c, g, view, info, colours }) {
+  c.font = fontOf(g);
+  const room = g.right - g.left;
+  const ticks = ticksOf(view, info, (text, count) => count * (c.measureText(text).width + BETWEEN) <= room);
+  c.strokeStyle = colours.edge;
+  c.lineWidth = 1;
+  drawLine(c, [g.left - 8, g.bottom + 0.5], [g.right + 8, g.bottom + 0.5]);
+  const first = (ticks[0]?.number ?? 1) - 1; // of the span before the first tick
+  const edges = [view.start_s, ...ticks.map(({ at }) => at), view.end_s];
+  edges.slice(1).forEach((edge, i) => {
+    const [left, right] = [edges[i], edge].map((at) => g.x(positionAt(view, at)));
+    c.beginPath();
+    if (i === 0) c.arc(left, g.groove, GROOVE, 0, 2 * Math.PI);
+    if (i === edges.length - 2) c.arc(right, g.groove, GROOVE, 0, 2 * Math.PI);
+    drawBox(c, left, right, g.groove, GROOVE);
+    c.fillStyle = (first + i) % 2 === 0 ? colours.groove : colours.groove2;
+    c.fill();
+  });
+  c.fillStyle = colours.paper;
+  for (const [from, to] of view.gaps) {
+    if (to >= 1 && typeof view.now === "number") continue; // the future stays a groove
+    c.beginPath();
+    drawBox(c, g.x(from), g.x(to), g.groove, GROOVE + 1);
+    c.fill();
   }
-  c.stroke();
+  c.strokeStyle = colours.edge;
+  c.fillStyle = colours.soft;
+  c.textBaseline = "alphabetic";
+  c.textAlign = "left";
+  const y = g.groove + g.radius + 4 + 12 * g.em;
+  let free = 0; // x from which there is room for a label
+  for (const { at, text } of ticks) {
+    const x = g.x(positionAt(view, at));
+    drawLine(c, [x, g.groove + GROOVE + 4], [x, g.groove + GROOVE + 9]);
+    const half = c.measureText(text).width / 2;
+    const left = Math.min(Math.max(x - half, 2), g.width - 2 * half - 2);
+    if (left < free) continue;
+    c.fillText(text, left, y);
+    free = left + 2 * half + BETWEEN / 3;
+  }
+}
+
+/**
+ * @param {SvgContext} c
+ * @param {number} left
+ * @param {number} right
+ * @param {number} y
+ * @param {number} half
+ */
+function drawBox(c, left, right, y, half) {
+  c.moveTo(left, y - half);
+  c.lineTo(right, y - half);
+  c.lineTo(right, y + half);
+  c.lineTo(left, y + half);
+  c.closePath();
+}
+
+/**
+ * Return the kinds that keep their marks on a crowded timeline: the rarest, while they have room.
+ * @param {Map<string, number>} counts
+ * @param {number} room number of marks
+ */
+export function rareKinds(counts, room) {
+  let sum = 0;
+  const rising = [...counts].sort(([, a], [, b]) => a - b);
+  return new Set(rising.filter(([, count]) => (sum += count) <= room || count <= RARE).map(([kind]) => kind));
+}
+
+/**
+ * Return the place of an event's mark: in the lane above the curve, or near the curve of a series.
+ * @param {Geometry} g
+ * @param {View} view
+ * @param {Info} info
+ * @param {TimelineEvent} event
+ * @returns {[number, number]}
+ */
+export function markPoint(g, view, info, event) {
+  const x = g.x(event.position);
+  if (!info.series) return [x, g.lane];
+  const y = g.y(markLevel(view, event)) + (BELOW.has(event.kind) ? AWAY : -AWAY);
+  return [x, Math.min(Math.max(y, 8), g.bottom - 6)];
 }
 
 /** @param {Scene} scene */
 function drawEvents(scene) {
-  const { c, g, view, info, colours } = scene;
-  // details have a row of their own: there may be hundreds
-  const details = view.events.filter(({ kind }) => isDetail(info, kind));
-  const every = Math.ceil(details.length / MOST_DETAILS);
-  details.forEach((event, i) => {
-    if (i % every > 0) return;
-    const { shape, colour } = info.kinds[event.kind];
-    drawMark(c, shape, g.x(event.position), g.bottom - 8, 3.5, colours[colour], colours.rim);
-  });
-  for (const event of view.events) {
-    if (!isDetail(info, event.kind)) drawEvent(scene, event);
+  const { c, g, view, info, colours, hidden } = scene;
+  if (!info.series && view.events.length > 0) {
+    c.strokeStyle = colours.line;
+    c.lineWidth = 2;
+    drawLine(c, [g.left, g.lane], [g.right, g.lane]);
   }
+  const size = g.width >= TALL ? 8 : 6.5;
+  const counts = new Map();
+  for (const { kind } of view.events) counts.set(kind, (counts.get(kind) ?? 0) + 1);
+  const rare = rareKinds(counts, (g.right - g.left) / 2 / CLOSE);
+  /** @type {number[]} */
+  const band = [];
+  /** @type {Record<string, number>} */
+  const lastX = {};
+  /** @type {[number, () => void][]} */
+  const marks = []; // each with the count of its kind; the rarest are above all others
+  for (const event of view.events) {
+    const { kind, side } = event;
+    if (hidden.has(kind)) continue;
+    const [x, y] = markPoint(g, view, info, event);
+    const isMain = isGoal(event) || EXTREMES.has(kind);
+    const group = rare.has(kind) ? kind : "";
+    const { count, shape } = info.kinds[kind];
+    const isDetail = counts.get(kind) > MANY || (count === 0 && (!group || shape === "bar"));
+    if (!isMain && (isDetail || x - (lastX[group] ?? -CLOSE) < CLOSE)) {
+      band.push(x);
+      continue;
+    }
+    lastX[group] = x;
+    const mark = markOf(kind, info.kinds[kind], side);
+    marks.push([isMain ? 0 : counts.get(kind), () => drawKind(c, mark, x, y, size, colours)]);
+  }
+  drawBand(scene, band);
+  for (const [, draw] of marks.sort(([a], [b]) => b - a)) draw();
+  drawLabels(scene);
 }
 
-const MANY = 200; // events of a kind that would hide the curve, such as heartbeats
-
 /**
- * Return whether events of a kind are drawn in the row at the bottom.
- * @param {Info} info
- * @param {string} kind
- */
-export function isDetail(info, kind) {
-  return info.kinds[kind].count === 0 || info.kinds[kind].count > MANY;
-}
-
-/**
+ * Draw events that are too many for marks: a bar for every 4 px, as high as their number.
  * @param {Scene} scene
- * @param {TimelineEvent} event
+ * @param {number[]} band
  */
-function drawEvent({ c, g, view, info, colours }, event) {
-  const { shape, colour } = info.kinds[event.kind];
-  const x = g.x(event.position);
-  const y = g.y(markLevel(view, event));
-  c.strokeStyle = colours.line;
-  c.lineWidth = 1;
-  drawLine(c, [x, y], [x, g.bottom]);
-  drawMark(c, shape, x, y, 6, colours[colour], colours.rim);
+function drawBand({ c, g, info, colours }, band) {
+  if (band.length === 0) return;
+  const counts = new Map();
+  for (const x of band) counts.set(Math.floor(x / BAND), (counts.get(Math.floor(x / BAND)) ?? 0) + 1);
+  const most = Math.max(...counts.values());
+  const y = info.series ? g.bottom : g.lane + 7;
+  c.beginPath();
+  for (const [at, count] of counts) {
+    c.moveTo(at * BAND + BAND / 2, y);
+    c.lineTo(at * BAND + BAND / 2, y - 4 - (10 * count) / most);
+  }
+  c.strokeStyle = colours.edge;
+  c.lineWidth = BAND - 1;
+  c.stroke();
 }
 
 /**
- * Draw the score of each goal above it; the last goals first, where there is room.
+ * Draw the score above each goal (without a score its label), the last goals first, and names and values of
+ * the extremes of a series, where there is room.
  * @param {Scene} scene
  */
-function drawLabels({ c, g, view, colours }) {
+function drawLabels(scene) {
+  const { c, g, view, info, hidden } = scene;
   c.font = fontOf(g, 600);
-  c.fillStyle = colours.ink;
   c.textAlign = "center";
   c.textBaseline = "alphabetic";
-  /** @type {[number, number][]} */
+  const isTall = g.bottom - g.top > LABELLED * g.em;
+  /** @type {[number, number, number][]} */
   const taken = [];
-  for (const event of [...view.events].reverse()) {
-    if (event.kind !== "goal" && event.kind !== "own_goal") continue;
-    const text = event.label.split(" ")[0];
+  for (let i = view.events.length - 1; i >= 0; i -= 1) {
+    const event = view.events[i];
+    if (hidden.has(event.kind)) continue;
+    const [x, y] = markPoint(g, view, info, event);
+    const isExtreme = isTall && EXTREMES.has(event.kind) && event.value !== undefined;
+    const text = isGoal(event) && !info.series ? event.score ?? (event.label || info.kinds[event.kind].name)
+      : isExtreme ? `${event.kind === "highest" ? "Highest" : "Lowest"} ${valueText(event.value, { series: info.series && { ...info.series, unit: "" } })}` : "";
+    if (!text) continue;
     const half = c.measureText(text).width / 2;
-    const x = Math.min(Math.max(g.x(event.position), half), g.width - half);
-    if (!text || taken.some(([from, to]) => x + half + 6 > from && x - half - 6 < to)) continue;
-    c.fillText(text, x, Math.max(g.y(markLevel(view, event)) - 15, 13 * g.em));
-    taken.push([x - half, x + half]);
-  }
-}
-
-/**
- * Draw the disk's scale with the events on it.
- * @param {Scene} scene
- * @param {Disk} disk
- */
-function drawScale({ c, view, info, colours }, { x, y, radius }) {
-  c.strokeStyle = colours.line;
-  c.lineWidth = 2;
-  c.beginPath();
-  c.arc(x, y, radius, angleOf(0), angleOf(1));
-  c.stroke();
-  for (const event of view.events) {
-    const { colour } = info.kinds[event.kind];
-    if (isDetail(info, event.kind)) continue;
-    const angle = angleOf(event.position);
-    const light = colour === "grey";
-    const out = light ? 7 : 12;
-    c.strokeStyle = colours[colour];
-    c.lineWidth = light ? 1.5 : 3;
-    drawLine(c, [x + (radius + 2) * Math.cos(angle), y + (radius + 2) * Math.sin(angle)], [x + (radius + out) * Math.cos(angle), y + (radius + out) * Math.sin(angle)]);
+    const beside = x > (g.left + g.right) / 2 ? x - half - 14 : x + half + 14;
+    const middle = Math.min(Math.max(isExtreme ? beside : x, half + 2), g.right - half);
+    const line = isExtreme ? Math.min(Math.max(y + 4 * g.em, 11 * g.em), g.bottom - 3) : g.lane - 13;
+    const isTaken = taken.some(([from, to, at]) =>
+      middle + half + 4 > from && middle - half - 4 < to && Math.abs(at - line) < 14 * g.em);
+    if (isTaken || half * 2 > g.right - g.left) continue;
+    drawText(scene, text, middle, line, "ink");
+    taken.push([middle - half, middle + half, line]);
   }
 }

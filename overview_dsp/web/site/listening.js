@@ -28,7 +28,16 @@ export function listen(page) {
   const watch = page.film === null ? null : (event) => page.served?.watch(event);
   listenToKeys(slider, { navigation, open: (name) => page.open(name) }, onfirst);
   slider.addEventListener("focus", () => navigation.speakSummary());
-  element.addEventListener("pointerdown", () => slider.focus({ preventScroll: true }));
+  // a pointer needs no frame around the picture, keys do
+  const setPointing = (/** @type {boolean} */ isPointing) => element.classList.toggle("pointing", isPointing);
+  slider.addEventListener("keydown", () => setPointing(false));
+  element.addEventListener("pointerdown", () => {
+    setPointing(true);
+    slider.focus({ preventScroll: true });
+  });
+  element.addEventListener("mousedown", (event) => event.preventDefault()); // the slider keeps the focus
+  // after the finger: buttons that hold the disk have no release of their own
+  element.addEventListener("pointerup", ({ button }) => button === 0 && input.release("keys"));
   // a screen reader changes the value by gestures
   slider.addEventListener("input", () => {
     page.start();
@@ -49,18 +58,31 @@ export function listen(page) {
       ? navigation.toValue(direction) : navigation.toEvent(direction));
   click("previous", () => step(-1));
   click("next", () => step(1));
-  click("tap", () => navigation.tap());
   click("run", () => page.playback.toggle());
   click("list", () => page.open("events"));
-  byId("twist").addEventListener("click", () => page.toggleTwist());
+  byId("twist").addEventListener("click", () => {
+    byId("dialog").close();
+    page.toggleTwist();
+  });
   byId("in").addEventListener("click", () => navigation.zoom(1));
   byId("out").addEventListener("click", () => navigation.zoom(-1));
-  byId("earlier").addEventListener("click", () => navigation.shift(-1));
-  byId("later").addEventListener("click", () => navigation.shift(1));
+  byId("whole").addEventListener("click", () => navigation.showWhole());
   byId("all-values").addEventListener("click", () => {
-    byId("events").close();
+    byId("dialog").close();
     page.openValues();
   });
+  /** @type {Record<string, () => void>} */
+  const moves = { tap: () => navigation.tap(), release: () => navigation.release() };
+  // also buttons that have no room on a small screen
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-does]"))) {
+    button.addEventListener("click", () => {
+      byId("dialog").close();
+      const name = button.dataset.does ?? "";
+      page.start();
+      if (Object.hasOwn(moves, name)) moves[name]();
+      else document.getElementById(name)?.click();
+    });
+  }
   byId("settings").addEventListener("click", () => byId("dialog").showModal());
   const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
   byId("keys").replaceChildren(...terms);
@@ -76,15 +98,19 @@ export function listen(page) {
     viewState.resize();
     page.wake();
   }).observe(byId("canvas"));
+  // the window and the size of the text
+  const resized = new ResizeObserver(() => page.fit());
+  for (const one of document.querySelectorAll("html, nav")) resized.observe(one);
   // with large text the page may scroll before a touch
   document.addEventListener("scroll", () => page.picture.locate(), { passive: true });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     page.picture.redraw();
     page.strip.draw();
-    page.showAbout();
     page.wake();
   });
-  return new EventList(page.info, navigation, (event) => page.goTo(event.position), watch);
+  return new EventList(page.info, navigation, {
+    go: (event) => page.goToEvent(event), watch, hidden: page.picture.hidden, toggle: (kind) => page.toggleKind(kind),
+  });
 }
 
 /**

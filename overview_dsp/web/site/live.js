@@ -2,6 +2,7 @@
 
 import { patched } from "./data.js";
 import { byId } from "./dom.js";
+import { MissedEvents } from "./missed.js";
 import { request } from "./session.js";
 import { eventText } from "./descriptions.js";
 
@@ -77,10 +78,12 @@ export class Live {
     this.line.id = "live";
     this.line.setAttribute("role", "status");
     byId("window").after(this.line);
+    this.missed = new MissedEvents(page, this.line);
     const { input } = page;
     const { onchange } = input;
     input.onchange = () => {
       onchange?.();
+      this.missed.afterInput();
       if (input.active === null) this.update();
     };
     this.seenVersion = version; // newest version whose changes were announced
@@ -130,6 +133,7 @@ export class Live {
       const event = { kind, label, time_s };
       const isKnown = page.info.kinds[kind] !== undefined;
       const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
+      this.missed.change(action, event);
       lines.push(action === "added" ? `new: ${text}` : `withdrawn: ${text}`);
       const { output, vibration } = page.settings;
       if (action === "added" && output === "motor" && vibration && page.input.active === null) {
@@ -204,10 +208,11 @@ export class Live {
     const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
     const wasWhole = viewState.view.zoom === 0 || viewState.view.end_s > info.duration_s;
     const part = wasWhole ? whole : { ...viewState.view, number: -1 };
+    const latest = data.finished({ points: null, ...view, ...whole }, null);
     /** @type {[View, () => void]} */
     const [drawn, apply] =
       wasWhole && data.preset === null
-        ? [{ points: null, ...view, ...whole }, () => this.bytes && sound.change(this.bytes.slice(0))]
+        ? [latest, () => this.bytes && sound.change(this.bytes.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
     if (page.input.active !== null) return; // a touched disk keeps its data
     if (this.pending === pending) this.pending = null;

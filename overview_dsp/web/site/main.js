@@ -2,6 +2,8 @@
 
 import { Data } from "./data.js";
 import { byId } from "./dom.js";
+import { fit } from "./fit.js";
+import { showTitle } from "./legend.js";
 import { Picture } from "./picture.js";
 import { firstPart } from "./windows.js";
 
@@ -13,10 +15,12 @@ start().catch((error) => {
 async function start() {
   const data = await Data.open();
   const { info } = data;
-  byId("title").textContent = info.title;
+  byId("title").textContent = byId("more-title").textContent = info.title;
   document.title = `${info.title}: overView`;
   const view = await data.view(firstPart(info));
-  const picture = new Picture(byId("canvas"), byId("trace"), info, view);
+  showTitle(info.title, data.whole ?? view);
+  fit(view, info);
+  const picture = new Picture(byId("canvas"), info, view);
   const { begin } = await import("./page.js");
   await begin(data, picture);
 }

@@ -1,19 +1,17 @@
-// Moving parts of the picture: line and dot of the finger, ring and needle of the disk. They are
-// elements that the browser's compositor moves without painting.
+// Moving parts of the picture: line and dot of the finger, ring, disk and spring. They are elements that
+// the browser's compositor moves without painting; only what has changed is set.
 
 import { byId } from "./dom.js";
 import { angleOf } from "./geometry.js";
-import { levelAt, resistanceAt } from "./layer.js";
+import { levelAt } from "./layer.js";
 
-/** @import { Geometry, Info, View } from "../types" */
+/** @import { Geometry, View } from "../types" */
 
 const NAMES = /** @type {const} */ ([
-  "cursor", "dot", "ring", "halo", "finger", "pull", "disk", "rub", "needle", "grip",
+  "cursor", "dot", "ring", "finger", "pull", "disk", "needle", "torque", "passed", "passed-curve",
 ]);
-const STEPS = 20; // size steps of the friction marks
-
-/** @param {number} position */
-const degrees = (position) => `${((angleOf(position) * 180) / Math.PI).toFixed(2)}deg`;
+const PULL = 100; // width (px) of the spring's drawing
+const ARC = 34; // length of the arc at the reference torque, of 100 around the disk
 
 export class Moving {
   constructor() {
@@ -26,57 +24,62 @@ export class Moving {
    * Lay out the parts for a new geometry.
    * @param {Geometry} geometry
    */
-  layOut({ disk, top, bottom }) {
-    const { cursor, disk: plate } = this.parts;
-    cursor.style.top = `${top - 14}px`;
-    cursor.style.height = `${bottom - top + 14}px`;
-    this.parts.finger.style.top = this.parts.pull.style.top = `${top - 14}px`;
-    plate.hidden = disk === null;
-    if (disk !== null) {
-      plate.style.left = `${disk.x - disk.radius}px`;
-      plate.style.top = `${disk.y - disk.radius}px`;
-      plate.style.width = plate.style.height = `${2 * disk.radius}px`;
-    }
+  layOut({ dial, groove, radius, still, width }) {
+    const { disk } = this.parts;
+    const hint = byId("hint");
+    const size = dial?.radius ?? radius;
+    this.parts.cursor.style.height = `${groove}px`;
+    this.parts.finger.style.top = this.parts.pull.style.top = hint.style.top = `${groove}px`;
+    hint.style.setProperty("--radius", `${radius}px`);
+    disk.style.setProperty("--radius", `${size}px`);
+    disk.style.left = `${dial?.x ?? 0}px`;
+    disk.style.top = `${dial?.y ?? groove}px`;
+    byId("disk").hidden = still;
+    disk.classList.toggle("dial", dial !== null);
+    byId("ring").hidden = still;
+    this.parts.passed.style.left = `${-width}px`;
+    this.parts.passed.style.width = this.parts["passed-curve"].style.width = `${width}px`;
     this.set.clear();
   }
 
   /**
-   * `cursor` is the disk's position (0 to 1), `input` that which is read out.
+   * `cursor` is the disk's position (0 to 1), `input` that which is read out, `torque` a share of the
+   * reference torque.
    * @param {Geometry} g
    * @param {View} view
-   * @param {{ cursor: number, input: number, touching: boolean }} state
-   * @param {Info} info
+   * @param {{ cursor: number, input: number, touching: boolean, torque: number }} state
    */
-  show(g, view, { cursor, input, touching }, info) {
+  show(g, view, { cursor, input, touching, torque }) {
     const x = g.x(cursor);
     const to = g.x(input);
     const [level, inputLevel] = [levelAt(view, cursor), levelAt(view, input)];
-    const friction = Math.log10(Math.max(1, resistanceAt(view, cursor) / info.base_friction)) / 2;
-    const grip = Math.min(friction, 1);
     this.put("cursor", `translateX(${to.toFixed(1)}px)`);
     this.put("dot", `translate(${to.toFixed(1)}px, ${g.y(inputLevel ?? 0).toFixed(1)}px)`);
     this.setVisible("dot", inputLevel !== null);
-    this.put("ring", `translate(${x.toFixed(1)}px, ${g.y(level ?? 0).toFixed(1)}px)`);
-    this.setVisible("ring", level !== null);
-    // sized by the friction, in steps too small to see
-    const size = Math.ceil(STEPS * grip) / STEPS;
-    this.put("halo", `scale(${0.4 + 0.6 * size})`);
+    this.put("passed", `translateX(${x.toFixed(1)}px)`);
+    this.put("passed-curve", `translateX(${(g.width - x).toFixed(1)}px)`);
     if (this.set.get("touching") !== touching) {
       this.set.set("touching", touching);
       byId("stage").classList.toggle("released", !touching);
     }
-    this.setVisible("finger", touching);
-    this.setVisible("pull", touching);
-    if (touching) {
-      this.put("finger", `translateX(${to.toFixed(1)}px)`);
-      const width = Math.abs(to - x).toFixed(1);
-      this.put("pull", `translateX(${Math.min(x, to).toFixed(1)}px) scaleX(${width})`);
+    this.setVisible("finger", touching || input > 0);
+    this.put("finger", `translateX(${to.toFixed(1)}px)`);
+    this.setVisible("pull", touching && !g.still && g.dial === null);
+    if (g.still) return;
+    this.put("ring", `translate(${x.toFixed(1)}px, ${g.y(level ?? 0).toFixed(1)}px)`);
+    this.setVisible("ring", level !== null);
+    if (touching && g.dial === null) {
+      const width = ((to - x) / PULL).toFixed(3);
+      this.put("pull", `translateX(${x.toFixed(1)}px) scaleX(${width})`);
     }
-    if (g.disk === null) return;
-    this.put("needle", `rotate(${degrees(cursor)})`);
-    this.put("rub", `scale(${0.35 + 0.65 * size})`);
-    this.setVisible("grip", touching);
-    if (touching) this.put("grip", `rotate(${degrees(input)})`);
+    this.put("disk", g.dial === null ? `translateX(${x.toFixed(1)}px)` : "none");
+    this.put("needle", `rotate(${((angleOf(cursor) * 180) / Math.PI).toFixed(1)}deg)`);
+    // cube root: shows both the surface and goals
+    const length = Math.round(ARC * Math.min(Math.cbrt(Math.abs(torque)), 1));
+    const arc = `${length} 100`;
+    if (this.set.get("arc") === arc) return;
+    this.set.set("arc", arc);
+    this.parts.torque.setAttribute("stroke-dasharray", arc);
   }
 
   /**

@@ -95,10 +95,9 @@ export class Navigation {
     else this.announcer.say(direction > 0 ? "No more detail" : "The whole timeline");
   }
 
-  /** @param {number} direction */
-  async shift(direction) {
-    if (await this.viewState.shift(direction)) this.reportWindow();
-    else this.reportEnd(direction);
+  /** Show the whole timeline, and report it. */
+  async showWhole() {
+    if (await this.viewState.showWhole()) this.reportWindow();
   }
 
   reportWindow() {

@@ -5,10 +5,12 @@ import { readAddress } from "./address.js";
 import { positionAt, secondsAt } from "./angle_map.js";
 import { Announcer } from "./announcer.js";
 import { byId } from "./dom.js";
+import { fit } from "./fit.js";
 import { Frames } from "./frames.js";
 import { CombinedInput } from "./combined_input.js";
 import { listen } from "./listening.js";
 import { keepOffline } from "./offline.js";
+import { chipsOf, fitLegend, listedKinds, showLegend, showTitle } from "./legend.js";
 import { Pinch } from "./pinch.js";
 import { Playback } from "./playback.js";
 import { saveSettings, loadSettings } from "./settings.js";
@@ -21,7 +23,8 @@ import { Strokes } from "./strokes.js";
 import { Twist } from "./twist.js";
 import { Motor } from "./vibration.js";
 import { Navigation } from "./navigation.js";
-import { partBetween } from "./windows.js";
+import { isSameEvent } from "./scores.js";
+import { partAround, partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./descriptions.js";
 
 /** @import { Preset, AudioBackend, TimelineEvent, DiskState } from "../types" */
@@ -61,7 +64,7 @@ export class Page {
       onshow: () => this.onViewChange(), onfault: (line) => this.fault(line),
     });
     this.strip = new Strip(data, this.viewState);
-    this.pinch = new Pinch(this.viewState, picture, () => this.strip.whole);
+    this.pinch = new Pinch(this.viewState, picture, data);
     this.navigation = new Navigation(this.input, this.viewState, this.speech, this.announcer, this.info);
     this.frames = new Frames(sound, () => this.draw(), (meters) => this.update(meters));
     this.playback = new Playback(this);
@@ -89,6 +92,7 @@ export class Page {
     const soundingPart = this.atHost ? this.view : partBetween(windows, [0, duration_s]);
     this.viewState.begin(soundingPart).catch((error) => this.fault(error.message));
     this.apply();
+    this.showAbout();
     this.served = serve && serve(this);
     this.list = listen(this);
     this.wake();
@@ -96,10 +100,10 @@ export class Page {
 
   /** Load the sound, show that it loads, then follow the URL. */
   async load() {
-    const hint = byId("hint").textContent;
-    byId("hint").textContent = "The sound is loading…";
+    const hint = [...byId("hint-text").childNodes];
+    byId("hint-text").replaceChildren("Loading…");
     await this.sound.load();
-    byId("hint").textContent = hint;
+    byId("hint-text").replaceChildren(...hint);
     if (this.info.live) {
       const { Live } = await import("./live.js");
       this.live = new Live(this, this.info.live);
@@ -154,12 +158,24 @@ export class Page {
   }
 
   /**
+   * Go to an event of the timeline; the window follows.
+   * @param {TimelineEvent} event
+   */
+  async goToEvent(event) {
+    const isInside = () => event.time_s >= this.view.start_s && event.time_s <= this.view.end_s;
+    const part = isInside() ? null : partAround(this.info.windows, this.view.zoom, event.time_s);
+    if (part) await this.playback.show(part);
+    const own = this.view.events.find((one) => isSameEvent(one, event));
+    if (own || isInside()) this.goTo(own?.position ?? this.positionAt(event.time_s));
+  }
+
+  /**
    * Open the list of events, the help or the film, or play and pause (run).
    * @param {string} name
    */
   open(name) {
     if (name === "run") this.playback.toggle();
-    else if (name === "events") this.list?.open(this.view);
+    else if (name === "events") this.list?.open(this.view, this.strip.whole);
     else if (name === "help") byId("help").showModal();
     else this.served?.watch(this.currentEvent);
   }
@@ -174,6 +190,7 @@ export class Page {
   /** @param {string} message */
   fault(message) {
     byId("fault").textContent = message;
+    byId("fault").classList.toggle("link", message.includes("http")); // to be selected
   }
 
   // --- the input ---------------------------------------------------------------------------------
@@ -196,7 +213,7 @@ export class Page {
       this.isStarted = true;
       navigator.serviceWorker?.ready.then(({ active }) => active?.postMessage("keep windows"));
     }
-    if (this.sound.ready) byId("hint").classList.add("gone");
+    if (this.sound.ready) document.documentElement.classList.add("touched");
     this.wake();
   }
 
@@ -263,7 +280,7 @@ export class Page {
   }
 
   apply() {
-    const { output, clicks, vibration, volume, speech, contrast, still, steps } = this.settings;
+    const { output, clicks, vibration, volume, speech, contrast, still, circular, steps } = this.settings;
     this.gain = 10 ** (volume / 20);
     this.sound.route(output);
     this.sound.volume(clicks ? this.gain : 0, vibration ? this.gain : 0);
@@ -278,14 +295,51 @@ export class Page {
     byId("previous").ariaLabel = `Previous ${stop}`;
     byId("next").ariaLabel = `Next ${stop}`;
     this.picture.still = still;
+    this.picture.circular = circular;
     this.picture.resize();
     this.strip.draw();
-    this.showAbout();
     this.wake();
   }
 
+  /** Describe the data and list the kinds; a chip with the focus keeps it. */
   showAbout() {
-    showAbout(byId("about"), [...document.querySelectorAll(".kinds")], this.info, this.view);
+    showAbout(byId("about"), this.info, this.view);
+    showLegend(byId("marks"), this.info);
+    showTitle(this.info.title, this.strip.whole);
+    const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset.kind;
+    const chips = chipsOf(this.info, this.picture.hidden, (kind) => this.toggleKind(kind));
+    byId("legend").replaceChildren(...chips.map((chip) => {
+      const item = document.createElement("li");
+      item.append(chip);
+      return item;
+    }));
+    fitLegend();
+    chips.find(({ dataset }) => dataset.kind === focused)?.focus();
+  }
+
+  /**
+   * Show or hide the marks of a kind; its events are still felt.
+   * @param {string} kind
+   */
+  toggleKind(kind) {
+    const { hidden } = this.picture;
+    if (!hidden.delete(kind)) hidden.add(kind);
+    const shown = this.view.events.filter((event) => !hidden.has(event.kind)).length;
+    const { name } = this.info.kinds[kind];
+    this.announcer.say(`${name} ${hidden.has(kind) ? "hidden, still felt" : "shown"}; ${shown} events shown`);
+    this.picture.redraw();
+    listedKinds(this.info).forEach(([id], i) => {
+      byId("legend").querySelectorAll("button")[i].setAttribute("aria-pressed", String(!hidden.has(id)));
+    });
+  }
+
+  /** Fit the texts to the window, and the picture to the rest. */
+  fit(isResized = true) {
+    if (!fit(this.view, this.info, isResized)) return;
+    fitLegend();
+    this.picture.resize();
+    this.viewState.resize();
+    this.wake();
   }
 
   // --- every frame ------------------------------------------------------------------------------
@@ -293,6 +347,8 @@ export class Page {
   /** Update the strip after a change of the window. */
   onViewChange() {
     this.strip.show(this.view);
+    this.fit(false);
+    if (this.view.zoom === 0) fitLegend(); // while zoomed it is hidden
     this.wake();
   }
 
@@ -312,7 +368,6 @@ export class Page {
     else if (this.wasFree) this.isOwn = false;
     // the disk may overrun an end slightly
     this.cursor = Math.min(Math.max(state.cursor, 0), 1);
-    this.picture.trace.push(state.torque, state.newStrikes);
     this.frames.setAtRest(this.input.active === null && state.cursor < 1e-4 && state.envelope < 1e-4);
     const { events, strike_events: strikeEvents } = this.view;
     const passed = this.atHost
@@ -338,7 +393,8 @@ export class Page {
 
   draw() {
     const touching = this.input.active !== null;
-    this.picture.draw({ cursor: this.cursor, input: this.reading, touching });
+    const torque = (this.meters?.torque ?? 0) / this.info.reference_torque;
+    this.picture.draw({ cursor: this.cursor, input: this.reading, touching, torque });
     this.slider.show(this.view, this.reading, this.info);
   }
 }

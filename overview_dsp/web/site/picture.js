@@ -1,18 +1,18 @@
-// The picture: a static layer, moving parts over it, and the trace on its own canvas.
+// The picture: a static layer, the passed part of the curve over it, and moving parts.
 
-import { geometryOf, isOnDisk, positionTurned } from "./geometry.js";
-import { drawLayer, isDetail, markLevel } from "./layer.js";
+import { byId, contextOf } from "./dom.js";
+import { geometryOf, isOnDial, positionTurned } from "./geometry.js";
+import { drawLayer, drawPassed, figuresOf, fontOf, markPoint } from "./layer.js";
 import { Moving } from "./moving.js";
 import { SvgContext } from "./svg.js";
-import { Trace } from "./trace.js";
 
 /** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 
-const COLOURS = ["paper", "ink", "soft", "line", "curve", "fill", "disk", "disk-mark", "accent",
-  "cursor", "trace", "blue", "sky", "green", "yellow", "orange", "vermilion", "purple", "grey",
-  "rim"];
+export const COLOURS = ["paper", "ink", "soft", "line", "edge", "curve", "ahead", "fill", "groove", "groove2",
+  "one", "two", "card", "red"];
 
 const FINGER_PX = 20; // maximum distance from a pointer to a mark
+const FIGURE_PX = 12; // space beside the axis figures
 
 /**
  * @param {Element} element
@@ -25,23 +25,26 @@ export function coloursOf(element) {
   );
 }
 
+/** Return the size of the text, 1 for 16 px. */
+export const textSize = () => parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+
 export class Picture {
   /**
-   * `layer` is an SVG, `trace` a canvas.
    * @param {SVGSVGElement} layer
-   * @param {HTMLCanvasElement} trace
    * @param {Info} info
    * @param {View} view
    */
-  constructor(layer, trace, info, view) {
+  constructor(layer, info, view) {
     this.layer = layer;
     this.info = info;
     this.view = view;
     this.moving = new Moving();
-    this.trace = new Trace(trace, info.reference_torque);
-    this.still = false;
-    this.isTurningDisk = false; // whether a finger turns the disk
-    this.diskPosition = 0;
+    this.measuring = contextOf(document.createElement("canvas"));
+    this.still = this.circular = false;
+    /** @type {Set<string>} */
+    this.hidden = new Set(); // kinds without marks
+    this.isTurningDial = false; // whether a finger turns the dial
+    this.dialPosition = 0;
     this.left = this.top = 0; // position on the screen
     this.resize();
   }
@@ -56,13 +59,27 @@ export class Picture {
 
   resize() {
     const { width, height } = this.locate();
-    const em = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
-    const short = Math.min(window.innerWidth, window.innerHeight);
+    const em = textSize();
+    const { view, still, circular } = this;
+    const isSeries = this.info.series !== null;
     /** @type {Geometry} */
-    this.geometry = geometryOf({ width, height, short, em, still: this.still });
+    this.geometry = geometryOf({
+      width, height, em, still, circular, figures: isSeries ? this.figuresWidth(height, em) : 0,
+      lanes: !isSeries && view.events.length > 0,
+    });
     this.moving.layOut(this.geometry);
-    this.trace.layOut(this.geometry.trace, window.devicePixelRatio || 1);
     this.redraw();
+  }
+
+  /**
+   * Return the width of the axis figures.
+   * @param {number} height
+   * @param {number} em
+   */
+  figuresWidth(height, em) {
+    this.measuring.font = fontOf({ em });
+    const widths = figuresOf(this.view, height * 0.8, em).map(({ text }) => this.measuring.measureText(text).width);
+    return Math.max(0, ...widths) + FIGURE_PX - 26;
   }
 
   /** Draw the layer for another window, size or colours. */
@@ -70,42 +87,43 @@ export class Picture {
     /** @type {Colours} */
     this.colours = coloursOf(this.layer);
     if (this.geometry.width === 0) return;
-    const c = new SvgContext(this.layer);
-    const { geometry: g, view, info, colours } = this;
-    drawLayer({ c, g, view, info, colours });
-    c.show();
+    const { geometry: g, view, info, colours, hidden } = this;
+    const layers = /** @type {const} */ ([[this.layer, drawLayer], [byId("passed-curve"), drawPassed]]);
+    for (const [svg, draw] of layers) {
+      const c = new SvgContext(svg);
+      draw({ c, g, view, info, colours, hidden });
+      c.show();
+    }
   }
 
   /** @param {View} view */
   show(view) {
     this.view = view;
-    this.redraw();
+    this.resize();
   }
 
   /**
    * Draw one frame.
-   * @param {{ cursor: number, input: number, touching: boolean }} state
+   * @param {{ cursor: number, input: number, touching: boolean, torque: number }} state
    */
   draw(state) {
-    if (this.geometry.width === 0) return;
-    this.moving.show(this.geometry, this.view, state, this.info);
-    this.trace.draw(this.colours);
+    if (this.geometry.width > 0) this.moving.show(this.geometry, this.view, state);
   }
 
   /**
-   * Return the position under a pointer: on the curve, or on the disk if the touch began there.
+   * Return the position under a pointer: on the curve, or on the dial if the touch began there.
    * @param {{ clientX: number, clientY: number }} pointer
    * @param {boolean} begins whether a touch begins
    */
   positionUnder({ clientX, clientY }, begins = false) {
     const x = clientX - this.left;
     const y = clientY - this.top;
-    const { disk } = this.geometry;
-    if (begins) this.isTurningDisk = isOnDisk(this.geometry, x, y);
-    if (!this.isTurningDisk || disk === null) return this.geometry.position(x);
-    const last = begins ? (x < disk.x ? 0 : 1) : this.diskPosition;
-    this.diskPosition = positionTurned(disk, x, y, last);
-    return this.diskPosition;
+    const { dial } = this.geometry;
+    if (begins) this.isTurningDial = isOnDial(this.geometry, x, y);
+    if (!this.isTurningDial || dial === null) return this.geometry.position(x);
+    const last = begins ? (x < dial.x ? 0 : 1) : this.dialPosition;
+    this.dialPosition = positionTurned(dial, x, y, last);
+    return this.dialPosition;
   }
 
   /** @param {number} clientX */
@@ -120,15 +138,13 @@ export class Picture {
    * @returns {TimelineEvent | null}
    */
   markAt(clientX, clientY) {
-    const { geometry, view } = this;
-    const x = clientX - this.left;
-    const y = clientY - this.top;
+    const { geometry, view, info } = this;
     let nearest = null;
     let least = FINGER_PX;
     for (const event of view.events) {
-      if (isDetail(this.info, event.kind)) continue;
-      const up = geometry.y(markLevel(view, event));
-      const away = Math.hypot(geometry.x(event.position) - x, up - y);
+      if (this.hidden.has(event.kind)) continue;
+      const [x, y] = markPoint(geometry, view, info, event);
+      const away = Math.hypot(x + this.left - clientX, y + this.top - clientY);
       if (away < least) [nearest, least] = [event, away];
     }
     return nearest;

@@ -4,7 +4,7 @@
 import { croppedTo, partBetween, partNearest } from "./windows.js";
 import { secondsAt } from "./angle_map.js";
 
-/** @import { View } from "../types" */
+/** @import { Data } from "./data.js" */
 /** @import { Picture } from "./picture.js" */
 /** @import { ViewState } from "./view_state.js" */
 
@@ -12,15 +12,14 @@ const STEP = 1.25; // change of scale that loads another window
 
 export class Pinch {
   /**
-   * `whole()` returns the view of the whole timeline, or null.
    * @param {ViewState} viewState
    * @param {Picture} picture
-   * @param {() => View | null} whole
+   * @param {Data} data
    */
-  constructor(viewState, picture, whole) {
+  constructor(viewState, picture, data) {
     this.viewState = viewState;
     this.picture = picture;
-    this.whole = whole;
+    this.data = data;
     /** @type {{ length: number, moment: number } | null} */
     this.origin = null; // length and time under the fingers at the start
   }
@@ -59,7 +58,7 @@ export class Pinch {
   preview(window) {
     const { view } = this.viewState;
     const inside = window && window[0] >= view.start_s && window[1] <= view.end_s;
-    const source = inside ? view : this.whole();
+    const source = inside ? view : this.data.whole;
     this.picture.show(window && source ? croppedTo(source, window) : view);
   }
 }

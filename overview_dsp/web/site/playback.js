@@ -19,14 +19,14 @@ export class Playback {
   constructor(page) {
     this.page = page;
     /** @type {Gesture | null} */
-    this.linkedGesture = null; // gesture of the URL, until it is played
+    this.linkedGesture = null; // gesture of the URL
     this.player = new Player(page.input, (sweep, isEnd) => {
-      byId("run").textContent = sweep ? "Pause" : "Play";
+      byId("run-text").textContent = sweep ? "Pause" : "Play";
+      byId("run").classList.toggle("playing", sweep !== null);
       const stopped = isEnd ? "Ended" : "Paused";
       page.announcer.say(sweep ? `Playing, ${sweep.seconds} seconds` : stopped);
       page.wake();
     });
-    byId("start").addEventListener("click", () => this.toggle());
     byId("share").addEventListener("click", () => this.share());
   }
 
@@ -38,7 +38,7 @@ export class Playback {
   toggle() {
     const { player, page } = this;
     page.start();
-    byId("start").hidden = true;
+    byId("run").classList.remove("offered");
     if (player.playing) player.pause();
     else this.whenReady(() => player.play(this.gesture));
   }
@@ -63,7 +63,7 @@ export class Playback {
   }
 
   /**
-   * Apply the fields of the URL; its gesture waits for a touch. Each field works without the others.
+   * Apply the fields of the URL; its gesture waits for Play. Each field works without the others.
    * @param {Record<string, string | null>} address
    */
   async follow({ at, play, window, preset }) {
@@ -135,7 +135,7 @@ export class Playback {
     const { page } = this;
     const { windows, duration_s } = page.info;
     const whole = partBetween(windows, [0, duration_s]);
-    const moment = momentAt(at, await this.allEvents());
+    const moment = momentAt(at, page.strip.whole.events);
     if (moment === null) throw new Error(`unknown position ${at}; use goal:5, 67:30 or seconds`);
     const text = momentText(moment, page.info);
     if (moment > duration_s) {
@@ -151,19 +151,13 @@ export class Playback {
     page.goTo(page.positionAt(moment));
   }
 
-  /** Return the events of the whole timeline, without those that only a zoomed window has. */
-  async allEvents() {
-    const { view, data, info } = this.page;
-    return (view.zoom === 0 ? view : await data.view(partBetween(info.windows, [0, info.duration_s]))).events;
-  }
-
   /**
    * Offer the gesture of the URL.
    * @param {string | null} play
    */
   offer(play) {
     this.linkedGesture = gestureOf(play);
-    byId("start").hidden = this.linkedGesture === null;
+    byId("run").classList.toggle("offered", this.linkedGesture !== null);
     byId("share-play").checked = this.linkedGesture !== null;
     byId("share-access").hidden = accessToken() === "";
     if (play && this.linkedGesture === null) {
@@ -178,7 +172,7 @@ export class Playback {
     const button = byId("share");
     try {
       const address = linkTo({
-        at: currentEvent ? eventName(currentEvent, await this.allEvents()) : String(Math.round(moment)),
+        at: currentEvent ? eventName(currentEvent, page.strip.whole.events) : String(Math.round(moment)),
         window: view.zoom > 0 ? `${view.start_s}:${view.end_s}` : null,
         preset: page.editor?.playing?.name ?? null,
         play: byId("share-play").checked ? gestureText(this.gesture) : null,

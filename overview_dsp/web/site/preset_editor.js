@@ -2,7 +2,7 @@
 // The server computes every change, with the same code as a native engine.
 
 import { PROFILE, drawingOf, MAP } from "./editor_drawing.js";
-import { rowOf } from "./editor_rows.js";
+import { labelOf, rowOf, valueText } from "./editor_rows.js";
 import { byId } from "./dom.js";
 import { request, post } from "./session.js";
 
@@ -14,6 +14,7 @@ import { request, post } from "./session.js";
 const json = async (path) => (await request(path)).json();
 const HIDDEN_SECTIONS = ["twist", "follow"]; // sections that only concern sensors and hosts
 const ANGLE_MAP = "surface.angle_map";
+const ONE_STEP_MS = 700; // changes within this time are undone together
 const NAME = /^[\w-]+$/; // allowed in a preset's file name
 const EXISTS = "already exists";
 /** @type {(a: unknown, b: unknown) => boolean} */
@@ -36,14 +37,22 @@ export class PresetEditor {
     /** @type {Preset[] | null} */
     this.sides = null; // the presets of A and B
     this.side = 1;
+    /** @type {string[]} */
+    this.history = []; // earlier states of A and B as JSON, for Undo
+    this.state = ""; // the newest one
+    this.changedAt = -Infinity;
     /** @type {Preset | null} */
     this.playing = null;
     /** @type {Map<string, Parameter>} */
     this.table = new Map();
-    this.busy = false;
+    this.busy = this.isSearching = false;
+    /** @type {string[]} */
+    this.openSections = [];
     byId("editor-close").addEventListener("click", () => this.toggle(false));
     byId("editor-a").addEventListener("click", () => this.choose(0));
     byId("editor-b").addEventListener("click", () => this.choose(1));
+    byId("editor-undo").addEventListener("click", () => this.undo());
+    byId("editor-find").addEventListener("input", () => this.show());
     byId("editor-preset").addEventListener("change", () => this.load(byId("editor-preset").value));
     byId("editor-name").addEventListener("input", () => this.offer(false));
     byId("editor-download").addEventListener("click", () => this.tryTo(() => this.download()));
@@ -113,6 +122,8 @@ export class PresetEditor {
     this.table = new Map(parameters.map((/** @type {Parameter} */ one) => [one.id, one]));
     this.sides = [preset, structuredClone(preset)];
     this.playing = structuredClone(preset);
+    this.history = [];
+    this.state = JSON.stringify(this.sides);
     const names = [...new Set([preset.name, ...own, ...bundled])];
     byId("editor-preset").append(...names.map((name) => new Option(name)));
     byId("editor-name").value = `my-${preset.name}`.slice(0, 64);
@@ -148,8 +159,13 @@ export class PresetEditor {
   // --- rows -------------------------------------------------------------------------------------
 
   show() {
-    const opened = byId("editor-rows").querySelectorAll("details[open]");
-    const open = new Set([...opened].map((/** @type {Element} */ one) => one.id));
+    const words = byId("editor-find").value.toLowerCase().split(/\s+/).filter(Boolean);
+    if (!this.isSearching) { // a search opens sections, which close after it
+      const opened = byId("editor-rows").querySelectorAll("details[open]");
+      this.openSections = [...opened].map((/** @type {Element} */ one) => one.id);
+    }
+    this.isSearching = words.length > 0;
+    const open = new Set(this.openSections);
     const { values, kinds } = this.preset;
     /** @type {Map<string, Row[]>} */
     const sections = new Map();
@@ -164,10 +180,68 @@ export class PresetEditor {
       sections.set(`event: ${name.replaceAll("_", " ")}`, this.kindRows(kind));
       drawings.set(`event: ${name.replaceAll("_", " ")}`, [kind, PROFILE]);
     }
+    if (this.isSearching) {
+      drawings.clear();
+      for (const [name, rows] of sections) {
+        const found = rows.filter(([{ doc }, , key]) =>
+          words.every((word) => `${name} ${labelOf(key)} ${doc}`.toLowerCase().includes(word)));
+        if (found.length > 0) sections.set(name, found);
+        else sections.delete(name);
+        open.add(`section ${name}`);
+      }
+    }
     byId("editor-rows").replaceChildren(
       ...[...sections].map(([name, rows]) => (
         this.section(name, rows, open, drawings.get(name)))),
     );
+    if (sections.size === 0) byId("editor-rows").textContent = "Nothing called that";
+  }
+
+  /** Keep the state before a change for Undo, and list what A and B differ in. */
+  keepState() {
+    const state = JSON.stringify(this.sides);
+    const now = performance.now();
+    if (state !== this.state) {
+      if (now - this.changedAt > ONE_STEP_MS) this.history.push(this.state);
+      this.state = state;
+      this.changedAt = now;
+    }
+    byId("editor-undo").disabled = this.history.length === 0;
+    const lines = this.differences();
+    byId("editor-difference").textContent = lines.length === 0 ? "A and B are equal" : `A and B differ in ${lines.length}`;
+    byId("editor-difference-list").replaceChildren(...lines.map((line) => {
+      const item = document.createElement("li");
+      item.textContent = line;
+      return item;
+    }));
+  }
+
+  /** Return one line for each parameter in which A and B differ. */
+  differences() {
+    const [a, b] = this.loaded.map(({ values, kinds, points }) => {
+      const shapes = Object.entries(kinds).flatMap(([name, kind]) =>
+        Object.entries(kind).map(([key, value]) => [`${name}.${key}`, value]));
+      return Object.fromEntries([...Object.entries(values), ["surface.points", points], ...shapes]);
+    });
+    const text = (/** @type {string} */ key, /** @type {any} */ value) => {
+      if (value === undefined) return "none";
+      if (typeof value !== "number") return typeof value === "object" ? JSON.stringify(value) : String(value);
+      const own = this.table.get(key) ?? this.table.get(`kinds.NAME.${key.slice(key.indexOf(".") + 1)}`);
+      return valueText(value, own?.unit ?? "");
+    };
+    return [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((key) => !isSame(a[key], b[key]))
+      .map((key) => `${key.replaceAll("_", " ")}: A ${text(key, a[key])}, B ${text(key, b[key])}`);
+  }
+
+  /** Return to the state before the newest change. */
+  async undo() {
+    const state = this.history.pop();
+    if (state === undefined) return;
+    this.sides = JSON.parse(state);
+    this.state = state;
+    this.changedAt = -Infinity;
+    await this.choose(this.side);
+    if (this.history.length === 0) byId("editor-title").focus(); // the button is disabled
   }
 
   /**
@@ -204,12 +278,13 @@ export class PresetEditor {
     details.append(summary);
     const fill = () => {
       if (!details.open || details.children.length > 1) return;
+      // the shape as it is comes first
+      if (drawings) details.append(drawingOf(...drawings, () => this.changed()));
       details.append(
         ...rows.map(([parameter, owner, key]) =>
           rowOf(parameter, owner, key, () => this.changed()),
         ),
       );
-      if (drawings) details.append(drawingOf(...drawings, () => this.changed()));
     };
     details.addEventListener("toggle", fill);
     details.open = open.has(details.id);
@@ -222,6 +297,7 @@ export class PresetEditor {
   /** Apply the newest state; states that change while a request runs are merged into one. */
   async changed() {
     this.offer(false);
+    this.keepState();
     if (this.busy) {
       this.changedAgain = true;
       return;

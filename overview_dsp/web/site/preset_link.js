@@ -19,24 +19,25 @@ export class PresetLink {
     this.preset = null; // the last preset that the server sent
     this.source = new EventSource(new URL("preset/changes", import.meta.url));
     this.source.onmessage = ({ data }) => this.onPreset(JSON.parse(data));
-    this.isLost = false;
+    /** @type {number | null} */
+    this.lostState = null; // what was reported, a `readyState`; null: connected
     this.source.onerror = () => this.onLost();
     this.source.onopen = () => this.onReconnect();
     this.source.addEventListener("refused", ({ data }) => page.fault(JSON.parse(data)));
   }
 
-  /** Report once that the server can't be reached. */
+  /** Report each state once in which the server can't be reached. */
   onLost() {
-    if (this.isLost) return;
-    this.isLost = true;
-    this.page.fault(this.source.readyState === EventSource.CLOSED
+    if (this.lostState === this.source.readyState) return;
+    this.lostState = this.source.readyState;
+    this.page.fault(this.lostState === EventSource.CLOSED
       ? "the server no longer accepts this page: open the URL printed last"
       : "the server can't be reached: this page keeps working and reconnects");
   }
 
   onReconnect() {
-    if (this.isLost) this.page.fault("");
-    this.isLost = false;
+    if (this.lostState !== null) this.page.fault("");
+    this.lostState = null;
   }
 
   /** @param {Preset} after */

@@ -31,7 +31,7 @@ export class Served {
     this.page = page;
     this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
-    byId("play").hidden = this.film === null;
+    byId("play").hidden = byId("watch").hidden = this.film === null;
     byId("play").addEventListener("click", () => this.watch(page.currentEvent));
     byId("tune").hidden = false;
     byId("tune").addEventListener("click", () => {
@@ -67,7 +67,7 @@ export class Served {
       finger.textContent = name || "another";
       finger.className = active ? "active" : "";
       finger.style.transform = `translateX(${geometry.x(position).toFixed(1)}px)`;
-      finger.style.top = `${geometry.top - 6}px`;
+      finger.style.top = `${geometry.groove - 6}px`;
       return finger;
     }));
   }

@@ -1,5 +1,7 @@
 // Settings of the user, stored in this browser.
 
+import { byId } from "./dom.js";
+
 /** @import { Settings } from "../types" */
 
 const KEY = "overview";
@@ -18,6 +20,7 @@ const DEFAULTS = {
   steps: "events", // stops of the buttons Previous and Next
   name: navigator.userAgent.match(/iPhone|iPad|Android|Windows|Macintosh|Linux/)?.[0] ?? "",
   contrast: matchMedia("(prefers-contrast: more)").matches,
+  circular: false, // a dial to turn
   still: matchMedia("(prefers-reduced-motion: reduce)").matches,
   start: 0, // roll at the timeline's start, rad
 };
@@ -57,6 +60,10 @@ export function bindSettings(form, settings, onchange) {
     if (!field) continue;
     if (typeof value === "boolean") field.checked = value;
     else field.value = value;
+  }
+  if (!("vibrate" in navigator)) {
+    byId("motor").textContent = "this phone cannot vibrate from a web page; you hear every event";
+    /** @type {any} */ (form.elements.namedItem("output"))[1].disabled = true;
   }
   form.addEventListener("input", (event) => {
     const target = /** @type {HTMLInputElement} */ (event.target);

@@ -3,15 +3,16 @@
 import { secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
 import {
-  eventAt, momentText, positionText, scoreAt, shortEvent, summaryText, valueAt,
+  eventAt, momentText, numberAt, positionText, scoreAt, shortEvent, summaryText,
 } from "./descriptions.js";
+import { markIcon } from "./legend.js";
+import { markOf } from "./marks.js";
 
-/** @import { Info, View } from "../types" */
+/** @import { Info, TimelineEvent, View } from "../types" */
 
 const EVERY_MS = 100; // minimum time between two layouts of text
 const EVERY_FRAMES = 6; // minimum number of frames between them on a slow device
 const LATE_MS = 400; // maximum delay of a text
-const MOST = 14; // characters in large type beside a value
 
 export class Slider {
   constructor() {
@@ -52,17 +53,45 @@ export class Slider {
     if (other || position !== this.position) this.setValue(position, positionText(view, position, info));
     if (other || position !== oldPosition) {
       const here = eventAt(view, position);
-      const moment = momentText(here?.time_s ?? secondsAt(view, position), info);
-      setText("clock", moment);
-      byId("clock").classList.toggle("long", moment.length > MOST);
-      setText("value", valueAt(view, position, info) || scoreAt(view, position));
-      setText("event", here ? shortEvent(here, info) : "");
+      setText("clock", momentText(here?.time_s ?? secondsAt(view, position), info));
+      const number = numberAt(view, position, info);
+      setText("unit", number && number !== "No data" ? info.series?.unit ?? "" : "");
+      if (info.series) setText("number", number);
+      else this.showScore(scoreAt(view, position));
+      this.showEvent(here, info);
     }
+  }
+
+  /**
+   * Show a score, each digit in the colour of its team.
+   * @param {string} score
+   */
+  showScore(score) {
+    if (byId("number").textContent === score) return;
+    const [one, two] = score.split("\u2013").map((digits, i) => {
+      const element = document.createElement("span");
+      element.className = i === 0 ? "one" : "two";
+      element.textContent = digits;
+      return element;
+    });
+    byId("number").replaceChildren(...(two ? [one, "\u2013", two] : []));
+  }
+
+  /**
+   * Show an event with its mark.
+   * @param {TimelineEvent | null} event
+   * @param {Info} info
+   */
+  showEvent(event, info) {
+    const text = event ? shortEvent(event, info) : "";
+    if (byId("event").textContent === text) return;
+    const marks = event ? [markIcon(markOf(event.kind, info.kinds[event.kind], event.side))] : [];
+    byId("event").replaceChildren(...marks, text);
   }
 }
 
 /**
- * @param {"clock" | "value" | "event"} id
+ * @param {"clock" | "number" | "unit" | "event"} id
  * @param {string} text
  */
 function setText(id, text) {

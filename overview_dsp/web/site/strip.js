@@ -1,18 +1,15 @@
-// The whole timeline as a strip with the visible window and the scores of a match. A pointer moves
-// the window; for keys and screen readers there are the buttons "Earlier" and "Later".
+// The whole timeline as a strip with the visible window, while the page is zoomed. A pointer moves the
+// window; keys that move the disk beyond the window move it too.
 
 import { positionAt, secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
 import { coloursOf } from "./picture.js";
 import { SvgContext } from "./svg.js";
-import { partAround, partOf } from "./windows.js";
-import { scoresOf } from "./descriptions.js";
+import { partAround } from "./windows.js";
 
 /** @import { View } from "../types" */
 /** @import { Data } from "./data.js" */
 /** @import { ViewState } from "./view_state.js" */
-
-const FONT_PX = 13;
 
 export class Strip {
   /**
@@ -24,8 +21,6 @@ export class Strip {
     this.viewState = viewState;
     this.element = byId("strip");
     this.box = byId("strip-window");
-    /** @type {View | null} */
-    this.whole = null; // view of the whole timeline
     /** @type {number | null} */
     this.dragOffset = null; // distance (s) from the window's middle to the pointer
     this.element.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => this.down(event));
@@ -41,27 +36,17 @@ export class Strip {
    * @param {View} view
    */
   show(view) {
-    const { info } = this.data;
-    if (view.zoom === 0) this.whole = view;
-    const stale = this.whole?.end_s !== info.duration_s;
-    const scores = this.whole !== null && scoresOf(this.whole).length > 0;
-    this.element.hidden = view.zoom === 0 && !scores;
-    this.element.classList.toggle("whole", view.zoom === 0);
-    if (view.zoom === 0) this.draw();
-    else if (stale) this.fetch();
+    const zooming = byId("zooming");
+    if (view.zoom === 0 && zooming.contains(document.activeElement)) byId("slider").focus();
+    zooming.hidden = view.zoom === 0;
+    byId("tools").classList.toggle("zoomed", view.zoom > 0);
+    if (view.zoom === 0) return;
+    this.draw();
     if (this.dragOffset === null) this.placeWindow(view.start_s, view.end_s);
   }
 
-  /** The view of the strip; before it is loaded, its duration alone. */
-  get drawn() {
-    return this.whole ?? { start_s: 0, end_s: this.data.info.duration_s };
-  }
-
-  async fetch() {
-    this.whole = await this.data.view(partOf(this.viewState.windows, 0)).catch(() => /** @type {View | null} */ (null));
-    this.draw();
-    const { start_s, end_s } = this.viewState.view;
-    if (this.dragOffset === null) this.placeWindow(start_s, end_s);
+  get whole() {
+    return /** @type {View} */ (this.data.whole); // it is loaded before any view is shown
   }
 
   /**
@@ -70,14 +55,14 @@ export class Strip {
    * @param {number} end
    */
   placeWindow(start, end) {
-    const [from, to] = [start, end].map((moment) => positionAt(this.drawn, moment));
+    const [from, to] = [start, end].map((moment) => positionAt(this.whole, moment));
     this.box.style.left = `${100 * from}%`;
     this.box.style.width = `${100 * (to - from)}%`;
   }
 
   draw() {
     const { width, height } = this.element.getBoundingClientRect();
-    if (this.whole === null || width === 0) return;
+    if (width === 0) return;
     const colours = coloursOf(this.element);
     const c = new SvgContext(byId("strip-curve"));
     const { level } = this.whole;
@@ -87,24 +72,8 @@ export class Strip {
       if (i % 4 === 0) c.lineTo((width * i) / (level.length - 1), height * (1 - 0.95 * (one ?? 0)));
     });
     c.lineTo(width, height);
-    c.fillStyle = colours.line;
+    c.fillStyle = colours.edge;
     c.fill();
-    const em = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
-    c.font = `600 ${FONT_PX * em}px sans-serif`;
-    c.fillStyle = colours.ink;
-    c.textAlign = "left";
-    c.textBaseline = "top";
-    const scores = scoresOf(this.whole);
-    scores.forEach(({ position, text }, i) => {
-      const room = width * ((scores[i + 1]?.position ?? 1) - position) - 6;
-      if (c.measureText(text).width < room) c.fillText(text, width * position + 4, 4);
-      if (i === 0) return;
-      c.beginPath();
-      c.moveTo(width * position, 0);
-      c.lineTo(width * position, height);
-      c.strokeStyle = colours.soft;
-      c.stroke();
-    });
     c.show();
   }
 
@@ -116,7 +85,7 @@ export class Strip {
    */
   momentUnder({ clientX }) {
     const { left, width } = this.element.getBoundingClientRect();
-    return secondsAt(this.drawn, (clientX - left) / width);
+    return secondsAt(this.whole, (clientX - left) / width);
   }
 
   /** @param {PointerEvent} event */

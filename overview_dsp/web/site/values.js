@@ -38,9 +38,17 @@ export function nearestPoint({ points }, moment) {
  * @param {Pick<Info, "series">} info
  */
 export function valueText(value, { series }) {
-  if (value === undefined || !series) return "";
-  const text = value.toFixed(series.decimals).replace("-", "\u2212");
-  return series.unit ? `${text} ${series.unit}` : text;
+  const text = numberText(value, { series });
+  return text && series?.unit ? `${text} ${series.unit}` : text;
+}
+
+/**
+ * Return a value with the data's decimals, without its unit; "" without a value.
+ * @param {number | undefined} value
+ * @param {Pick<Info, "series">} info
+ */
+export function numberText(value, { series }) {
+  return value === undefined || !series ? "" : value.toFixed(series.decimals).replace("-", "\u2212");
 }
 
 /**

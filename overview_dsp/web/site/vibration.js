@@ -125,5 +125,7 @@ export class Motor {
   stop() {
     if (this.isRunning) this.vibrate(0);
     this.isRunning = false;
+    this.pattern = null; // the next event is not preceded by its rest
+    this.weight = 0;
   }
 }

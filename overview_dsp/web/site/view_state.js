@@ -2,7 +2,7 @@
 
 import { positionAt, secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
-import { lastLevel, partAround, neighbourPart, partBetween } from "./windows.js";
+import { lastLevel, partAround, neighbourPart, partBetween, partOf } from "./windows.js";
 import { eventAt, momentText } from "./descriptions.js";
 
 /** @import { TimeRange, Part, AudioBackend, View } from "../types" */
@@ -66,7 +66,7 @@ export class ViewState {
     return secondsAt(this.view, this.reading);
   }
 
-  /** Update what depends on the picture's size. */
+  /** Update the part of the view that depends on the picture's size. */
   resize() {
     const { left, right } = this.picture.geometry;
     this.view.tolerance = EVENT_PX / Math.max(right - left, 1);
@@ -77,6 +77,11 @@ export class ViewState {
     const level = Math.min(Math.max(this.view.zoom + direction, 0), lastLevel(this.windows));
     if (level === this.view.zoom) return Promise.resolve(false);
     return this.go(partAround(this.windows, level, secondsAt(this.view, position)));
+  }
+
+  /** Show the whole timeline. */
+  showWhole() {
+    return this.go(partOf(this.windows, 0));
   }
 
   /** @param {number} direction */
@@ -198,13 +203,9 @@ export class ViewState {
   updateControls() {
     const { windows, view } = this;
     const { info } = this.data;
-    const level = view.zoom;
     byId("window").textContent =
       `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
-    byId("in").disabled = level >= lastLevel(windows);
-    byId("out").disabled = level === 0;
-    byId("earlier").hidden = byId("later").hidden = level === 0;
-    byId("earlier").disabled = neighbourPart(windows, view, -1) === null;
-    byId("later").disabled = neighbourPart(windows, view, 1) === null;
+    // not `disabled`: the button keeps the focus and reports that there is no more detail
+    byId("in").setAttribute("aria-disabled", String(view.zoom >= lastLevel(windows)));
   }
 }

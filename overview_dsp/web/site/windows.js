@@ -86,7 +86,7 @@ export function partNearest(windows, [start, end]) {
  * @returns {View}
  */
 export function croppedTo(view, [start_s, end_s]) {
-  const { level, resistance } = view;
+  const { level } = view;
   const from = positionAt(view, start_s);
   const part = positionAt(view, end_s) - from;
   const last = level.length - 1;
@@ -99,7 +99,6 @@ export function croppedTo(view, [start_s, end_s]) {
     ...view, start_s, end_s,
     angle_map: croppedMap(view, from, from + part),
     level: columns.map((i) => level[i]),
-    resistance: columns.map((i) => resistance[i]),
     gaps: view.gaps.map(([a, b]) => both(inside(a), inside(b))).filter(([a, b]) => b > a),
     events: view.events
       .map((event) => ({ ...event, position: placed(event.position) }))

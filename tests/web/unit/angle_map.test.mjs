@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { croppedMap, positionAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
+import { croppedMap, positionAt, secondsAt } from "../../../overview_dsp/web/site/angle_map.js";
 
 /** A view with a map of `count` parts that are stretched or compressed up to 20 times. */
 function someView(count) {
@@ -47,17 +47,4 @@ test("a cropped map gives the same times", () => {
     }
   }
   assert.equal(croppedMap(VIEWS[0], 0.2, 0.3), null);
-});
-
-test("the stretched ranges are those where time passes slowly", () => {
-  for (const view of VIEWS) {
-    const parts = stretched(view);
-    const isIn = (position) => parts.some(([from, to]) => position >= from && position <= to);
-    for (const position of POSITIONS.slice(1, -1)) {
-      const [a, b] = [position - 1e-6, position + 1e-6];
-      const slowness = ((b - a) * 900) / (secondsAt(view, b) - secondsAt(view, a));
-      if (slowness > 1.51) assert.ok(isIn(position), `${position}`);
-      if (slowness < 1.49) assert.ok(!(isIn(a) && isIn(b)), `${position}`);
-    }
-  }
 });

@@ -1,34 +1,14 @@
 import assert from "node:assert/strict";
 import test from "node:test";
-import { positionAt, secondsAt, stretched } from "../../../overview_dsp/web/site/angle_map.js";
+import { positionAt, secondsAt } from "../../../overview_dsp/web/site/angle_map.js";
 import { eventAt, eventText, positionText } from "../../../overview_dsp/web/site/descriptions.js";
-import { geometryOf, positionTurned } from "../../../overview_dsp/web/site/geometry.js";
-import { markLevel } from "../../../overview_dsp/web/site/layer.js";
+import { positionTurned } from "../../../overview_dsp/web/site/geometry.js";
+import { markLevel, rareKinds } from "../../../overview_dsp/web/site/layer.js";
 import { extremeOf, linesOf, pointAt, rangeOf, valueText } from "../../../overview_dsp/web/site/values.js";
+import { ticksOf } from "../../../overview_dsp/web/site/ticks.js";
 import {
   croppedTo, partBetween, neighbourPart, partNearest,
 } from "../../../overview_dsp/web/site/windows.js";
-
-const SIZES = [
-  [320, 270], [375, 340], [390, 570], [844, 240], [768, 800], [1440, 650], [2560, 1150],
-];
-
-test("the disk keeps its size and lies in the picture, beside or below the curve", () => {
-  for (const [width, height] of SIZES) {
-    const short = Math.min(width, height + 200);
-    const g = geometryOf({ width, height, short, em: 1, still: false });
-    assert.ok(2 * g.disk.radius >= Math.min(0.4 * short, height - 41), `${width} ${height}`);
-    assert.ok(g.disk.y - g.disk.radius >= 0 && g.disk.y + g.disk.radius <= height + 1);
-    const below = g.disk.y - g.disk.radius >= g.bottom;
-    assert.ok(below || g.disk.x - g.disk.radius >= g.right, `${width} ${height}`);
-    assert.ok(g.bottom - g.top >= 40);
-    assert.equal(g.position(g.x(0.3)).toFixed(9), "0.300000000");
-  }
-});
-
-test("without what moves there is no disk", () => {
-  assert.equal(geometryOf({ width: 390, height: 500, short: 390, em: 1, still: true }).disk, null);
-});
 
 test("the disk is turned over the top, and stays at the end it was turned to", () => {
   const disk = { x: 100, y: 100, radius: 50 };
@@ -110,7 +90,7 @@ test("a window of its own has neighbours", () => {
 test("a view cropped to a window of it has what lies there, at its positions", () => {
   const level = Array.from({ length: 101 }, (_, i) => i / 100);
   const view = {
-    start_s: 0, end_s: 1000, level, resistance: level, gaps: [[0.1, 0.3], [0.8, 0.9]],
+    start_s: 0, end_s: 1000, level, gaps: [[0.1, 0.3], [0.8, 0.9]],
     events: [{ position: 0.2 }, { position: 0.5 }, { position: 0.7 }],
   };
   const cropped = croppedTo(view, [250, 750]);
@@ -137,14 +117,13 @@ test("moments and positions of a mapped window lead to each other", () => {
   assert.equal(positionAt(MAPPED, 210), 0.75);
   assert.equal(secondsAt(MAPPED, 0.6), 210);
   assert.deepEqual([positionAt(MAPPED, 0), positionAt(MAPPED, 2000)], [0, 1]);
-  assert.deepEqual(stretched(MAPPED), [[0, 0.25], [0.25, 0.5], [0.5, 0.75]]);
   const linear = { start_s: 100, end_s: 1100, angle_map: null };
   assert.deepEqual([positionAt(linear, 350), secondsAt(linear, 0.25), positionAt(linear, 0)], [0.25, 350, 0]);
 });
 
 test("a cropped window keeps the map of what it shows", () => {
   const level = Array.from({ length: 101 }, (_, i) => i / 100);
-  const view = { ...MAPPED, level, resistance: level, gaps: [], events: [{ position: 0.5 }] };
+  const view = { ...MAPPED, level, gaps: [], events: [{ position: 0.5 }] };
   const ends = [150, 600];
   const cropped = croppedTo(view, ends);
   const [from, to] = ends.map((moment) => positionAt(view, moment));
@@ -162,4 +141,50 @@ test("the nearest window is as long as any and about the same moment", () => {
   assert.equal(partNearest(windows, [0, 700]).zoom, 0);
   assert.equal(partNearest(windows, [300, 700]).zoom, 1);
   assert.equal(partNearest(windows, [310, 590]).start_s, 300);
+});
+
+test("ticks are at round times and at the beginnings of years, as many as have room", () => {
+  const fits = (most) => (_, count) => count <= most;
+  const match = { start: null, duration_s: 5880, series: null };
+  const view = { start_s: 0, end_s: 5880 };
+  assert.deepEqual(ticksOf(view, match, fits(4)).map(({ text }) => text), ["0:00", "30:00", "60:00", "90:00"]);
+  const price = { start: "2000-03-01T00:00:00", duration_s: 4000 * 86400, series: { has_times: false } };
+  const days = { start_s: 0, end_s: 4000 * 86400 };
+  assert.deepEqual(ticksOf(days, price, fits(6)).map(({ text }) => text), ["2002", "2004", "2006", "2008", "2010"]);
+  assert.equal(ticksOf(days, price, fits(6))[0].at, 671 * 86400);
+  const part = ticksOf({ start_s: 0, end_s: 200 * 86400 }, price, fits(12));
+  assert.ok(part.length <= 12 && part.length > 2);
+});
+
+test("the ticks of every length are two at least, with labels that differ and are short", () => {
+  const DAY = 86400;
+  const fits = (text, count) => count * (6.5 * text.length + 24) <= 254; // of a narrow phone
+  const calendar = "2000-03-01T09:30:00";
+  const words = (start, days, from = 0, to = days) => ticksOf({ start_s: from * DAY, end_s: to * DAY },
+    { start, duration_s: days * DAY, series: { has_times: false } }, fits).map(({ text }) => text);
+  for (const start of [null, calendar]) {
+    for (let days = 1; days < 2e6; days *= 1.3) {
+      for (const labels of [words(start, days), words(start, days, 0.4 * days, 0.52 * days)]) {
+        assert.ok(labels.length > 1, `${start} ${days}`);
+        const clocks = labels.filter((text) => !/^\d\d:|^[A-Z]/.test(text)); // the same in each day or year
+        assert.equal(new Set(clocks).size, clocks.length, `${start} ${days}: ${labels}`);
+        assert.ok(labels.every((text) => text.length <= 13), `${start} ${days}: ${labels}`);
+      }
+    }
+  }
+  assert.deepEqual(words(null, 40), ["0 days", "20 days", "40 days"]);
+  assert.deepEqual(words(null, 40000), ["0 years", "50 years", "100 years"]);
+  assert.deepEqual(words(calendar, 2.5), ["Thu", "Fri"]);
+  assert.deepEqual(words(calendar, 5), ["2 Mar", "4 Mar", "6 Mar"]);
+  assert.deepEqual(words(calendar, 40), ["6 Mar", "20 Mar", "3 Apr"]);
+  assert.deepEqual(words(calendar, 330), ["Apr", "Jul", "Oct", "2001"]);
+  assert.deepEqual(words(calendar, 4e5), ["2500", "3000"]);
+});
+
+test("the rarest kinds keep their marks on a crowded timeline", () => {
+  const counts = new Map([["beat", 1500], ["paced", 20], ["early", 4], ["noise", 20], ["rhythm", 12]]);
+  assert.deepEqual(rareKinds(counts, 30), new Set(["early", "rhythm"]));
+  assert.deepEqual(rareKinds(counts, 40), new Set(["early", "rhythm", "paced"]));
+  assert.deepEqual(rareKinds(counts, 9), new Set(["early", "rhythm"]));
+  assert.equal(rareKinds(counts, 2000).size, 5);
 });

@@ -1,0 +1,33 @@
+import assert from "node:assert/strict";
+import test from "node:test";
+import { scoreAt } from "../../../overview_dsp/web/site/descriptions.js";
+import { copyScores, setScores } from "../../../overview_dsp/web/site/scores.js";
+
+/** @type {(labels: string[], kind?: string) => any[]} */
+const eventsOf = (labels, kind = "goal") => labels.map((label, i) => ({ kind, label, time_s: 60 * i, position: i / 10 }));
+
+test("the side of a goal is that of the score that it changes", () => {
+  const events = eventsOf(["kick-off", "1-0 own goal", "1-1 Perisic", "yellow card", "2-1 Griezmann", "2-1", "2-2 penalty"]);
+  setScores(events);
+  assert.deepEqual(events.map(({ side }) => side), [undefined, 1, 2, undefined, 1, undefined, 2]);
+  assert.equal(events[6].score, "2\u20132");
+});
+
+test("only a goal has a score", () => {
+  const events = [...eventsOf(["12-15 year olds", "1-0"], "note"), ...eventsOf(["1-0: Jones", "header", "1-0 Jones"])];
+  setScores(events);
+  assert.deepEqual(events.map(({ score }) => score), [undefined, undefined, undefined, undefined, "1\u20130"]);
+});
+
+test("a window has the sides and the score of the whole timeline", () => {
+  const whole = eventsOf(["1-0 Parris", "2-0 White", "2-1 Mari", "3-1 Parris"]);
+  setScores(whole);
+  const view = /** @type {any} */ ({
+    start_s: 100, tolerance: 0,
+    events: eventsOf(["1-0 Parris", "2-0 White", "2-1 Mari", "3-1 Parris"]).slice(2)
+      .map((event, i) => ({ ...event, time_s: event.time_s + 1e-9, position: 0.2 + 0.4 * i })),
+  });
+  copyScores(view, whole);
+  assert.deepEqual(view.events.map(({ side }) => side), [2, 1]);
+  assert.deepEqual([0, 0.3, 0.7].map((position) => scoreAt(view, position)), ["2\u20130", "2\u20131", "3\u20131"]);
+});
