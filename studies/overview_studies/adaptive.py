@@ -12,11 +12,21 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, xlogy
+from scipy.special import ndtr, ndtri, xlogy
 
-LAPSES = (0.0, 0.02, 0.05)
-SLOPES = (0.5, 1.0, 2.0)
+LAPSES = (0.0, 0.03)
+SLOPES = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Widths of the psychometric function, in mean steps of the scale."""
+
+FALSE_ALARMS = (0.0, 0.15)
+"""Parts of "felt it" far below the threshold, of tasks with one interval."""
+
+BEYOND = 0.5
+"""Largest threshold above the levels, in parts of their range.
+
+Thresholds above the levels are nearly flat functions. Without them, participants who feel no level
+would have a threshold below the highest one.
+"""
 
 
 @dataclass
@@ -69,6 +79,11 @@ class Run:
         if quest is not None:
             self._p = np.array(quest["p"])
             self._q = np.array(quest["prior"])
+            # lists of version 0.2.0 have no thresholds
+            old = np.linspace(-0.5, len(self._p) - 0.5, 2 * len(self._p) + 1)
+            self._thresholds = np.array(
+                quest.get("thresholds") or old.repeat(len(self._q) // len(old))
+            )
 
     @property
     def over(self) -> bool:
@@ -84,7 +99,7 @@ class Run:
     @property
     def posterior_mean(self) -> float:
         """Mean threshold of the QUEST+ hypotheses, in steps from the first level."""
-        return float(self._q @ hypothesis_thresholds(len(self._p)))
+        return float(self._q @ self._thresholds)
 
     @property
     def catch(self) -> bool:
@@ -121,15 +136,12 @@ def next_level(p: NDArray[np.float64], q: NDArray[np.float64]) -> int:
     `p` has the shape (levels, hypotheses) and `q` (hypotheses,).
     """
     right = p @ q
-    entropies = []
-    for m, one in zip(right, p, strict=True):
-        expected = 0.0
-        for part, probability in ((one * q, m), ((1.0 - one) * q, 1.0 - m)):
-            if probability > 0.0:
-                expected -= probability * float(xlogy(part / probability, part / probability).sum())
-        # rounding lets the order decide between equally informative levels
-        entropies.append(round(expected, 9))
-    return int(np.argmin(entropies))
+    expected = np.zeros(len(p))
+    for parts, probability in ((p * q, right), ((1.0 - p) * q, 1.0 - right)):
+        share = parts / np.maximum(probability, np.finfo(np.float64).tiny)[:, None]
+        expected -= probability * xlogy(share, share).sum(axis=1)
+    # rounding lets the order decide between equally informative levels
+    return int(np.argmin(np.round(expected, 9)))
 
 
 def update_posterior(
@@ -144,22 +156,20 @@ def quest_table(steps: NDArray[np.float64], guess: float) -> dict[str, Any]:
     """Return the QUEST+ hypotheses with equal prior probabilities.
 
     `steps` are the positions of the levels on their scale, in mean steps from the first. A
-    hypothesis is a threshold, a slope and a lapse rate. The result has the keys `p` (levels,
-    hypotheses), rounded to 6 decimals, and `prior`.
+    hypothesis is a threshold, a slope, a lapse rate and, with a `guess` of 0, a rate of false
+    alarms. The result has the keys `p` (levels,
+    hypotheses), rounded to 6 decimals, `prior`, `thresholds` (of the hypotheses) and `steps`.
     """
-    rows = []
-    for threshold, slope, lapse in _hypotheses(len(steps)):
-        rise = ndtr((steps - threshold) / slope)
-        rows.append(guess + (1.0 - guess - lapse) * rise)
-    p = np.round(np.clip(np.array(rows).T, 0.001, 0.999), 6)
-    return {"p": p.tolist(), "prior": np.full(p.shape[1], 1.0 / p.shape[1]).tolist()}
-
-
-def hypothesis_thresholds(levels: int) -> NDArray[np.float64]:
-    """Return the threshold of each hypothesis, in steps from the first level."""
-    return np.array([threshold for threshold, _, _ in _hypotheses(levels)])
-
-
-def _hypotheses(levels: int) -> list[tuple[float, float, float]]:
-    thresholds = np.linspace(-0.5, levels - 0.5, 2 * levels + 1).tolist()
-    return list(product(thresholds, SLOPES, LAPSES))
+    highest = steps[-1] + max(BEYOND * len(steps), 1.0)
+    rows = product(
+        np.arange(-0.5, highest, 0.5), SLOPES, LAPSES, [guess] if guess else FALSE_ALARMS
+    )
+    threshold, slope, lapse, low = np.array(list(rows)).T
+    # without a side to guess, the threshold is where half of the answers are yes
+    at_threshold = ndtri(0.5 if guess else (0.5 - low) / (1.0 - low - lapse))
+    rise = ndtr((steps[:, None] - threshold) / slope + at_threshold)
+    p = low + (1.0 - low - lapse) * rise
+    p = np.round(np.clip(p, 0.001, 0.999), 6)
+    prior = np.full(len(threshold), 1.0 / len(threshold))
+    return {"p": p.tolist(), "prior": prior.tolist(), "thresholds": threshold.tolist(),
+            "steps": steps.tolist()}  # fmt: skip

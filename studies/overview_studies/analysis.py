@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections import defaultdict
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -16,22 +16,29 @@ from overview_dsp.errors import InputError
 from overview_studies.answers import Answers
 from overview_studies.measures import (
     DISTANCES,
+    FITTED,
+    JND_PER_WIDTH,
     LEVELS,
     UNITS,
     Condition,
+    Measures,
     Missing,
     compute_measures,
-    condition_of,
     conditions_of,
     confusion,
+    rows_of,
 )
 from overview_studies.row_checks import impossible
 from overview_studies.scales import Scale, scale_of
 from overview_studies.statistics import (
+    LAPSES,
+    RESAMPLES,
     Estimate,
     difference_interval,
     information_interval,
     mean_interval,
+    resample_counts,
+    resampled_interval,
 )
 from overview_studies.steps import find_step
 
@@ -75,10 +82,10 @@ class Analysis:
         Each later level of a factor minus its first; the condition is {factor: "b - a"}.
     matrices : dict
         Confusion matrix of each condition, summed over participants.
-    above_chance : dict
+    better_than_guessing : dict
         For each condition, the number of participants above chance level and the number tested.
-    missing : list of Missing
-        Participants without a threshold or point of equality, each with the reason.
+    measures : Measures
+        Number of each participant.
     """
 
     answers: Answers
@@ -86,8 +93,13 @@ class Analysis:
     estimates: list[MeasureEstimate]
     differences: list[MeasureEstimate]
     matrices: dict[Condition, NDArray[np.float64]]
-    above_chance: dict[Condition, tuple[int, int]]
-    missing: list[Missing]
+    better_than_guessing: dict[Condition, tuple[int, int]]
+    measures: Measures
+
+    @property
+    def missing(self) -> list[Missing]:
+        """Participants without a threshold or point of equality, each with the reason."""
+        return self.measures.missing
 
     def line(self, measure: str, **condition: Any) -> MeasureEstimate:
         """Return the estimate of a measure in the condition; KeyError if there is none."""
@@ -116,7 +128,7 @@ class Analysis:
             ],
             "above_chance": [
                 {"condition": dict(condition), "participants": above, "of": count}
-                for condition, (above, count) in self.above_chance.items()
+                for condition, (above, count) in self.better_than_guessing.items()
             ],
         }
 
@@ -132,12 +144,12 @@ def analyse(answers: Answers) -> Analysis:
     answers, excluded = _apply_exclusions(answers)
     if not answers.sessions:
         raise InputError("no session is left after [exclude]; change its rules or add answers")
-    values, missing = compute_measures(answers)
+    measures = compute_measures(answers)
     scale = scale_of(answers.study)
-    estimates = [
-        _estimate(scale, name, condition, _mean_of(list(by.values()), name))
-        for (name, condition), by in values.items()
-    ]
+    estimates = []
+    for (name, condition), by in measures.values.items():
+        one = _mean_of(measures, name, by, [(1.0, condition)])
+        estimates.append(_estimate(scale, name, condition, one))
     matrices: dict[Condition, NDArray[np.float64]] = {}
     above: dict[Condition, tuple[int, int]] = {}
     if answers.study["task"]["name"] == "identify":
@@ -145,17 +157,49 @@ def analyse(answers: Answers) -> Analysis:
             matrices[condition] = counts.sum(axis=0)
             information = information_interval(counts)
             estimates.append(MeasureEstimate("information", condition, information, "bits"))
-            above[condition] = _above_chance(counts)
-    differences = _differences(scale, answers, values)
-    return Analysis(answers, excluded, estimates, differences, matrices, above, missing)
+            above[condition] = _better_than_guessing(counts)
+    differences = _differences(scale, answers, measures)
+    return Analysis(answers, excluded, estimates, differences, matrices, above, measures)
 
 
-def _mean_of(values: Sequence[float], measure: str) -> Estimate:
+Parts = list[tuple[float, Condition]]
+"""Conditions whose mean is added (1) or subtracted (-1)."""
+
+
+def _mean_of(measures: Measures, measure: str, by: Mapping[str, float], parts: Parts) -> Estimate:
     """Return the mean with its interval; none of levels that too many participants lack.
 
     Those at a limit of the levels are not a random part of all: a mean without them would be wrong.
     """
-    return mean_interval(values) if _suffices(values, measure) else _no_estimate(values)
+    values = list(by.values())
+    if not _suffices(values, measure):
+        return _no_estimate(values)
+    plain = mean_interval(values)
+    if measure not in FITTED or math.isnan(plain.low):
+        return plain
+    resampled = _refitted(measures, measure, by, parts)
+    return resampled_interval(plain.mean, resampled, plain.participants)
+
+
+def _refitted(
+    measures: Measures, measure: str, by: Mapping[str, float], parts: Parts
+) -> NDArray[np.float64]:
+    """Return means in resamples of participants, each with lapse rates of its own."""
+    people = [code for code, value in by.items() if math.isfinite(value)]
+    own = [(sign, measures.profiles[condition]) for sign, condition in parts
+           if condition in measures.profiles]  # fmt: skip
+    shares = Counter((sign, code) for sign, one in own for code in one.participants)
+    counts, total = resample_counts(len(people)), np.zeros(RESAMPLES)
+    for sign, one in own:
+        widths = np.where(one.has_slope, one.width, one.width[:, [one.best]])
+        values = {"pse": one.threshold, "jnd": JND_PER_WIDTH * widths,
+                  "lapse": np.broadcast_to(LAPSES, widths.shape)}[measure]  # fmt: skip
+        row_of = {code: row for row, code in enumerate(one.participants)}
+        rows = [row_of.get(code, 0) for code in people]
+        weight = np.array([sign / shares[sign, c] if c in row_of else 0.0 for c in people])[:, None]
+        best = (counts @ (one.cost[rows] * np.abs(np.sign(weight)))).argmin(axis=1)
+        total += (counts @ (values[rows] * weight))[np.arange(RESAMPLES), best]
+    return total / len(people)
 
 
 def _suffices(values: Sequence[float], measure: str) -> bool:
@@ -208,19 +252,14 @@ def _apply_exclusions(answers: Answers) -> tuple[Answers, dict[str, str]]:
 
 def _matrices(answers: Answers) -> dict[Condition, NDArray[np.float64]]:
     """Return the confusion matrix of each participant, by condition."""
-    names = conditions_of(answers.study)
-    parts: dict[Condition, dict[str, list[Any]]] = defaultdict(lambda: defaultdict(list))
-    for row in answers.rows():
-        if row["phase"] in ("main", "catch"):
-            parts[condition_of(row, names)][row["participant"]].append(row)
     choices = answers.study["task"]["choices"]
-    return {
-        condition: np.array([confusion(choices, rows) for rows in by.values()])
-        for condition, by in parts.items()
-    }
+    found: dict[Condition, list[NDArray[np.float64]]] = defaultdict(list)
+    for (_, condition), rows in rows_of(answers).items():
+        found[condition].append(confusion(choices, rows))
+    return {condition: np.array(tables) for condition, tables in found.items()}
 
 
-def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
+def _better_than_guessing(counts: NDArray[np.float64]) -> tuple[int, int]:
     """Return how many participants pass an exact binomial test, and how many were tested."""
     chance = 1.0 / counts.shape[1]
     tests = [
@@ -231,14 +270,12 @@ def _above_chance(counts: NDArray[np.float64]) -> tuple[int, int]:
     return sum(bool(p < ALPHA) for p in tests), len(tests)
 
 
-def _differences(
-    scale: Scale, answers: Answers, values: dict[tuple[str, Condition], dict[str, float]]
-) -> list[MeasureEstimate]:
+def _differences(scale: Scale, answers: Answers, measures: Measures) -> list[MeasureEstimate]:
     """Return each later level of a factor minus its first, on a log scale their ratio.
 
     Differences are within participants where the factor is.
     """
-    names = conditions_of(answers.study)
+    names, values = conditions_of(answers.study), measures.values
     estimates = []
     for name in names:
         factor = answers.study["factors"][name]
@@ -246,17 +283,24 @@ def _differences(
             groups = [_at_level(values, measure, name, level) for level in factor["levels"]]
             for level, group in zip(factor["levels"][1:], groups[1:], strict=True):
                 first = groups[0]
-                both = [code for code in first if code in group]
+                conditions = [condition for one, condition in values if one == measure]
+                old, new = ([c for c in conditions if (name, one) in c]
+                            for one in (factor["levels"][0], level))  # fmt: skip
                 if factor["kind"] == "within":
-                    estimate = _mean_of([group[code] - first[code] for code in both], measure)
+                    change = {code: group[code] - first[code] for code in first if code in group}
+                    parts = [*((-1.0, c) for c in old), *((1.0, c) for c in new)]
+                    estimate = _mean_of(measures, measure, change, parts)
+                elif not all(_suffices(list(one.values()), measure) for one in (first, group)):
+                    estimate = _no_estimate([*first.values(), *group.values()])
                 else:
-                    both_groups = [*first.values(), *group.values()]
-                    known = all(_suffices(list(one.values()), measure) for one in (first, group))
-                    estimate = (
-                        difference_interval(list(first.values()), list(group.values()))
-                        if known
-                        else _no_estimate(both_groups)
-                    )
+                    estimate = difference_interval(list(first.values()), list(group.values()))
+                    if measure in FITTED and math.isfinite(estimate.low):
+                        sizes = [sum(map(math.isfinite, one.values())) for one in (first, group)]
+                        later = _refitted(measures, measure, group, [(1.0, c) for c in new])
+                        before = _refitted(measures, measure, first, [(1.0, c) for c in old])
+                        estimate = resampled_interval(
+                            estimate.mean, later - before[::-1], sum(sizes), min(sizes)
+                        )
                 if estimate.participants:
                     condition = ((name, f"{level} - {factor['levels'][0]}"),)
                     estimates.append(_estimate(scale, measure, condition, estimate, True))

@@ -12,7 +12,8 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_studies.folder import read_study
-from overview_studies.scoring import is_correct, response_error
+from overview_studies.row_checks import is_part, is_take
+from overview_studies.scoring import is_correct, response_error, search_path
 from overview_studies.steps import find_step, missing_steps
 from overview_studies.store import SIMULATED, Session, Store
 
@@ -40,42 +41,10 @@ _TAIL = (
     "take_events", "design_sha256", "program",
 )  # fmt: skip
 
-COLUMN_DESCRIPTIONS = {
-    "participant": "code of the participant",
-    "session": "identifier of the session",
-    "list": "number of the list that the session followed",
-    "complete": "whether the session was finished (1) or not (0)",
-    "position": "index of the answer in its session, from 1",
-    "trial": "identifier of the trial in its list",
-    "phase": "practice, main, catch or attention",
-    "block": "condition block, from 1",
-    "repeat": "which repetition of all stimuli within the block, from 1",
-    "task": "task of the trial",
-    "stimulus": "key of the stimulus; a comparison has two keys, separated by a space",
-    "stimulus_sha256": "SHA-256 of the samples of the stimulus",
-    "seed": "seed of the stimulus",
-    "timeline": "timeline of the stimulus",
-    "preset": "preset of the stimulus",
-    "gesture": "gesture of the stimulus; free: the participant moves",
-    "level": "value of the varied dimension",
-    "correct_response": "the correct answer; JSON unless it is a single value",
-    "response": "the answer; JSON unless it is a single value",
-    "correct": "1 correct, 0 wrong, empty where the task has no correct answer",
-    "error": "signed difference from the correct answer",
-    "rt_ms": "time from the first possible answer to the answer, ms",
-    "presentations": "number of presentations of the stimulus",
-    "source": "input that moved the disk: touch, twist or keys",
-    "simulated": "SIMULATED: no person gave this answer",
-    "started_utc": "start of the trial by the page's clock, ISO 8601",
-    "received_utc": "time when the answer was stored, ISO 8601",
-    "sample_rate": "sample rate of the page's audio, Hz",
-    "output_latency_ms": "output latency of the page's audio as reported by the browser, ms",
-    "user_agent": "browser",
-    "take_events": "number of control events in the takes",
-    "design_sha256": "SHA-256 of the study's file",
-    "program": "version of overview-dsp and digest of its kernels",
-}
-"""Description of each column."""
+_SEARCH = ("time_s", "path", "returns")
+
+FOUND_TOLERANCE = 0.05
+"""Maximum error of a found event, as a share of the timeline."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +79,8 @@ class Answers:
     def columns(self) -> tuple[str, ...]:
         """Columns of `rows`."""
         factors = (name for name in self.study["factors"] if name not in (*_HEAD, *_TAIL))
-        return (*self.mark, *_HEAD, *factors, *_TAIL)
+        search = _SEARCH if self.study["task"]["name"] == "search" else ()
+        return (*self.mark, *_HEAD, *factors, *_TAIL, *search)
 
     @property
     def mark(self) -> dict[str, str]:
@@ -155,7 +125,9 @@ class Answers:
         hashed = "static_sha256" if step["output"]["mapping"] == "static" else "sha256"
         right = is_correct(step["task"], step, answer)
         device = answer.get("device") or {}
-        takes = [one for one in (answer.get("take"), *(answer.get("takes") or [])) if one]
+        takes = answer.get("takes")
+        takes = [one for one in (answer.get("take"), *(takes if isinstance(takes, list) else ()))
+                 if is_take(one)]  # fmt: skip
         return {
             **self.mark,
             "participant": session.participant,
@@ -181,6 +153,7 @@ class Answers:
             "response": answer.get("response"),
             "correct": None if right is None else int(right),
             "error": response_error(step["task"], step, answer, stimuli[0]),
+            **self._search(step, answer),
             "rt_ms": answer.get("rt_ms"),
             "presentations": answer.get("presentations"),
             "source": answer.get("source"),
@@ -193,6 +166,15 @@ class Answers:
             "design_sha256": self.study["design_sha256"],
             "program": self.study["program"],
         }
+
+    def _search(self, step: dict[str, Any], answer: dict[str, Any]) -> dict[str, Any]:
+        """Return the columns of a search task; empty in other tasks."""
+        places = step.get("correct")
+        if step["task"] != "search" or not places:
+            return {}
+        response, take = answer.get("response"), answer.get("take")
+        place = min(places, key=lambda one: abs(one - response)) if is_part(response) else places[0]
+        return search_path(take if is_take(take) else None, place, FOUND_TOLERANCE)
 
     def forms(self) -> Iterator[dict[str, Any]]:
         """Yield one row per answered item of a form."""

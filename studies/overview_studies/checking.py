@@ -10,6 +10,7 @@ import numpy as np
 
 from overview_dsp.cli.extensions import TACTOR
 from overview_studies.design import Design
+from overview_studies.dry_run import rehearse
 from overview_studies.folder import make_lists, presented_stimuli
 from overview_studies.static_mapping import held_levels, static_levels
 from overview_studies.stimuli import RATE, Stimulus, stimuli_of
@@ -51,22 +52,28 @@ def summarize_design(design: Design, levels: bool = False) -> dict[str, Any]:
     minutes = [_minutes(one, by) for one in lists]
     phases: Counter[str] = Counter()
     for step in lists[0]["steps"]:
-        if step["type"] in ("trial", "adaptive"):
-            phases[step["phase"]] += step.get("most", 1)
+        if step["type"] == "trial":
+            phases[step["phase"]] += 1
+        elif step["type"] == "adaptive":
+            phases["catch"] += sum(step["catch"])
+            phases["main"] += step["most"] - sum(step["catch"])
     orders = Counter(_order(one) for one in lists)
     used = presented_stimuli(lists)
+    flaws, completed = rehearse(design)
     found: dict[str, Any] = {
         "title": design.file.title,
         "name": design.name,
         "design_sha256": design.sha256,
         "lists": len(lists),
-        "trials": dict(phases),
+        "trials": {name: count for name, count in phases.items() if count},
         "minutes": round(float(np.mean(minutes)), 1),
         "stimuli": len(used),
         "orders": len(orders),
         "round": design.lists_per_round,
         "balanced": len(lists) % design.lists_per_round == 0,
         "consent": "consent" in design.file.questionnaires.start,
+        "observers": completed,
+        "flaws": flaws,
     }
     if levels:
         found["felt_db"] = [_strongest_levels(by[key], "static" in used[key]) for key in used]
@@ -83,13 +90,8 @@ def summary_lines(found: dict[str, Any]) -> list[str]:
     ]
     if found["balanced"]:
         lines.append(f"balanced: each round has {found['round']} lists")
-    else:
-        lines.append(
-            f"NOT balanced: each round has {found['round']} lists; set participants to a multiple "
-            "of that"
-        )
-    if not found["consent"]:
-        lines.append('NO consent form: add "consent" to questionnaires.start')
+    lines.append(f"{found['observers']} observers of 3 abilities have completed it")
+    lines += [f"warning: {flaw}" for flaw in found["flaws"]]
     for one in found.get("felt_db", ()):
         levels_text = ", ".join(
             f"{name} {one[name]:.1f} dB" for name in ("friction", "static") if one[name] is not None

@@ -24,6 +24,7 @@ from overview_dsp.cli.extensions import (
 )
 from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_studies import file_model
+from overview_studies.columns import RESERVED_COLUMNS
 from overview_studies.counterbalancing import MAX_FULL_CONDITIONS, rows_of
 from overview_studies.file_model import Factor, Level, StudyFile, SyntheticTimelines
 from overview_studies.synthetic_timelines import empty_timeline, make_timelines
@@ -54,6 +55,13 @@ _REASONS = {
     "string_too_short": "must not be empty",
 }
 """What a value must be, by the type of an error of pydantic."""
+
+_RENAMED = {
+    "task.most": "; use max_trials",
+    "task.words": "; use labels",
+    "stimuli.made.places": "; use positions",
+}
+"""Remedies for the keys of earlier versions."""
 
 _NO_KEYS = ("out", "sample_rate", "format", "subtype")
 STIMULI_KEYS = ("made", *(key for key in KEYS if key not in _NO_KEYS))
@@ -182,8 +190,7 @@ def _checked(data: dict[str, Any]) -> StudyFile:
         path = [str(p) for p in fault["loc"] if p not in ("str", "float")]
         name = ".".join(path)
         if fault["type"] == "extra_forbidden":
-            renamed = "; use max_trials" if name == "task.most" else None
-            near = renamed or did_you_mean(path[-1], _keys_of(path[:-1]))
+            near = _RENAMED.get(name) or did_you_mean(path[-1], _keys_of(path[:-1]))
             raise InputError(f"{name}: unknown key{near}{more}") from None
         if fault["type"] == "missing":
             raise InputError(f"{name} is missing{more}") from None
@@ -217,7 +224,8 @@ def _synthetic_section(file: StudyFile) -> SyntheticTimelines | None:
     except pydantic.ValidationError as error:
         fault = error.errors(include_url=False, include_context=False)[0]
         place = ".".join(["stimuli", "made", *map(str, fault["loc"])])
-        raise InputError(f"{place}: {fault['msg']}") from None
+        why = f"unknown key{_RENAMED[place]}" if place in _RENAMED else fault["msg"]
+        raise InputError(f"{place}: {why}") from None
 
 
 def _grid(file: StudyFile, table: JobsTable, own: dict[str, Timeline]) -> RenderGrid:
@@ -260,6 +268,10 @@ def _check_factors(design: Design) -> None:
         key = f"factors.{name}"
         if (factor.within is None) == (factor.between is None):
             raise InputError(f"{key}: must have either within = [...] or between = [...]")
+        if name in RESERVED_COLUMNS and not design.dimension(name):
+            raise InputError(
+                f"{key}: the tables of answers have a column {name}; rename the factor"
+            )
         if len(set(factor.levels)) < len(factor.levels):
             raise InputError(f"{key}: contains a level twice; remove one")
         known = _OUTPUT_LEVELS.get(name) or design.dimension(name)
@@ -300,6 +312,8 @@ def _check_task(design: Design) -> None:
         raise InputError(f"phases.catch: a {task.name} task has no catch trials")
     if phases.attention and task.name != "identify":
         raise InputError("phases.attention: only an identify task allows attention trials")
+    if task.name == "search" and list(design.grid.gestures) != [FREE]:
+        raise InputError(f'stimuli.gestures: a search task requires ["{FREE}"]')
     if task.of != "answer" and not design.dimension(task.of):
         raise InputError(f"task.of = {task.of!r}: the stimuli do not have this dimension")
     if task.name == "identify" and len(design.dimension(task.of)) + bool(phases.catch) < 2:

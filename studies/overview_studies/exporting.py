@@ -14,14 +14,16 @@ from typing import Any
 
 from overview_dsp.cli.extensions import atomic_folder
 from overview_dsp.errors import InputError
-from overview_studies.answers import COLUMN_DESCRIPTIONS, Answers
+from overview_studies.answers import Answers
+from overview_studies.columns import COLUMN_DESCRIPTIONS
 from overview_studies.measures import (
-    chosen_counts,
     condition_of,
     conditions_of,
+    level_counts,
 )
 from overview_studies.scales import scale_of
-from overview_studies.tables import R_SCRIPT, csv_text, forms_csv, r_script, responses_csv
+from overview_studies.scripts import MEASURES, R_SCRIPT, measures_csv, r_script
+from overview_studies.tables import csv_text, forms_csv, one_line, responses_csv
 
 BIDS_VERSION = "1.10.0"
 README = "README.md"
@@ -55,6 +57,7 @@ def _tidy(answers: Answers) -> Files:
 
 def _r(answers: Answers) -> Files:
     yield answers.marked(R_SCRIPT), r_script(answers)
+    yield answers.marked(MEASURES), measures_csv(answers)
     yield from _tidy(answers)
 
 
@@ -107,7 +110,7 @@ def _psych_ds(answers: Answers) -> Files:
         "variableMeasured": variables,
     }
     yield "dataset_description.json", _json(described)
-    yield README, f"# {study['title']}\n\n{_about(answers)}\n"
+    yield README, f"# {one_line(study['title'])}\n\n{_about(answers)}\n"
     yield "CHANGES.md", "# Changes\n\n- First export.\n"
     for label, rows in _by_participant(answers):
         yield f"data/raw/study-{name}_subject-{label}_data{_CSV}", csv_text(columns, rows)
@@ -133,7 +136,7 @@ def _bids(answers: Answers) -> Files:
         **{column: {"Description": _meaning(answers, column)} for column in rest},
     }
     yield "dataset_description.json", _json(described)
-    yield README, f"# {study['title']}\n\n{_about(answers)}\n"
+    yield README, f"# {one_line(study['title'])}\n\n{_about(answers)}\n"
     labels = _labels(answers)
     participants = (
         {"participant_id": f"sub-{labels[one.participant]}", "list": one.number, **answers.mark,
@@ -178,15 +181,7 @@ def _psignifit(answers: Answers) -> Files:
             parts[row["participant"], condition].append(row)
     table = []
     for (who, condition), own in parts.items():
-        if study["task"]["name"] == "compare":
-            counted = zip(*chosen_counts(study, own), strict=True)
-        else:
-            counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
-            for row in own:
-                counts[scale.position(row["level"])][0] += row["correct"]
-                counts[scale.position(row["level"])][1] += 1
-            counted = ((level, *both) for level, both in sorted(counts.items()))  # type: ignore[assignment]
-        for level, right, trials in counted:
+        for level, right, trials in zip(*level_counts(study, own), strict=True):
             table.append(
                 {**answers.mark, "participant": who, **dict(condition),
                  "level": round(scale.level(float(level)), 9),

@@ -11,34 +11,23 @@ from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import Analysis, condition_text
 from overview_studies.measures import (
     DISTANCES,
+    JND_PER_WIDTH,
     LEVELS,
-    chosen_counts,
-    compute_measures,
     condition_of,
     conditions_of,
+    level_counts,
 )
-from overview_studies.scales import Scale, scale_of
-from overview_studies.statistics import fit_psychometric
+from overview_studies.scales import scale_of
+from overview_studies.scripts import MAIN_MEASURES
+from overview_studies.statistics import Psychometric
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MAIN_MEASURES = {
-    "identify": "d_prime",
-    "locate": "location_error",
-    "count": "exact",
-    "compare": "accuracy",
-    "draw": "likeness",
-    "adjust": "adjusted",
-    "staircase": "threshold",
-    "quest": "threshold",
-}
-"""Main measure of each task."""
 
 MEASURE_TITLES = {
     "d_prime": "Sensitivity d'",
     "location_error": "Distance from the event",
+    "hits": "Places found",
     "exact": "Exact counts",
     "accuracy": "Correct answers",
     "likeness": "Correlation of drawing and curve",
@@ -73,7 +62,7 @@ def estimates_figure(analysis: Analysis, measure: str) -> Figure:
     on_scale = measure in LEVELS | DISTANCES
     values = {
         condition: {who: scale.level(value) if on_scale else value for who, value in by.items()}
-        for (name, condition), by in compute_measures(analysis.answers)[0].items()
+        for (name, condition), by in analysis.measures.values.items()
         if name == measure
     }
     lines = {line.condition: line.estimate for line in own}
@@ -127,26 +116,34 @@ def confusion_figure(analysis: Analysis) -> Figure:
 
 
 def psychometric_figure(analysis: Analysis) -> Figure:
-    """Plot answers by level, summed over participants, with the fitted function."""
+    """Plot answers by level, summed over participants, and the reported means."""
     study = analysis.answers.study
     names, scale = conditions_of(study), scale_of(study)
     compared = study["task"]["name"] == "compare"
-    guess = None if compared else 0.5 if study["task"]["method"] == "2afc" else 0.0
     figure = style.new_figure(6.0, 3.6)
     axes = figure.subplots()
     rows = [row for row in analysis.answers.rows() if row["phase"] == "main"]
+    means = {(line.measure, line.condition): line.estimate.mean for line in analysis.estimates}
     for number, condition in enumerate(sorted({condition_of(row, names) for row in rows}, key=str)):
         own = [row for row in rows if condition_of(row, names) == condition]
-        if compared:
-            levels, right, trials = chosen_counts(study, own)
+        colour, label = _COLOURS[number % 6], condition_text(condition)
+        levels, chosen, trials = level_counts(study, own)
+        sizes = 3.0 + 5.0 * np.sqrt(trials / trials.max())
+        for level, part, size in zip(levels, chosen / trials, sizes, strict=True):
+            axes.plot([level], [part], "o", color=colour, markersize=size, alpha=0.7)
+        mean = means.get(("pse" if compared else "threshold", condition), math.nan)
+        at = scale.axis_position(mean)
+        name = "point of equality" if compared else "threshold"
+        label += f": {name} {mean:.3g}" if math.isfinite(mean) else f": no {name}"
+        jnd = means.get(("jnd", condition), math.nan)
+        if math.isfinite(jnd):
+            width = scale.axis_position(jnd) / JND_PER_WIDTH
+            lapse = means["lapse", condition]
+            x = np.linspace(levels[0], levels[-1], 200)
+            fitted = Psychometric(at, width, lapse, lapse)
+            axes.plot(x, fitted.at(x), color=colour, label=label)
         else:
-            at = np.array([scale.position(row["level"]) for row in own])
-            levels = np.unique(at)
-            correct = np.array([row["correct"] for row in own])
-            trials = np.array([(at == level).sum() for level in levels], dtype=np.float64)
-            right = np.array([correct[at == level].sum() for level in levels], dtype=np.float64)
-        _curve(axes, scale, levels, right, trials, guess, _COLOURS[number % 6],
-               condition_text(condition))  # fmt: skip
+            axes.axvline(at, color=colour, label=label)
     axes.set_xlabel(f"{study['task']['vary']}" + (" (log scale)" if scale.kind == "log" else ""))
     if scale.kind == "log":
         ticks = sorted(scale.levels)
@@ -154,7 +151,7 @@ def psychometric_figure(analysis: Analysis) -> Figure:
     axes.set_ylabel("judged stronger" if compared else "correct answers")
     axes.set_ylim(-0.03, 1.03)
     axes.legend(frameon=False, fontsize=8)
-    _set_title(figure, "Psychometric functions: answers by level, all participants")
+    _set_title(figure, "Answers by level of all participants, and means over participants")
     style.tidy(axes)
     figure.set_layout_engine("constrained")
     return figure
@@ -162,25 +159,3 @@ def psychometric_figure(analysis: Analysis) -> Figure:
 
 def _set_title(figure: Figure, title: str) -> None:
     figure.suptitle(title, x=0.02, ha="left", fontsize=10)
-
-
-def _curve(
-    axes: Axes,
-    scale: Scale,
-    levels: np.ndarray,
-    right: np.ndarray,
-    trials: np.ndarray,
-    guess: float | None,
-    colour: str,
-    label: str,
-) -> None:
-    sizes = 3.0 + 5.0 * np.sqrt(trials / trials.max())
-    for level, part, size in zip(levels, right / trials, sizes, strict=True):
-        axes.plot([level], [part], "o", color=colour, markersize=size, alpha=0.7)
-    if len(levels) > 2:
-        fitted = fit_psychometric(levels, right, trials, guess)
-        x = np.linspace(levels[0], levels[-1], 200)
-        label = f"{label}: threshold {scale.level(fitted.threshold):.3g}"
-        axes.plot(x, fitted.at(x), color=colour, label=label)
-    else:
-        axes.plot([], [], color=colour, label=label)

@@ -10,8 +10,10 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import Field
 
-TASKS = ("identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest")
-CHANNELS = ("click", "tactor", "both", "visual")
+TASKS = (
+    "identify", "locate", "search", "count", "compare", "draw", "adjust", "staircase", "quest",
+)  # fmt: skip
+CHANNELS = ("click", "tactor", "both", "visual", "all")
 MAPPINGS = ("friction", "static")
 INPUTS = ("touch", "twist", "keys", "any")
 
@@ -48,7 +50,7 @@ class SyntheticTimelines(_Strict):
     )
     counts: list[Annotated[int, Field(ge=1, le=12)]] = Field([1], min_length=1)
     variants: Annotated[int, Field(ge=1, le=200)] = 1
-    places: list[float] = Field([0.15, 0.85], min_length=2, max_length=2)
+    positions: list[float] = Field([0.15, 0.85], min_length=2, max_length=2)
     crowd: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     duration_s: Annotated[float, Field(ge=1.0, le=1e7)] = 5400.0
 
@@ -56,11 +58,13 @@ class SyntheticTimelines(_Strict):
 class Task(_Strict):
     """Task of the participants."""
 
-    name: Literal["identify", "locate", "count", "compare", "draw", "adjust", "staircase", "quest"]
+    name: Literal[
+        "identify", "locate", "search", "count", "compare", "draw", "adjust", "staircase", "quest"
+    ]
     question: str | None = None
     of: str = "answer"
     target: str | None = None
-    words: dict[str, str] = Field(default_factory=dict)
+    labels: dict[str, str] = Field(default_factory=dict)
     vary: str | None = None
     standard: Level | None = None
     scale: Literal["linear", "log", "dB"] | None = None
@@ -105,7 +109,7 @@ class Mask(_Strict):
 class Output(_Strict):
     """Defaults for sound, vibration and picture, which factors may override."""
 
-    channel: Literal["click", "tactor", "both", "visual"] = "both"
+    channel: Literal["click", "tactor", "both", "visual", "all"] = "both"
     mapping: Literal["friction", "static"] = "friction"
     input: Literal["touch", "twist", "keys", "any"] = "any"
     click_db: Gain = 0.0
@@ -136,11 +140,18 @@ class Exclude(_Strict):
     attention: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
 
 
+class Power(_Strict):
+    """Effect that the study should detect, which `overview study check` simulates."""
+
+    effect: Annotated[float, Field(gt=0.0, le=5.0)]
+    share: Annotated[float, Field(ge=0.1, le=0.99)] = 0.8
+
+
 class Text(_Strict):
-    """Texts of the page."""
+    """Texts of the page; instructions that are left out fit the task and its gestures."""
 
     welcome: str = "Welcome. Please use headphones or hold the actuator as you were shown."
-    instructions: str = "Move along the timeline and attend to what you feel and hear."
+    instructions: str | None = None
     end: str = "The study is complete. Thank you."
     conditions: dict[str, str] = Field(default_factory=dict)
 
@@ -161,4 +172,5 @@ class StudyFile(_Strict):
     output: Output = Output()
     questionnaires: Questionnaires = Questionnaires()
     exclude: Exclude = Exclude()
+    power: Power | None = None
     text: Text = Text()

@@ -28,7 +28,7 @@ from overview_dsp.cli.extensions import (
     window_json,
 )
 from overview_dsp.errors import InputError
-from overview_studies.design import NONE, Design
+from overview_studies.design import FREE, NONE, Design
 from overview_studies.file_model import Mask
 from overview_studies.forms import forms_of
 from overview_studies.lists import ListMaker
@@ -50,6 +50,7 @@ SHARED = ("style.css", "icon.svg", "worker.js", "kernel.wasm")
 _QUESTIONS = {
     "identify": "What did you feel?",
     "locate": "Where was it?",
+    "search": "Go back to the place you are asked for.",
     "count": "How many were there?",
     "compare": "Which was stronger?",
     "draw": "Draw what you felt.",
@@ -57,6 +58,39 @@ _QUESTIONS = {
     "staircase": "Which was stronger?",
     "quest": "Which was stronger?",
 }
+
+_TO_DO = {
+    "identify": "Then choose what it was.",
+    "locate": "Then say where it was.",
+    "search": "Browse all of it, then return to the place in question and stop there.",
+    "count": "Then say how many there were.",
+    "compare": "There are two, one after the other. Then choose one of them.",
+    "draw": "Then draw the curve from its start to its end.",
+    "adjust": "There are two. Change the second until it is as strong as the first.",
+    "staircase": "There are two, one after the other. Then choose one of them.",
+    "quest": "There are two, one after the other. Then choose one of them.",
+}
+
+
+def instructions_of(design: Design) -> str:
+    """Return the instructions of a study: its own, or those that fit its task and gestures."""
+    task, free = design.file.task, FREE in design.grid.gestures
+    move = "Move along the field, forwards and backwards, as often as you like. " if free else (
+        "Press Play, as often as you like. ")  # fmt: skip
+    to_do = "Then say whether you felt it." if task.method == "yesno" else _TO_DO[task.name]
+    default = f"{move}Attend to what you feel and hear. {to_do}"
+    return design.file.text.instructions or _by_sense(design, default)
+
+
+def _by_sense(design: Design, text: str) -> str:
+    """Return a text with the senses that the channels of the study address."""
+    factor = design.file.factors.get("channel")
+    channels = set(factor.levels if factor else [design.file.output.channel])
+    if channels == {"visual"}:
+        text = text.replace("feel and hear", "see").replace("feel", "see").replace("felt", "saw")
+    elif channels & {"visual", "all"}:
+        text = text.replace("feel and hear", "see, feel and hear")
+    return text
 
 
 def build_folder(
@@ -186,9 +220,11 @@ def study_json(
         choices += [NONE] if file.phases.catch else []
         words = {one: one.replace("_", " ") for one in choices} | {NONE: "nothing"}
         task["choices"] = choices
-    task["words"] = {**words, **file.task.words}
+    if file.task.method == "yesno":
+        words = {"1": _by_sense(design, "I felt it"), "0": _by_sense(design, "I felt nothing")}
+    task["words"] = {**words, **file.task.labels}
     question = "Did you feel it?" if file.task.method == "yesno" else _QUESTIONS[file.task.name]
-    task["question"] = file.task.question or question
+    task["question"] = file.task.question or _by_sense(design, question)
     task |= {key: getattr(file.task, key) for key in ("method", "vary", "standard", "of")}
     if file.task.vary is not None:
         task["scale"] = scale_kind(
@@ -207,7 +243,7 @@ def study_json(
         "participants": file.participants,
         "lists": len(lists),
         "server": None,
-        "text": {"welcome": file.text.welcome, "instructions": file.text.instructions,
+        "text": {"welcome": file.text.welcome, "instructions": instructions_of(design),
                  "end": file.text.end},
         "factors": {
             name: {
@@ -228,6 +264,41 @@ def study_json(
         "bare_friction": first.number("surface.friction"),
         "stimuli": stimuli,
     }  # fmt: skip
+
+
+def draft_study(design: Design) -> tuple[dict[str, Any], dict[int, dict[str, Any]]]:
+    """Return study.json without rendered sounds, and the lists by number: for observers."""
+    items = stimuli_of(design)
+    lists = make_lists(design, items)
+    no_sound = {"static": None, "sha256": "", "static_sha256": None}
+    entries = {item.key: {**stimulus_entry(design, item), **no_sound}
+               for item in items}  # fmt: skip
+    return study_json(design, lists, entries, items), {one["list"]: one for one in lists}
+
+
+def stimulus_entry(design: Design, item: Stimulus) -> dict[str, Any]:
+    """Return the part of a stimulus's entry in study.json that needs no sound."""
+    gesture, vary = item.gesture, design.file.task.vary
+    return {
+        "events": None
+        if item.free
+        else [
+            {"time_s": float(t), "theta2": float(a), "touching": bool(h), "source": "touch"}
+            for t, a, h in zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True)
+        ],
+        "duration_s": None if item.free else gesture.duration_s,
+        "answer": str(item.names["answer"]),
+        "places": item.positions(design.file.task.target),
+        "curve": item.curve(CURVE_POINTS).round(4).tolist()
+        if design.file.task.name == "draw"
+        else None,
+        "level": item.names.get(vary) if vary is not None else None,
+        "timeline": item.names["timeline"],
+        "preset": item.names["preset"],
+        "gesture": item.names["gesture"],
+        "seed": item.seed,
+        "parameters": dict(item.parameters),
+    }
 
 
 def describe_stimulus(
@@ -251,33 +322,14 @@ def describe_stimulus(
         if static:
             mappings[str(rate)] = f"{at}-static-{rate}.json"
             files[f"{at}-static-{rate}.json"] = _json(static_made[rate].as_json())
-    gesture = item.gesture
-    vary = design.file.task.vary
     described = {
         "image": f"{at}.bin",
         "patches": patches,
         "drawn": f"{at}.json",
         "static": mappings or None,
-        "events": None
-        if item.free
-        else [
-            {"time_s": float(t), "theta2": float(a), "touching": bool(h), "source": "touch"}
-            for t, a, h in zip(gesture.time_s, gesture.theta2, gesture.touching, strict=True)
-        ],
-        "duration_s": None if item.free else gesture.duration_s,
-        "answer": str(item.names["answer"]),
-        "places": item.positions(design.file.task.target),
-        "curve": item.curve(CURVE_POINTS).round(4).tolist()
-        if design.file.task.name == "draw"
-        else None,
-        "level": item.names.get(vary) if vary is not None else None,
-        "timeline": item.names["timeline"],
-        "preset": item.names["preset"],
-        "gesture": item.names["gesture"],
-        "seed": item.seed,
-        "parameters": dict(item.parameters),
+        **stimulus_entry(design, item),
         "sha256": samples_sha256(item.render_stimulus().samples),
-        "static_sha256": samples_sha256(static_made[RATE].render(gesture)) if static else None,
+        "static_sha256": samples_sha256(static_made[RATE].render(item.gesture)) if static else None,
     }
     return described, files
 

@@ -13,12 +13,28 @@ from typing import Any
 from overview_dsp.errors import InputError
 from overview_studies.adaptive import quest_table
 from overview_studies.counterbalancing import RandomStream, rows_of, shuffled_blocks
-from overview_studies.design import ADAPTIVE, Design
+from overview_studies.design import ADAPTIVE, FREE, Design
 from overview_studies.file_model import Factor, Level
 from overview_studies.scales import Scale, scale_kind
 from overview_studies.stimuli import Stimulus
 
 Levels = dict[str, Level]
+
+INPUT_TEXTS = {
+    "touch": "Use a finger on the field, or the mouse.",
+    "twist": "Turn on Twist, hold the phone in your hand and roll it from face up to face down.",
+    "keys": "Use the arrow keys.",
+}
+"""Text for participants about an input, unless the study has a text of its own."""
+
+CHANNEL_TEXTS = {
+    "click": "You feel and hear only the clicks.",
+    "tactor": "You feel and hear only the vibration.",
+    "both": "You feel and hear it.",
+    "visual": "You see it, and do not feel or hear it.",
+    "all": "You see, feel and hear it.",
+}
+"""Text about a channel that changes between blocks, unless the study has a text of its own."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +80,17 @@ class ListMaker:
         between = self._groups[group]
         row = self._rows[turn % len(self._rows)]
         steps = [*self._forms(self._questionnaires.start, 0, {})]
+        before: list[str] = []
         for position, index in enumerate(row, 1):
+            levels = {**between, **self._conditions[index]}
+            now = self._condition_texts(levels)
             if position > 1:
-                steps.append({"id": f"b{position}-break", "type": "break", "block": position})
-            steps += self._block(number, position, {**between, **self._conditions[index]})
+                new = [text for text in now if text not in before]
+                announced = " ".join(["New in the next part:", *new]) if new else ""
+                steps.append({"id": f"b{position}-break", "type": "break", "block": position,
+                              "text": announced})  # fmt: skip
+            steps += self._block(number, position, levels)
+            before = now
         steps += self._forms(self._questionnaires.end, len(row) + 1, {})
         return {"list": number, "factors": between, "steps": steps}
 
@@ -86,20 +109,25 @@ class ListMaker:
                 "factors": factors,
             }
 
+    def _condition_texts(self, levels: Levels) -> list[str]:
+        """Return the texts of a condition, and of its input if participants move."""
+        own = self._design.file.text.conditions
+        known = {f"channel.{level}": text for level, text in CHANNEL_TEXTS.items()} | own
+        found = [known[key] for name, level in levels.items()
+                 if (key := f"{name}.{level}") in known]  # fmt: skip
+        used = str(levels.get("input", self._design.file.output.input))
+        is_told = f"input.{used}" in own or FREE not in self._design.grid.gestures
+        return [*found, *([] if is_told or used not in INPUT_TEXTS else [INPUT_TEXTS[used]])]
+
     def _block(self, number: int, block: int, levels: Levels) -> list[dict[str, Any]]:
         """Return the steps of a condition block: instructions, practice, trials, forms."""
-        phases, text = self._design.file.phases, self._design.file.text
-        output = [
-            text.conditions[key]
-            for name, level in levels.items()
-            if (key := f"{name}.{level}") in text.conditions
-        ]
+        phases = self._design.file.phases
         head = {
             "id": f"b{block}-instructions",
             "type": "instructions",
             "block": block,
             "factors": levels,
-            "text": " ".join(output),
+            "text": " ".join(self._condition_texts(levels)),
             "practice": phases.practice is not None,
         }
         stream = RandomStream(self._design.file.seed, "list", number, block)
@@ -192,7 +220,7 @@ class ListMaker:
         if task.name == "identify":
             # the correct answer of a catch trial never depends on task.of
             correct = str(items[0].names["answer" if phase == "catch" else task.of])
-        elif task.name == "locate":
+        elif task.name in ("locate", "search"):
             correct = items[0].positions(task.target)
         elif task.name == "count":
             correct = len(items[0].positions(task.target))
@@ -245,9 +273,9 @@ class ListMaker:
         return {
             "mapping": levels.get("mapping", output.mapping),
             "input": levels.get("input", output.input),
-            "click_db": output.click_db if channel in ("click", "both") else None,
-            "tactor_db": output.tactor_db if channel in ("tactor", "both") else None,
-            "visual": channel == "visual",
+            "click_db": output.click_db if channel in ("click", "both", "all") else None,
+            "tactor_db": output.tactor_db if channel in ("tactor", "both", "all") else None,
+            "visual": channel in ("visual", "all"),
             "mask": output.mask is not None,
         }
 

@@ -14,11 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_studies.adaptive import Run, quest_table
-from overview_studies.answers import Answers
+from overview_studies.adaptive import Run
+from overview_studies.answers import FOUND_TOLERANCE, Answers
 from overview_studies.scales import Scale, scale_of
 from overview_studies.scoring import likeness
-from overview_studies.statistics import fit_psychometric, sensitivity, sensitivity_2afc
+from overview_studies.statistics import (
+    LapseProfiles,
+    Psychometric,
+    fit_lapse_profiles,
+    sensitivity,
+    sensitivity_2afc,
+)
 
 Condition = tuple[tuple[str, Any], ...]
 Row = Mapping[str, Any]
@@ -32,11 +38,14 @@ SHARE_AT_LIMIT = 1 / 3
 LEVELS, DISTANCES = {"pse", "threshold"}, {"jnd", "adjusted"}
 """Measures that are positions on the scale of the levels, and distances between positions."""
 
+FITTED = ("pse", "jnd", "lapse")
+"""Measures of fitted functions, which depend on the lapse rate of the condition."""
+
 JND_PER_WIDTH = 0.6745
 """Distance from 50 % to 75 % of a cumulative normal, in widths."""
 
-FOUND_TOLERANCE = 0.05
-"""Maximum error of a found event, as a share of the timeline."""
+MIN_LEVELS = 4
+"""Fewest compared levels that a function is fitted to."""
 
 UNITS = {
     "accuracy": "share of trials",
@@ -46,16 +55,21 @@ UNITS = {
     "location_error": "share of the timeline",
     "location_bias": "share of the timeline",
     "found": "share of trials",
+    "hits": "share of trials",
+    "time": "s",
+    "path": "timelines",
+    "returns": "",
     "exact": "share of trials",
     "count_error": "events",
     "pse": "of the varied dimension",
     "jnd": "of the varied dimension",
+    "lapse": "share of trials",
     "threshold": "of the varied dimension",
     "ratio": "ratio of levels",
     "likeness": "Pearson's r",
     "drawn_error": "0 to 1",
     "adjusted": "of the varied dimension",
-    "rt": "ms, median",
+    "rt": "ms, median of main trials",
     "tlx": "0 to 100",
 }
 
@@ -82,28 +96,41 @@ class Missing:
     reason: str
 
 
-def compute_measures(
-    answers: Answers,
-) -> tuple[dict[tuple[str, Condition], dict[str, float]], list[Missing]]:
-    """Return each participant's number by measure and condition, and the missing numbers.
+@dataclass(frozen=True)
+class Measures:
+    """Numbers of the participants.
 
-    `LEVELS` and `DISTANCES` are positions on the scale of the levels. A missing number is NaN.
+    Attributes
+    ----------
+    values : dict
+        Each participant's number by measure and condition. `LEVELS` and `DISTANCES` are positions
+        on the scale of the levels. A missing number is NaN.
+    missing : list of Missing
+    profiles : dict
+        Fits of a compare task by condition, at each lapse rate.
     """
+
+    values: dict[tuple[str, Condition], dict[str, float]]
+    missing: list[Missing]
+    profiles: dict[Condition, LapseProfiles]
+
+
+def compute_measures(answers: Answers) -> Measures:
+    """Return the numbers of all participants, and those that are missing."""
     study = answers.study
     missing: list[Missing] = []
-    names = conditions_of(study)
-    parts: dict[tuple[str, Condition], list[Row]] = defaultdict(list)
-    for row in answers.rows():
-        if row["phase"] in ("main", "catch"):
-            parts[row["participant"], condition_of(row, names)].append(row)
+    names, parts = conditions_of(study), rows_of(answers)
     found: dict[tuple[str, Condition], dict[str, float]] = defaultdict(dict)
+    profiles = _lapse_profiles(study, parts)
     for (participant, condition), rows in parts.items():
-        for name, value in _task_measures(study, rows).items():
+        profile = profiles.get(condition)
+        fitted = None if profile is None else profile.of(participant)
+        for name, value in _task_measures(study, rows, fitted).items():
             if isinstance(value, str):
                 missing.append(Missing(name, condition, participant, value))
             found[name, condition][participant] = math.nan if isinstance(value, str) else value
-        times = [row["rt_ms"] for row in rows if row["rt_ms"] is not None]
-        if times:
+        main = (row["rt_ms"] for row in rows if row["phase"] == "main")
+        if times := [time for time in main if time is not None]:
             found["rt", condition][participant] = float(np.median(times))
     thresholds: dict[Condition, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for condition, participant, value in _thresholds(answers, names):
@@ -114,10 +141,35 @@ def compute_measures(
         found["threshold", condition] = {who: _mean(values) for who, values in by.items()}
     for condition, participant, value in tlx_scores(answers, names):
         found["tlx", condition][participant] = value
-    return dict(found), missing
+    return Measures(dict(found), missing, profiles)
 
 
-def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> Mapping[str, float | str]:
+def rows_of(answers: Answers) -> dict[tuple[str, Condition], list[Row]]:
+    """Return the main and catch trials of each participant in each condition."""
+    names = conditions_of(answers.study)
+    parts: dict[tuple[str, Condition], list[Row]] = defaultdict(list)
+    for row in answers.rows():
+        if row["phase"] in ("main", "catch"):
+            parts[row["participant"], condition_of(row, names)].append(row)
+    return parts
+
+
+def _lapse_profiles(
+    study: Mapping[str, Any], parts: Mapping[tuple[str, Condition], list[Row]]
+) -> dict[Condition, LapseProfiles]:
+    """Return the fits of each condition of a compare task, none of other tasks."""
+    tables: dict[Condition, dict[str, Any]] = defaultdict(dict)
+    for (participant, condition), rows in parts.items():
+        if study["task"]["name"] == "compare":
+            table = level_counts(study, [row for row in rows if row["phase"] == "main"])
+            if len(table[0]) >= MIN_LEVELS:
+                tables[condition][participant] = table
+    return {condition: fit_lapse_profiles(own) for condition, own in tables.items()}
+
+
+def _task_measures(
+    study: Mapping[str, Any], rows: list[Row], fitted: Psychometric | None
+) -> Mapping[str, float | str]:
     """Return the measures of one participant; a text says why a measure is missing."""
     main = [row for row in rows if row["phase"] == "main"]
     catch = [row for row in rows if row["phase"] == "catch"]
@@ -132,12 +184,18 @@ def _task_measures(study: Mapping[str, Any], rows: list[Row]) -> Mapping[str, fl
             "found": _mean([abs(o) <= FOUND_TOLERANCE for o in off]) * len(off) / max(len(main), 1),
         }
         return values | ({"false_alarms": 1.0 - _accuracy(catch)} if catch else {})
+    if task == "search":
+        off = [row["error"] for row in main]
+        values = {"hits": _mean([one is not None and abs(one) <= FOUND_TOLERANCE for one in off])}
+        for name, column in (("time", "time_s"), ("path", "path"), ("returns", "returns")):
+            values[name] = _mean([row[column] for row in main if row.get(column) is not None])
+        return values | ({"false_alarms": 1.0 - _accuracy(catch)} if catch else {})
     if task == "count":
         off = [row["error"] for row in main if row["error"] is not None]
         values = {"exact": _accuracy(main), "count_error": _mean(np.abs(off))}
         return values | ({"false_alarms": 1.0 - _accuracy(catch)} if catch else {})
     if task == "compare":
-        return _compare_measures(study, main)
+        return _compare_measures(study, main, fitted)
     if task == "draw":
         found = [likeness(r["response"], study["stimuli"][r["stimulus"]]) for r in main]
         return {
@@ -182,34 +240,39 @@ def confusion(choices: Sequence[str], rows: Iterable[Row]) -> NDArray[np.float64
     return table
 
 
-def chosen_counts(
+def level_counts(
     study: Mapping[str, Any], rows: Iterable[Row]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return positions of compared levels, how often each was judged stronger, and its trials."""
-    scale = scale_of(study)
+    """Return positions of levels, counts of an answer, and trials.
+
+    In a compare task, each level is counted when judged stronger, in others when correct.
+    """
+    scale, compared = scale_of(study), study["task"]["name"] == "compare"
     counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
     for row in rows:
         keys = row["stimulus"].split()
         place = next((i for i, key in enumerate(keys)
                       if study["stimuli"][key]["level"] == row["level"]), 0)  # fmt: skip
         count = counts[scale.position(row["level"])]
-        count[0] += int(row["response"] == place)
+        count[0] += int(row["response"] == place if compared else row["correct"])
         count[1] += 1
     levels = np.array(sorted(counts))
     both = np.array([counts[level] for level in levels], dtype=np.float64).reshape(-1, 2)
     return levels, both[:, 0], both[:, 1]
 
 
-def _compare_measures(study: Mapping[str, Any], rows: list[Row]) -> dict[str, float | str]:
+def _compare_measures(
+    study: Mapping[str, Any], rows: list[Row], fitted: Psychometric | None
+) -> dict[str, float | str]:
     right = sum(row["correct"] == 1 for row in rows)
     values: dict[str, float | str] = {
         "accuracy": right / len(rows),
         "d_prime": sensitivity_2afc(right, len(rows)),
     }
-    levels, chosen, trials = chosen_counts(study, rows)
-    if len(levels) >= 4:
-        fitted = fit_psychometric(levels, chosen, trials, None)
+    if fitted is not None:
+        levels = level_counts(study, rows)[0]
         values["pse"], values["jnd"] = fitted.threshold, JND_PER_WIDTH * fitted.width
+        values["lapse"] = fitted.lapse
         if not levels[0] <= fitted.threshold <= levels[-1]:
             values["pse"] = values["jnd"] = "the fitted level is outside of the compared levels"
         elif not fitted.has_slope:
@@ -237,6 +300,7 @@ def run_threshold(scale: Scale, step: dict[str, Any], responses: Mapping[str, Ro
     """Return the threshold of one run as a position on the scale, or why there is none."""
     run = Run(step)
     reversals: list[int] = []
+    presented: list[int] = []
     places = np.array([scale.position(level) for level in step["levels"]])
     last = len(places) - 1
     while not run.over:
@@ -245,19 +309,24 @@ def run_threshold(scale: Scale, step: dict[str, Any], responses: Mapping[str, Ro
             break
         wanted = step["sides"][run.trial] if step["method"] == "2afc" else int(not run.catch)
         at, before = run.level, run.reversals
+        if not run.catch:
+            presented.append(at)
         run.record(row.get("response") == wanted)
         if run.reversals > before:
             reversals.append(at)
     if step["quest"] is not None:
-        steps, at_mean = scale.steps(step["levels"]), run.posterior_mean
-        if step["quest"] != quest_table(steps, 0.5 if step["method"] == "2afc" else 0.0):
-            steps = np.arange(last + 1.0)  # lists of version 0.2.0 count the levels
+        # lists of version 0.2.0 count the levels
+        steps, at_mean = step["quest"].get("steps", list(range(last + 1))), run.posterior_mean
         if run.trial < step["most"]:
             return f"{run.trial} of {step['most']} trials"
         if not steps[0] <= at_mean <= steps[-1]:
-            return "the threshold is outside of the levels"
+            name = "below the lowest" if at_mean < steps[0] else "above the highest"
+            return f"the threshold is {name} level"
         return float(np.interp(at_mean, steps, places))
     used = reversals[-LAST_REVERSALS:]
+    for limit, name in ((0, "lowest"), (last, "highest")):
+        if len(used) < LAST_REVERSALS and 2 * presented.count(limit) > len(presented):
+            return f"{presented.count(limit)} of {len(presented)} trials are at the {name} level"
     if len(used) < LAST_REVERSALS:
         return f"{len(used)} reversals, at least {LAST_REVERSALS} are needed"
     for limit, name in ((0, "lowest"), (last, "highest")):

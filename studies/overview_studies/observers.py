@@ -8,6 +8,7 @@ identify   evidence for each choice is normal; the presented one has a mean of d
 compare    levels are d' apart for each mean step of their scale (`scales`)
 staircase, the same, and the lowest is d' above the standard, or above no stimulus; with one
 quest      interval, the criterion for "felt it" is one standard deviation above no stimulus
+search     as in locate, after passing over the timeline until the event is noticed
 locate     position error (standard deviation) of a tenth of the timeline, divided by d'
 count      error of 30 %, divided by d'
 draw       error of 0.3 at each point, divided by d'
@@ -21,6 +22,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -37,6 +39,8 @@ MIN_D_PRIME = 0.05
 """Minimum d' of an observer, so that adaptive runs end."""
 
 RT_MS, RT_SPREAD = 1500.0, 0.35
+SEARCH_PASSES, SEARCH_PASS_S = 6, 2.0
+SIMULATED_RATE = 48_000
 SIMULATED_UTC = "2000-01-01T00:00:00.000Z"
 
 
@@ -117,7 +121,8 @@ def _session(
         response = _response(study, step, MIN_D_PRIME if blind else ability, rng)
         if step["attention"] is not None and not blind:
             response = step["attention"]
-        found.append((step["id"], _row(response, rng)))
+        take = {"take": _search_take(response, ability, rng)} if step["task"] == "search" else {}
+        found.append((step["id"], _row(response, rng, **take)))
     return found
 
 
@@ -143,7 +148,7 @@ def _response(
         evidence = rng.standard_normal(len(choices))
         evidence[choices.index(step["correct"])] += d / math.sqrt(2.0)
         return choices[int(np.argmax(evidence))]
-    if task == "locate":
+    if task in ("locate", "search"):
         if not step["correct"]:
             return None if noise < d / 2.0 else round(float(rng.random()), 4)
         position = step["correct"][int(rng.integers(len(step["correct"])))]
@@ -162,6 +167,19 @@ def _response(
         return [round(float(one), 4) for one in drawn]
     at = step["levels"].index(step["correct"]) + noise / d
     return step["levels"][min(max(round(at), 0), len(step["levels"]) - 1)]
+
+
+def _search_take(response: float | None, d: float, rng: np.random.Generator) -> dict[str, Any]:
+    """Return the movement of an observer who notices the event in a pass with a chance by d'."""
+    passes = min(int(rng.geometric(float(ndtr(d / 2.0)))), SEARCH_PASSES)
+    last = 0.5 if response is None else response
+    ends = [0.0, *(float((i + 1) % 2) for i in range(passes)), last]
+    points = np.concatenate([np.linspace(a, b, 20) for a, b in pairwise(ends)])
+    samples = (np.arange(len(points)) * SEARCH_PASS_S * SIMULATED_RATE / 20).astype(int)
+    events = [[int(sample), math.pi * float(point), 1, "touch"]
+              for sample, point in zip(samples, points, strict=True)]  # fmt: skip
+    events.append([int(samples[-1]) + 1, math.pi * float(points[-1]), 0, "touch"])
+    return {"sample_rate": SIMULATED_RATE, "samples": int(samples[-1]) + 1, "events": events}
 
 
 def _run(

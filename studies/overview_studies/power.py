@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from overview_studies.analysis import analyse, condition_text
-from overview_studies.figures import MAIN_MEASURES
 from overview_studies.observers import Observers, simulate_answers
+from overview_studies.scripts import MAIN_MEASURES
 
 SEED_STEP = 1_000_003
 """Difference between the seeds of successive runs."""

@@ -19,6 +19,7 @@ from overview_dsp.cli.extensions import CLICK, SOURCES, TACTOR, atomic_folder, s
 from overview_dsp.errors import InputError
 from overview_studies.answers import Answers
 from overview_studies.design import Design
+from overview_studies.row_checks import is_take
 from overview_studies.static_mapping import static_mapping
 from overview_studies.steps import find_step
 from overview_studies.stimuli import Stimulus, stimuli_of
@@ -83,17 +84,18 @@ def replay_trial(
 def _recorded_takes(
     answers: Answers,
 ) -> Iterator[tuple[str, str, dict[str, Any], str, dict[str, Any]]]:
-    """Yield participant, trial, step, key and take of each trial with a take."""
+    """Yield participant, trial, step, key and take of each trial with a movement."""
     for session in answers.sessions:
         for trial, _, row in session.trials:
             step = find_step(trial, answers.lists[session.number])
             if step is None:
                 continue
-            if row.get("take"):
-                key = row.get("stimulus") or step["stimuli"][-1]
-                yield session.participant, trial, step, key, row["take"]
+            found: list[tuple[str, Any, Any]] = [(trial, row.get("stimulus"), row.get("take"))]
             for number, take in enumerate(row.get("takes") or [], 1):
-                yield session.participant, f"{trial}_{number}", step, take["stimulus"], take
+                found.append((f"{trial}_{number}", take["stimulus"], take))
+            for name, key, take in found:
+                if is_take(take) and take["events"]:
+                    yield session.participant, name, step, key or step["stimuli"][-1], take
 
 
 def export_takes(

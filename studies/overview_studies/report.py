@@ -1,9 +1,10 @@
-"""Report of a study: results.json, methods.txt, figures, tables and an R script."""
+"""Report of a study: results.json, methods.txt, figures, tables and scripts."""
 
 from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,21 @@ import numpy as np
 from overview_dsp.cli.extensions import atomic_folder, save_figure
 from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import MOST_MISSING, Analysis, MeasureEstimate, condition_text
-from overview_studies.answers import MARK
-from overview_studies.figures import MAIN_MEASURES, figures_of
-from overview_studies.measures import LAST_REVERSALS, Missing
+from overview_studies.answers import MARK, Answers
+from overview_studies.figures import figures_of
+from overview_studies.measures import DISTANCES, LAST_REVERSALS, LEVELS, Missing
 from overview_studies.scales import scale_of
-from overview_studies.tables import R_SCRIPT, forms_csv, r_script, responses_csv
+from overview_studies.scripts import (
+    MAIN_MEASURES,
+    MEASURES,
+    PYTHON_SCRIPT,
+    R_SCRIPT,
+    measures_csv,
+    python_script,
+    r_script,
+)
+from overview_studies.statistics import MAX_LAPSE
+from overview_studies.tables import forms_csv, responses_csv
 
 RESULTS = "results.json"
 
@@ -36,7 +47,9 @@ def write_report(analysis: Analysis, path: str | Path) -> list[str]:
         "methods.txt": methods_text(analysis),
         "responses.csv": responses_csv(answers),
         "forms.csv": forms_csv(answers),
+        MEASURES: measures_csv(answers, analysis.measures),
         R_SCRIPT: r_script(answers),
+        PYTHON_SCRIPT: python_script(answers),
     }
     with atomic_folder(path, answers.marked(RESULTS)) as folder:
         for name, text in texts.items():
@@ -87,15 +100,20 @@ def _participants(analysis: Analysis) -> str:
         who = "simulated observers answered"
     excluded = [f"{code} ({why})" for code, why in analysis.excluded.items()]
     parts.append(
-        f"{count} {who} the study {study['title']!r} (planned: "
-        f"{study['participants']}). "
-        + (
-            f"Excluded by rules set beforehand: {', '.join(excluded)}."
-            if excluded
-            else "No participant was excluded."
-        )
+        f"{count} {who} the study {study['title']!r} (planned: {study['participants']}). "
+        f"{_exclusion_rules(study)} Excluded: {', '.join(excluded) or 'no participant'}."
     )
     return " ".join(parts)
+
+
+def _exclusion_rules(study: dict[str, Any]) -> str:
+    rule = study["exclude"]
+    rules = ["an answer that no participant can have given"]
+    if rule["incomplete"]:
+        rules.append("an incomplete session")
+    if rule["attention"]:
+        rules.append(f"less than {rule['attention']:.0%} of the attention trials correct")
+    return f"Reasons for exclusion, set beforehand: {'; '.join(rules)}."
 
 
 def _design(analysis: Analysis) -> str:
@@ -108,24 +126,53 @@ def _design(analysis: Analysis) -> str:
            else f"within participants, {order_texts[factor['order']]}") + ")"
         for name, factor in study["factors"].items()
     ]  # fmt: skip
-    counts: dict[str, list[int]] = {}
-    for session in answers.sessions:
-        of = [s for s in answers.lists[session.number]["steps"] if s["type"] == "trial"]
-        for phase in ("practice", "main", "catch", "attention"):
-            counts.setdefault(phase, []).append(sum(step["phase"] == phase for step in of))
+    # repeated practice and runs that end early are not in the list
+    counts = Counter(row["phase"] for row in answers.rows())
     trials = ", ".join(
-        f"{np.mean(number):.3g} {phase}" for phase, number in counts.items() if sum(number)
+        f"{counts[phase] / len(answers.sessions):.3g} {phase}"
+        for phase in ("practice", "main", "catch", "attention")
+        if counts[phase]
     )
     task = study["task"]
-    task_text = f"The task was to {task['name']}: {task['question']!r}"
+    task_text = f"The task was {task['name']!r}, with the question {task['question']!r}"
     task_text += (
-        f" with the answers {', '.join(task['choices'])}." if task["name"] == "identify" else ""
+        f" and the answers {', '.join(task['choices'])}." if task["name"] == "identify" else ""
     )
     return (
         f"{task_text} Factors: {'; '.join(factors) or 'none'}. Lists were made from the seed "
         f"{study['seed']} before data collection and assigned by the server, one per "
-        f"participant{f'; trials of a list: {trials}' if trials else ''}."
+        f"participant. Trials per participant, on average: {trials}.{_adaptive_rule(answers)}"
     )
+
+
+def _adaptive_rule(answers: Answers) -> str:
+    """Return how a staircase or QUEST+ chooses the levels; empty for other tasks."""
+    steps = [step for one in answers.lists.values() for step in one["steps"]]
+    run = next((step for step in steps if step["type"] == "adaptive"), None)
+    if run is None:
+        return ""
+    intervals = {
+        "2afc": "Each trial had two intervals, one of them with the standard.",
+        "yesno": "Each trial had one interval; catch trials, without a stimulus, did not change "
+        "the level.",
+    }
+    if run["tracks"] is None:
+        false_alarms = ", rate of false alarms" if run["method"] == "yesno" else ""
+        rule = (
+            f"QUEST+ presented the level with the least expected entropy in {run['most']} trials a "
+            f"run; its {len(run['quest']['prior'])} hypotheses of a cumulative normal (threshold, "
+            f"width, lapse rate{false_alarms}) had equal prior probabilities."
+        )
+    else:
+        track = run["tracks"][0]
+        share = 0.5 ** (1.0 / track["down"])
+        rule = (
+            f"{len(run['tracks'])} interleaved staircases went down after {track['down']} correct "
+            f"answers in a row and up after a wrong one, which converges to {share:.1%} correct; "
+            f"steps of {', '.join(map(str, track['steps']))} levels by reversal, "
+            f"{track['reversals']} reversals each, at most {run['most']} trials a run."
+        )
+    return f" {intervals[run['method']]} {rule}"
 
 
 def _stimuli(analysis: Analysis) -> str:
@@ -172,30 +219,37 @@ def _analysis(analysis: Analysis) -> str:
     if task["name"] == "identify":
         parts.append(
             "With more than two answers, each is compared with all others, and d' is their mean. "
-            "Information transfer is that of the summed matrix, corrected after Miller and Madow."
+            "Information transfer is that of the summed matrix, corrected after Miller and Madow. "
+            "Accuracy is over main and catch trials, in which another answer is correct."
         )
-    if task["name"] in ("compare", "staircase", "quest"):
-        kind = scale_of(analysis.answers.study).kind
-        axis = {"log": "the logarithm of the level", "index": "the index of the level"}
+    kind = scale_of(analysis.answers.study).kind
+    level = {"log": "logarithm of the level", "index": "index of the level"}.get(kind, "level")
+    by_task = {
+        "compare": f"Psychometric functions are cumulative normals of the {level} with one lapse "
+        f"rate of all participants in each condition, at most {MAX_LAPSE:.0%}, fitted by maximum "
+        "likelihood without priors; each resample has lapse rates of its own. A "
+        "point of equality outside of the compared levels is not reported.",
+        "staircase": f"A threshold is the mean {level} of the last {LAST_REVERSALS} reversals of "
+        f"both tracks. There is none with fewer than {LAST_REVERSALS} reversals, or with a third "
+        "of them at the lowest or highest level.",
+        "quest": f"A threshold is the posterior mean of the {level}. There is none outside of the "
+        "presented levels, or in a run that was not finished.",
+        "adjust": f"The adjusted quantity is the {level} less that of the standard.",
+    }
+    if task["name"] in by_task:
         parts.append(
-            f"Psychometric functions are cumulative normals of {axis.get(kind, 'the level')} with "
-            "a lapse rate up to 6 %, fitted by maximum likelihood without priors; means and "
-            "differences are of the same quantity."
-        )
-        parts.append(
-            f"A staircase has no threshold with fewer than {LAST_REVERSALS} reversals, or with a "
-            "third of the last ones at the lowest or highest level; QUEST+ and points of equality "
-            "have none outside of the levels. A mean is given where at most "
-            f"{MOST_MISSING:.0%} of the participants have no such level."
+            f"{by_task[task['name']]} Means and differences are of the same quantity. A mean is "
+            f"given where at most {MOST_MISSING:.0%} of the participants in the condition have no "
+            "such level."
         )
     return " ".join(parts)
 
 
 def _results(analysis: Analysis) -> str:
     parts = []
-    main = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
+    main = {MAIN_MEASURES[analysis.answers.study["task"]["name"]], *LEVELS, *DISTANCES}
     for line in analysis.estimates:
-        if line.measure in (main, "accuracy", "information", "rt", "tlx"):
+        if line.measure in (*main, "accuracy", "information", "rt", "tlx"):
             digits = 0 if line.measure == "rt" else 2
             parts.append(
                 f"{line.measure}, {condition_text(line.condition)}: {estimate_text(line, digits)}."
@@ -203,10 +257,10 @@ def _results(analysis: Analysis) -> str:
     parts += [
         f"{line.measure}, difference {condition_text(line.condition)}: {estimate_text(line)}."
         for line in analysis.differences
-        if line.measure == main
+        if line.measure in main
     ]
     parts += [missing_text(one) for one in analysis.missing]
-    for condition, (above, of) in analysis.above_chance.items():
+    for condition, (above, of) in analysis.better_than_guessing.items():
         parts.append(
             f"{above} of {of} participants were above chance in {condition_text(condition)} (exact "
             "binomial test each, p < 0.05)."
@@ -223,13 +277,11 @@ def missing_text(one: Missing) -> str:
 
 def summary(analysis: Analysis) -> list[str]:
     """Return one text line for each estimate and difference of the main measure."""
-    main: Any = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
-    kept = [line for line in analysis.estimates if line.measure == main]
+    main = MAIN_MEASURES[analysis.answers.study["task"]["name"]]
     lines = [f"{MARK}: no person took part"] if analysis.answers.simulated else []
-    lines += [f"{main}, {condition_text(line.condition)}: {estimate_text(line)}" for line in kept]
     lines += [
         f"{main}, {condition_text(line.condition)}: {estimate_text(line)}"
-        for line in analysis.differences
+        for line in (*analysis.estimates, *analysis.differences)
         if line.measure == main
     ]
     return lines + [missing_text(one) for one in analysis.missing]

@@ -38,6 +38,10 @@ def impossible(
         return f"rt_ms is {rt_ms!r}; must be a time, 0 to {MAX_RT_MS:g} ms"
     if not used <= SOURCES:
         return f"source is {source!r}; must be touch, twist or keys, or several joined by +"
+    takes = row.get("takes") or []
+    takes = [row.get("take"), *(takes if isinstance(takes, list) else [takes])]
+    if not all(one is None or is_take(one) for one in takes):
+        return "take must have a sample_rate and events [sample, theta2, touching]"
     if step["type"] == "adaptive":
         key = row.get("stimulus")
         if key is not None and key not in (*step["stimuli"], step["standard"]):
@@ -54,7 +58,8 @@ def _impossible_response(
         points = len(study["stimuli"][step["stimuli"][0]]["curve"] or ())
     allowed: dict[str, tuple[str, bool]] = {
         "identify": ("one of the choices", response in study["task"].get("choices", ())),
-        "locate": ("a place, 0 to 1, or null", response is None or _is_part(response)),
+        "locate": ("a place, 0 to 1, or null", response is None or is_part(response)),
+        "search": ("a place, 0 to 1, or null", response is None or is_part(response)),
         "count": (
             f"a whole number, 0 to {MAX_COUNT}",
             type(response) is int and 0 <= response <= MAX_COUNT,
@@ -64,7 +69,7 @@ def _impossible_response(
             f"{points} numbers, 0 to 1, or null",
             isinstance(response, list)
             and len(response) == points
-            and all(one is None or _is_part(one) for one in response),
+            and all(one is None or is_part(one) for one in response),
         ),
         "adjust": ("one of the levels", response in step.get("levels", ())),
     }
@@ -87,11 +92,26 @@ def _impossible_form(name: str, form: Mapping[str, Any], response: Any) -> str |
     return None
 
 
+def is_take(value: Any) -> bool:
+    """Return whether a value is a take that can be replayed."""
+    events = value.get("events") if isinstance(value, dict) else None
+    if not isinstance(events, list):
+        return False
+    rate = value.get("sample_rate")
+    return not events or (
+        _is_number(rate)
+        and rate > 0.0
+        and all(isinstance(one, list) and len(one) > 2 and all(map(_is_number, one[:3]))
+                for one in events)
+    )  # fmt: skip
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _is_part(value: Any) -> bool:
+def is_part(value: Any) -> bool:
+    """Return whether a value is a position, 0 to 1."""
     return _is_number(value) and 0.0 <= value <= 1.0
 
 

@@ -44,6 +44,10 @@ class Scale:
         """
         return 10.0**position if self.kind == "log" else position
 
+    def axis_position(self, level: float) -> float:
+        """Return the position of which `level` made a level or a ratio."""
+        return math.log10(level) if self.kind == "log" else level
+
     def steps(self, levels: Sequence[Any]) -> NDArray[np.float64]:
         """Return positions in mean steps of the scale, 0 at the first of `levels`."""
         known = np.array(sorted(self.position(level) for level in self.levels))

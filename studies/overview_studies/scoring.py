@@ -27,7 +27,7 @@ def is_correct(task: str, step: dict[str, Any], row: dict[str, Any]) -> bool | N
         return bool(response == wanted)
     if task in ("draw", "adjust"):
         return None
-    if task == "locate":
+    if task in ("locate", "search"):
         if not step["correct"]:
             return response is None
         return None
@@ -46,7 +46,7 @@ def response_error(
     the difference, 0 to 1.
     """
     response = row.get("response")
-    if task == "locate" and step["correct"] and _is_number(response):
+    if task in ("locate", "search") and step["correct"] and _is_number(response):
         return float(min((response - position for position in step["correct"]), key=abs))
     if task in ("count", "adjust") and _is_number(response) and _is_number(step["correct"]):
         return float(response - step["correct"])
@@ -57,6 +57,36 @@ def response_error(
         drawn, curve = both
         return float(np.sqrt(np.mean(np.square(drawn - curve))))
     return None
+
+
+def search_path(take: dict[str, Any] | None, target: float, tolerance: float) -> dict[str, float]:
+    """Return the movement of a search: `time_s` from touch to end, `path` and `returns`.
+
+    Parameters
+    ----------
+    take
+        The take of a trial.
+    target
+        Position of the event that was searched.
+    tolerance
+        Largest distance from the target, as a share of the timeline.
+
+    Returns
+    -------
+    dict
+        Seconds, the length of the movement in timelines, and how often it came back to the place.
+    """
+    touched = [event for event in (take or {}).get("events", ()) if event[2]]
+    if take is None or len(touched) < 2:
+        return {}
+    position = np.array([event[1] for event in touched]) / math.pi
+    path = float(np.abs(np.diff(position)).sum())
+    # a fast movement may pass the place between two events
+    side = np.where(np.abs(position - target) <= tolerance, 0.0, np.sign(position - target))
+    visits = int(((side[1:] == 0.0) & (side[:-1] != 0.0)).sum() + (side[0] == 0.0))
+    visits += int((side[1:] * side[:-1] < 0.0).sum())
+    seconds = (touched[-1][0] - touched[0][0]) / take["sample_rate"]
+    return {"time_s": float(seconds), "path": path, "returns": float(max(visits - 1, 0))}
 
 
 def likeness(response: Any, stimulus: dict[str, Any]) -> float | None:

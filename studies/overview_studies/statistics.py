@@ -3,23 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize
-from scipy.special import ndtr, ndtri, xlog1py, xlogy
+from scipy.special import ndtr, ndtri, xlogy
 from scipy.stats import t as student
+
+Floats = NDArray[np.float64]
+Table = tuple[Floats, Floats, Floats]
+"""Levels, counts of an answer and trials."""
 
 RESAMPLES = 10_000
 MIN_PARTICIPANTS = 5
 """Minimum number of participants for a bootstrap interval."""
 
-MAX_LAPSE = 0.06
+MAX_LAPSE = 0.1
+LAPSES = MAX_LAPSE * np.linspace(0.0, 1.0, 13) ** 2
+"""Tried lapse rates; small ones, which change the width most, are closer to each other."""
+
 WIDTHS = (0.02, 5.0)
 """Narrowest and widest fitted function, in spans of the levels."""
+
+STARTS, REFINEMENTS = 3, 30
+_LOW, _HIGH = (np.array([end, math.log(w)]) for end, w in zip((-1.5, 1.5), WIDTHS, strict=True))
+"""Limits of threshold, in spans from the middle of the levels, and logarithm of width."""
+
+_LENGTHS = 2.0 ** np.array([1.0, 0.0, -1.0, -2.0, -3.0, -5.0, -8.0, -np.inf])[:, None]
+_AROUND = np.array([one for one in product((-1, 0, 1), (-2, -1, 0, 1, 2)) if any(one)]) / 2.0
+"""Tried parts of a scoring step, and steps around a point."""
 
 _SEED = 20091115
 """Seed of the bootstrap, so that intervals are reproducible."""
@@ -60,7 +75,7 @@ def information_bits(counts: ArrayLike, corrected: bool = True) -> float:
         return math.nan
     presented, answered = table.sum(axis=1), table.sum(axis=0)
 
-    def entropy(part: NDArray[np.float64]) -> float:
+    def entropy(part: Floats) -> float:
         nats = -float(xlogy(part / total, part / total).sum())
         return nats + ((part > 0.0).sum() - 1) / (2.0 * total) if corrected else nats
 
@@ -69,7 +84,7 @@ def information_bits(counts: ArrayLike, corrected: bool = True) -> float:
 
 
 @lru_cache(maxsize=64)
-def _resample_counts(participants: int) -> NDArray[np.float64]:
+def resample_counts(participants: int) -> Floats:
     """Return how often resamples contain participants: float64 (RESAMPLES, participants)."""
     rng = np.random.default_rng(_SEED)
     equal = np.full(participants, 1.0 / participants)
@@ -93,8 +108,15 @@ def mean_interval(values: Sequence[float]) -> Estimate:
     n = len(known)
     if n < MIN_PARTICIPANTS:
         return Estimate(float(known.mean()) if n else math.nan, math.nan, math.nan, n)
-    low, high = np.percentile(_resample_counts(n) @ known / n, _interval_percentiles(n))
-    return Estimate(float(known.mean()), float(low), float(high), n)
+    return resampled_interval(float(known.mean()), resample_counts(n) @ known / n, n)
+
+
+def resampled_interval(
+    mean: float, resampled: Floats, participants: int, smallest: int | None = None
+) -> Estimate:
+    """Return a mean with the percentiles of resampled means; `smallest` is the smaller group."""
+    limits = np.percentile(resampled, _interval_percentiles(smallest or participants))
+    return Estimate(mean, float(limits[0]), float(limits[1]), participants)
 
 
 def difference_interval(first: Sequence[float], second: Sequence[float]) -> Estimate:
@@ -105,18 +127,17 @@ def difference_interval(first: Sequence[float], second: Sequence[float]) -> Esti
         mean = float(b.mean() - a.mean()) if n else math.nan
         return Estimate(mean, math.nan, math.nan, len(a) + len(b))
     # the reversed order makes both resamplings independent
-    means = _resample_counts(len(b)) @ b / len(b) - (_resample_counts(len(a)) @ a / len(a))[::-1]
-    low, high = np.percentile(means, _interval_percentiles(n))
-    return Estimate(float(b.mean() - a.mean()), float(low), float(high), len(a) + len(b))
+    means = resample_counts(len(b)) @ b / len(b) - (resample_counts(len(a)) @ a / len(a))[::-1]
+    return resampled_interval(float(b.mean() - a.mean()), means, len(a) + len(b), n)
 
 
-def information_interval(counts: NDArray[np.float64], resamples: int = 1000) -> Estimate:
+def information_interval(counts: Floats, resamples: int = 1000) -> Estimate:
     """Return the information transfer of pooled counts (participants, rows, columns), in bits."""
     n = len(counts)
     bits = information_bits(counts.sum(axis=0))
     if n < MIN_PARTICIPANTS:
         return Estimate(bits, math.nan, math.nan, n)
-    pooled = np.tensordot(_resample_counts(n)[:resamples], counts, 1)
+    pooled = np.tensordot(resample_counts(n)[:resamples], counts, 1)
     low, high = np.percentile([information_bits(one) for one in pooled], _interval_percentiles(n))
     return Estimate(bits, float(low), float(high), n)
 
@@ -132,15 +153,22 @@ class Psychometric:
     has_slope: bool = True
     """False if the answers do not determine the width, which is then at a limit of `WIDTHS`."""
 
-    def at(self, level: ArrayLike) -> NDArray[np.float64]:
+    cost: float = math.nan
+    """Negative logarithm of the likelihood of the answers."""
+
+    def at(self, level: ArrayLike) -> Floats:
         """Return the probability at levels."""
         z = (np.asarray(level, dtype=np.float64) - self.threshold) / self.width
-        found: NDArray[np.float64] = self.guess + (1.0 - self.guess - self.lapse) * ndtr(z)
+        found: Floats = self.guess + (1.0 - self.guess - self.lapse) * ndtr(z)
         return found
 
 
 def fit_psychometric(
-    level: ArrayLike, right: ArrayLike, trials: ArrayLike, guess: float | None
+    level: ArrayLike,
+    right: ArrayLike,
+    trials: ArrayLike,
+    guess: float | None,
+    lapse: float | None = None,
 ) -> Psychometric:
     """Fit a rising cumulative normal to counts by maximum likelihood, without priors.
 
@@ -151,26 +179,147 @@ def fit_psychometric(
     ----------
     guess
         Probability far below the threshold; None makes it equal to the lapse rate above.
+    lapse
+        Lapse rate; None fits it, too.
     """
+    table, span, middle = _scaled(level, right, trials)
+    rates = LAPSES if lapse is None else np.array([lapse])
+    found = _profile(table, guess, rates)
+    if lapse is None:
+        near = int(found[0].argmin())
+        rates = np.linspace(LAPSES[max(near - 1, 0)], LAPSES[min(near + 1, len(LAPSES) - 1)], 11)
+        found = _profile(table, guess, rates)
+    at = int(found[0].argmin())
+    cost, place, log_width = (float(one[at]) for one in found)
+    rate = float(rates[at])
+    return Psychometric(
+        middle + span * place,
+        span * math.exp(log_width),
+        rate if guess is None else guess,
+        rate,
+        bool(_inside(log_width)),
+        cost,
+    )
+
+
+def _scaled(level: ArrayLike, right: ArrayLike, trials: ArrayLike) -> tuple[Table, float, float]:
+    """Return a table with levels in spans from their middle, the span and the middle."""
     x, k, n = (np.asarray(one, dtype=np.float64) for one in (level, right, trials))
-    span = float(np.ptp(x)) or 1.0
+    span, middle = float(np.ptp(x)) or 1.0, float(x.min() + x.max()) / 2.0
+    return ((x - middle) / span, k, n), span, middle
 
-    def unpack(p: NDArray[np.float64]) -> Psychometric:
-        lapse = float(p[2])
-        low = lapse if guess is None else guess
-        return Psychometric(float(x.mean()) + span * float(p[0]), span * math.exp(p[1]), low, lapse)
 
-    def cost(p: NDArray[np.float64]) -> float:
-        probability = np.clip(unpack(p).at(x), 1e-9, 1.0 - 1e-9)
-        return -float((xlogy(k, probability) + xlog1py(n - k, -probability)).sum())
+def _inside(log_width: ArrayLike) -> NDArray[np.bool_]:
+    """Return where the logarithm of a width is not at a limit."""
+    return np.clip(log_width, _LOW[1] + 0.01, _HIGH[1] - 0.01) == log_width  # type: ignore[no-any-return]
 
-    bounds = [(-1.5, 1.5), tuple(map(math.log, WIDTHS)), (0.0, MAX_LAPSE)]
-    starts = [(at, width, 0.01) for at in (-0.3, 0.3) for width in (-2.5, -1.0)]
-    precise = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 1000}
-    tries = [
-        minimize(cost, start, method="Nelder-Mead", bounds=bounds, options=precise)
-        for start in starts
+
+def _profile(table: Table, guess: float | None, lapses: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return for each lapse rate the least cost, and where it is: threshold, logarithm of width.
+
+    Between uneven levels the cost has several minima. The lowest ones of a grid, whose thresholds
+    include the levels and their midpoints, are refined: by scoring steps of several lengths, and
+    by steps around the point, which get shorter.
+    """
+    x = table[0]
+    low = (lapses if guess is None else np.full_like(lapses, guess))[:, None]
+    rise = 1.0 - lapses[:, None] - low
+    thresholds = np.unique([*np.linspace(_LOW[0], _HIGH[0], 25), *x, *(x[1:] + x[:-1]) / 2.0])
+    pairs = np.array(list(product(thresholds, np.linspace(_LOW[1], _HIGH[1], 23))))
+    costs = _cost(pairs, low, rise, table).reshape(len(lapses), len(thresholds), -1)
+    padded = np.pad(costs, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
+    near = np.lib.stride_tricks.sliding_window_view(padded, (3, 3), (1, 2)).min(axis=(3, 4))
+    minima = np.where(costs <= near, costs, np.inf).reshape(len(lapses), -1)
+    at = pairs[minima.argsort(axis=1)[:, :STARTS]]
+    around = _AROUND * (thresholds[1] - thresholds[0], pairs[1, 1] - pairs[0, 1])
+    for _ in range(REFINEMENTS):
+        step = _scoring_step(at, low, rise, table)[:, :, None]
+        both = [-_LENGTHS * step, np.broadcast_to(around, (*at.shape[:2], *around.shape))]
+        tried = np.clip(at[:, :, None] + np.concatenate(both, axis=2), _LOW, _HIGH)
+        costs = _cost(tried, low[..., None], rise[..., None], table)
+        at = np.take_along_axis(tried, costs.argmin(axis=2)[..., None, None], 2)[:, :, 0]
+        around = 0.75 * around
+    best = costs.min(axis=2)
+    rows, start = np.arange(len(lapses)), best.argmin(axis=1)
+    return best[rows, start], at[rows, start, 0], at[rows, start, 1]
+
+
+def _cost(at: Floats, low: Floats, rise: Floats, table: Table) -> Floats:
+    """Return the negative logarithm of the likelihood at pairs of threshold and log width."""
+    x, k, n = table
+    z = (x - at[..., :1]) / np.exp(at[..., 1:])
+    p = np.clip(low[..., None] + rise[..., None] * ndtr(z), 1e-9, 1.0 - 1e-9)
+    costs: Floats = -(k * np.log(p) + (n - k) * np.log1p(-p)).sum(axis=-1)
+    return costs
+
+
+def _scoring_step(at: Floats, low: Floats, rise: Floats, table: Table) -> Floats:
+    """Return the step of Fisher's scoring at each pair, along the limits where it would leave."""
+    (x, k, n), width = table, np.exp(at[..., 1:])
+    z = (x - at[..., :1]) / width
+    p = np.clip(low[..., None] + rise[..., None] * ndtr(z), 1e-9, 1.0 - 1e-9)
+    density = -rise[..., None] * np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi)
+    slopes = np.stack([density / width, density * z], axis=-1)
+    weight = 1.0 / (p * (1.0 - p))
+    gradient = (((n * p - k) * weight)[..., None] * slopes).sum(axis=-2)
+    fixed = ((at <= _LOW) & (gradient > 0.0)) | ((at >= _HIGH) & (gradient < 0.0))
+    gradient = np.where(fixed, 0.0, gradient)
+    information = np.einsum("...l,...li,...lj->...ij", n * weight, slopes, slopes)
+    information = np.where(fixed[..., None] | fixed[..., None, :], 0.0, information)
+    ridge = 1e-9 + 1e-6 * np.trace(information, axis1=-2, axis2=-1)[..., None] + fixed
+    step: Floats = np.linalg.solve(information + np.eye(2) * ridge[..., None], gradient[..., None])[
+        ..., 0
     ]
-    best = min(tries, key=lambda one: float(one.fun)).x
-    has_slope = bounds[1][0] + 0.01 < best[1] < bounds[1][1] - 0.01
-    return replace(unpack(best), has_slope=has_slope)
+    return step
+
+
+@dataclass(frozen=True)
+class LapseProfiles:
+    """Fits of the participants of a condition at each of `LAPSES`.
+
+    A hundred trials of one participant do not separate the lapse rate from the width, and a rate
+    of their own would make the widths too small. A rate of all conditions would turn a difference
+    of lapses into one of widths.
+
+    Attributes
+    ----------
+    participants : list of str
+    cost, threshold, width : numpy.ndarray
+        One row for each participant, one column for each lapse rate.
+    has_slope : numpy.ndarray
+        False where the answers do not determine the width.
+    """
+
+    participants: list[str]
+    cost: Floats
+    threshold: Floats
+    width: Floats
+    has_slope: NDArray[np.bool_]
+
+    @property
+    def best(self) -> int:
+        """Column of the lapse rate that makes the answers of all participants most likely."""
+        return int(self.cost.sum(axis=0).argmin())
+
+    def of(self, participant: str) -> Psychometric | None:
+        """Return the function of a participant with the lapse rate of the condition, if fitted."""
+        if participant not in self.participants:
+            return None
+        row, column = self.participants.index(participant), self.best
+        rate = float(LAPSES[column])
+        at, width = float(self.threshold[row, column]), float(self.width[row, column])
+        return Psychometric(at, width, rate, rate, bool(self.has_slope[row, column]))
+
+
+def fit_lapse_profiles(
+    tables: Mapping[str, Table],
+) -> LapseProfiles:
+    """Fit levels, counts and trials of each participant, with equal lapses at both ends."""
+    rows = []
+    for one in tables.values():
+        table, span, middle = _scaled(*one)
+        cost, threshold, log_width = _profile(table, None, LAPSES)
+        rows.append((cost, middle + span * threshold, span * np.exp(log_width), log_width))
+    parts = (np.array(part).reshape(len(rows), len(LAPSES)) for part in zip(*rows, strict=True))
+    cost, threshold, width, log_width = parts
+    return LapseProfiles(list(tables), cost, threshold, width, _inside(log_width))

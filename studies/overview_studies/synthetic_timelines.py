@@ -43,13 +43,13 @@ def make_timelines(synthetic: SyntheticTimelines, seed: int) -> dict[str, tuple[
     Raises
     ------
     InputError
-        There are neither kinds nor curves, or places and counts do not fit. The message begins with
-        the key.
+        There are neither kinds nor curves, or positions and counts do not fit. The message
+        begins with the key.
     """
     if bool(synthetic.kinds) == bool(synthetic.curves):
         raise InputError("stimuli.made: must have either kinds or curves")
-    if not 0.0 <= synthetic.places[0] < synthetic.places[1] <= 1.0:
-        raise InputError("stimuli.made.places: must be two rising numbers, 0 to 1")
+    if not 0.0 <= synthetic.positions[0] < synthetic.positions[1] <= 1.0:
+        raise InputError("stimuli.made.positions: must be two rising numbers, 0 to 1")
     found: dict[str, tuple[Timeline, str]] = {}
     for what in [*synthetic.kinds, *synthetic.curves]:
         for count in synthetic.counts if synthetic.kinds else [0]:
@@ -71,17 +71,17 @@ def make_timelines(synthetic: SyntheticTimelines, seed: int) -> dict[str, tuple[
 def _with_events(
     synthetic: SyntheticTimelines, kind: str, count: int, name: str, stream: RandomStream
 ) -> Timeline:
-    low, high = synthetic.places
+    low, high = synthetic.positions
     room = high - low - MIN_SPACING * (count - 1)
     if room < 0.0:
         raise InputError(
             f"stimuli.made.counts: {count} events at least {MIN_SPACING:g} apart do not fit into "
-            f"places {low:g} to {high:g}"
+            f"positions {low:g} to {high:g}"
         )
     # sorted draws from the free range plus the spacing keep events apart
     drawn = sorted(stream.uniform(0.0, room) for _ in range(count))
-    places = [round(low + at + MIN_SPACING * i, 4) for i, at in enumerate(drawn)]
-    events = tuple(Event(place * synthetic.duration_s, kind) for place in places)
+    positions = [round(low + at + MIN_SPACING * i, 4) for i, at in enumerate(drawn)]
+    events = tuple(Event(position * synthetic.duration_s, kind) for position in positions)
     return Timeline(
         name,
         synthetic.duration_s,

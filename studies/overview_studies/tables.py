@@ -1,4 +1,4 @@
-"""Answers as CSV and TSV text, and a script for R."""
+"""Answers as CSV and TSV text."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from overview_studies.answers import Answers
-from overview_studies.measures import conditions_of
-
-R_SCRIPT = "analysis.R"
 
 
 def cell(value: Any) -> str:
@@ -23,6 +20,11 @@ def cell(value: Any) -> str:
     if isinstance(value, list | dict):
         return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return repr(value) if isinstance(value, float) else str(value)
+
+
+def one_line(text: str) -> str:
+    """Return a text without line ends and control characters, for a comment or a heading."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def csv_text(
@@ -50,26 +52,3 @@ def forms_csv(answers: Answers) -> str:
     columns = ["participant", "session", "list", "block", *answers.study["factors"]]
     columns = [*answers.mark, *columns, "form", "item", "value", "received_utc"]
     return csv_text(columns, answers.forms())
-
-
-def r_script(answers: Answers) -> str:
-    """Return an R script that fits a mixed model to the table of responses."""
-    table = answers.marked("responses.csv")
-    task = answers.study["task"]["name"]
-    names = conditions_of(answers.study)
-    fixed = " * ".join(names) or "1"
-    model = (
-        f"model <- glmer(correct ~ {fixed} + (1 | participant) + (1 | stimulus),\n"
-        '               data = main, family = binomial("logit"))'
-        if task in ("identify", "count", "compare", "staircase", "quest")
-        else f"model <- lmer(abs(error) ~ {fixed} + (1 | participant) + (1 | stimulus),\n"
-        "              data = main)"
-    )
-    factors = "".join(f"main${name} <- factor(main${name})\n" for name in names)
-    return (
-        f"# {answers.study['title']}: a first mixed model\n"
-        "library(lme4)\n"
-        f'rows <- read.csv("{table}", stringsAsFactors = FALSE)\n'
-        'main <- subset(rows, phase == "main")\n'
-        f"{factors}{model}\nprint(summary(model))\n"
-    )

@@ -110,27 +110,6 @@ def lists_of(folder, text):
 
 def study_of(folder, text):
     """study.json without what only a page plays, and the lists by number."""
-    from overview_studies.folder import CURVE_POINTS, study_json
+    from overview_studies.folder import draft_study
 
-    design = design_of(folder, text)
-    items = stimuli_of(design)
-    vary = design.file.task.vary
-    stimuli = {
-        item.key: {
-            "level": item.names.get(vary) if vary else None,
-            "answer": item.names["answer"],
-            "places": item.positions(None),
-            "curve": item.curve(CURVE_POINTS).tolist(),
-            "timeline": item.names["timeline"],
-            "preset": item.names["preset"],
-            "gesture": item.names["gesture"],
-            "seed": item.seed,
-            "parameters": dict(item.parameters),
-            "sha256": "0" * 64,
-            "static_sha256": None,
-            "static": None,
-        }
-        for item in items
-    }
-    lists = make_lists(design, items)
-    return study_json(design, lists, stimuli, items), {one["list"]: one for one in lists}
+    return draft_study(design_of(folder, text))

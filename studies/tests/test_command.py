@@ -39,7 +39,7 @@ def test_check_says_what_a_study_makes_and_whether_it_is_balanced(tmp_path):
         if one["friction"] is not None:
             assert abs(one["friction"] - one["static"]) < 0.5
     odd = written(tmp_path, IDENTIFY.replace("participants = 4", "participants = 5"), "odd.toml")
-    assert "NOT balanced: each round has 4 lists" in said("check", odd)
+    assert "participants = 5: not balanced, each round has 4 lists" in said("check", odd)
 
 
 def test_lists_are_a_csv_each(tmp_path):

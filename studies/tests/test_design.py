@@ -29,6 +29,8 @@ def refusal(folder, text):
         ('["free"]', '["swep:2"]', ("stimuli.gestures", "swep")),
         ("variants = 2", "variants = 0", ("stimuli.made.variants", "1")),
         ('kinds = ["goal", "foul"]', "kinds = []", ("stimuli", "either kinds or curves")),
+        ("variants = 2", "places = [0.1, 0.9]", ("stimuli.made.places", "use positions")),
+        ('name = "identify"', 'name = "identify"\nwords = {}', ("task.words", "use labels")),
         ("catch = 0.25", "catch = 0.95", ("phases.catch", "0.8")),
         ('["consent"]', '["consnt"]', ("questionnaires", "consnt", "tlx")),
         ('gestures = ["free"]', 'out = "x"', ("stimuli.out", "no such key")),

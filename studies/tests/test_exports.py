@@ -124,6 +124,10 @@ def test_a_trial_is_felt_again_bit_for_bit(built, tmp_path, mapping):
     take = hand(3)
     row = {"response": "goal", "take": take}
     store.put(session.id, step["id"], json.dumps(row))
+    # who answers without a movement has no take to be felt again
+    after = next(s["id"] for s in lists[0]["steps"] if s["type"] == "trial" and s is not step)
+    still = {"response": "goal", "take": {**take, "events": []}}
+    store.put(session.id, after, json.dumps(still))
     store.close()
     out = exported("wav", path, "--study", built.toml, out=tmp_path / "w")
     index = table(out / "takes.csv")

@@ -87,9 +87,94 @@ def test_a_file_of_another_kind_is_named(tmp_path):
     refused(overview("study", "check", tmp_path / "utf16.toml"), "utf16.toml", "UTF-8")
 
 
-def test_a_study_without_a_mistake_has_no_warning_and_one_without_consent_has(tmp_path):
-    outcome = overview("study", "check", written(tmp_path, STUDY))
-    assert outcome.code == 0
-    assert "NO" not in outcome.out
-    without = STUDY.replace('start = ["consent"]', "start = []")
-    assert "NO consent form" in overview("study", "check", written(tmp_path, without)).out
+GAINS = "[-18.0, -17.5, -17.0, -16.5, -16.0, -15.5, -15.0, -14.5, -14.0, -13.5, -13.0]"
+WEAK = """title = "How strong"
+participants = 6
+[task]
+name = "staircase"
+vary = "tactor.gain_db"
+standard = -18.0
+max_trials = 60
+[stimuli]
+made = { kinds = ["goal"] }
+gestures = ["sweep:2"]
+[stimuli.parameters]
+"tactor.gain_db" = [-18.0, -17.5, -17.0, -16.5, -16.0, -15.5, -15.0, -14.5, -14.0, -13.5, -13.0]
+[questionnaires]
+start = ["consent"]
+consent = { version = "1", text = "I take part." }
+"""
+QUEST = WEAK.replace('"staircase"', '"quest"')
+FLAWS = {  # the study, what is replaced in it, the key and the remedy
+    "balance": (STUDY, {"participants = 8": "participants = 7"}, "participants", "to 8"),
+    "consent": (STUDY, {'start = ["consent"]': "start = []"}, "questionnaires.start",
+                'add "consent"'),
+    "catch trials in a row": (
+        WEAK, {"standard = -18.0": 'method = "yesno"',
+               "[stimuli]": "[phases]\ncatch = 0.2\n[stimuli]"},
+        "phases.catch", "change seed"),
+    "one answer": (STUDY, {'"identify"': '"count"', "catch = 0.2": ""},
+                   "task.name", "other stimuli"),
+    "no effect": (STUDY, {'"yellow_card"] }': '"yellow_card"] }\nparameters = '
+                          '{ "kinds.red_card.height" = [1.0, 9.0] }'},
+                  "stimuli.parameters", "no effect"),
+    "unfelt": (STUDY, {'"yellow_card"] }': '"yellow_card"] }\nparameters = '
+                       '{ "kinds.foul.height" = [0.3] }'}, "stimuli", "(foul) cannot be felt"),
+    "floor": (WEAK, {GAINS: "[-18.0, -8.0, -3.0, 0.0, 3.0]"}, "task.vary", "nearer"),
+    "ceiling": (WEAK, {GAINS: "[-18.0, -17.9, -17.8, -17.7, -17.6]"}, "task.vary", "further"),
+    "floor of QUEST+": (QUEST, {GAINS: "[-18.0, -8.0, -3.0, 0.0, 3.0]"}, "task.vary", "nearer"),
+    "ceiling of QUEST+": (QUEST, {GAINS: "[-18.0, -17.9, -17.8, -17.7, -17.6]"},
+                          "task.vary", "further"),
+    "levels a hundredth of a JND apart": (
+        QUEST.replace('"quest"', '"compare"').replace("max_trials = 60\n", ""),
+        {GAINS: "[-18.0, -17.99, -17.98, -17.97, -17.96]"}, "task.vary", "differ more"),
+    "few trials": (WEAK, {"max_trials = 60": "max_trials = 10"}, "task.max_trials", "raise"),
+    "power without a factor": (WEAK, {"[questionnaires]": "[power]\neffect = 0.1\n"
+                               "[questionnaires]"}, "power.effect", "add one"),
+    "power of an effect above d'": (STUDY, {"[questionnaires]": "[power]\neffect = 1.5\n"
+                                    "[questionnaires]"}, "power.effect", "a smaller effect"),
+    "power": (STUDY, {"[questionnaires]": "[power]\neffect = 0.1\n[questionnaires]"},
+              "power.share", "raise phases.main.repeats"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("flaw", FLAWS)
+def test_a_study_that_shows_a_flaw_when_observers_complete_it_has_a_warning(tmp_path, flaw):
+    text, replaced, key, remedy = FLAWS[flaw]
+    for line, replacement in replaced.items():
+        assert text.count(line) == 1
+        text = text.replace(line, replacement)
+    outcome = overview("study", "check", written(tmp_path, text))
+    assert outcome.code == 0, outcome.err
+    warnings = [one for one in outcome.out.splitlines() if one.startswith("warning: ")]
+    warning = next((one for one in warnings if remedy in one), outcome.out)
+    assert re.match(rf"warning: \S*study\.toml:\d+: {re.escape(key)}", warning), warning
+
+
+FACTOR = """[factors]
+hand = { between = ["left", "right"] }
+[text.conditions]
+"hand.left" = "Left."
+"hand.right" = "Right."
+[task]
+"""
+SOUND = {  # without a flaw; in some only the second kind, or a frequency, differs
+    "study": STUDY,
+    "staircase": WEAK,
+    "QUEST+": QUEST,
+    "two conditions": WEAK.replace("[task]\n", FACTOR),
+    "second kind": STUDY.replace(
+        '"yellow_card"] }', '"yellow_card"] }\nparameters = { "kinds.foul.height" = [3.0, 4.0] }'
+    ).replace("repeats = 8", "repeats = 4"),
+    "frequency": WEAK.replace('"staircase"', '"compare"').replace("max_trials = 60\n", "").replace(
+        "-18.0\n", "200.0\n").replace(GAINS, "[150.0, 200.0, 250.0, 300.0]").replace(
+        "tactor.gain_db", "tactor.frequency_hz"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", SOUND.values(), ids=SOUND)
+def test_a_study_without_a_flaw_has_no_warning(tmp_path, text):
+    outcome = overview("study", "check", written(tmp_path, text))
+    assert outcome.code == 0, outcome.err
+    assert "warning" not in outcome.out
+    assert "observers of 3 abilities have completed it" in outcome.out

@@ -99,6 +99,40 @@ def test_a_fit_is_the_most_likely_function():
         assert fitted.width == pytest.approx(w[at], rel=0.1)  # the grid's own step is 4 %
 
 
+def test_a_fit_to_uneven_levels_is_the_most_likely_function_of_several():
+    levels = [-11.0, -10.0, -9.0, -7.0, -4.0, -3.0, 1.0, 8.0]
+    fitted = fit_psychometric(levels, [1, 0, 2, 2, 1, 1, 11, 38], [40] * 8, None, 0.01)
+    assert (fitted.threshold, fitted.width) == pytest.approx((2.839, 2.993), abs=1e-3)
+
+
+def cost_of(levels, right, trials, threshold, width, guess, lapse):
+    z = (levels[:, None, None] - threshold) / width
+    p = np.clip(guess + (1.0 - guess - lapse) * norm.cdf(z), 1e-9, 1.0 - 1e-9)
+    k, n = right[:, None, None], trials[:, None, None]
+    return -(k * np.log(p) + (n - k) * np.log(1.0 - p)).sum(axis=0)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_no_function_of_a_fine_grid_is_more_likely_than_the_fit(seed):
+    rng = np.random.default_rng([11, seed])
+    count = rng.integers(4, 10)
+    levels = np.sort(rng.choice(np.arange(-12.0, 13.0), count, replace=False))
+    span, middle = np.ptp(levels), (levels[0] + levels[-1]) / 2.0
+    guess, lapse = (None, 0.5, 0.0)[seed % 3], (0.0, 0.02, 0.06)[seed // 3 % 3]
+    low = lapse if guess is None else guess
+    trials = np.full(count, float(rng.integers(5, 60)))
+    truth = low + (1.0 - low - lapse) * norm.cdf(
+        (levels - rng.uniform(-12.0, 12.0)) / rng.uniform(0.5, 12.0)
+    )
+    right = rng.binomial(trials.astype(int), truth).astype(float)
+    fitted = fit_psychometric(levels, right, trials, guess, lapse)
+    thresholds, widths = np.meshgrid(
+        middle + span * np.linspace(-1.5, 1.5, 241), span * np.geomspace(0.02, 5.0, 201)
+    )
+    costs = cost_of(levels, right, trials, thresholds, widths, low, lapse)
+    assert fitted.cost <= costs.min() + 1e-3
+
+
 @pytest.mark.parametrize("runs", [20, pytest.param(100, marks=pytest.mark.soak)])
 def test_a_d_prime_of_one_and_a_half_is_recovered_within_its_interval(tmp_path, runs):
     study, lists = study_of(tmp_path, detecting())

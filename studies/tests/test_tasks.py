@@ -6,12 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from scipy.special import ndtr
 
 from overview_studies.adaptive import Run, quest_table
 from overview_studies.analysis import analyse
 from overview_studies.observers import Observers, simulate_answers
 from overview_studies.report import methods_text, summary
+from overview_studies.scoring import search_path
 from studies.tests.files import IDENTIFY, lists_of, other, study_of, varying
+from studies.tests.test_examples import EXAMPLES
 
 
 def analysed(folder, text, people=12, observers=None):
@@ -42,6 +45,84 @@ def test_locate_measures_the_distance_to_the_nearest_event(tmp_path):
     assert 0.02 < found.line("location_error").estimate.mean < 0.05
     assert abs(found.line("location_bias").estimate.mean) < 0.02
     assert 0.0 <= found.line("false_alarms").estimate.mean < 0.5
+
+
+def take_of(*positions):
+    """A touch that moves on by each of these positions, one a second."""
+    events = [[48_000 * i, math.pi * at, 1, "touch"] for i, at in enumerate(positions)]
+    return {"sample_rate": 48_000, "events": [*events, [48_000 * len(positions), 0.0, 0, "touch"]]}
+
+
+def test_the_movement_of_a_search_has_a_time_a_path_and_returns():
+    def measured(*positions):
+        return search_path(take_of(*positions), 0.5, 0.05)
+
+    # past it, to the end and back to it
+    assert measured(0.0, 0.4, 0.6, 1.0, 0.5) == pytest.approx(
+        {"time_s": 4.0, "path": 1.5, "returns": 1.0}
+    )
+    assert measured(0.0, 0.5)["returns"] == 0.0
+    assert measured(0.5, 0.9, 0.5, 0.1, 0.5)["returns"] == 2.0
+    # staying at it is one visit
+    assert measured(0.0, 0.47, 0.5, 0.53)["returns"] == 0.0
+    assert search_path(None, 0.5, 0.05) == {}
+
+
+def test_search_has_hits_time_path_and_returns_by_touch_and_by_sight(tmp_path):
+    text = (
+        other("search", stimuli='made = { kinds = ["goal"], variants = 4 }').replace(
+            "sweep:0.5", "free"
+        )
+        + '[factors]\nchannel = { within = ["both", "visual", "all"], order = "williams" }\n'
+    )
+    text += '[text.conditions]\n"channel.both" = "a"\n"channel.visual" = "b"\n"channel.all" = "c"\n'
+    effects = {("channel", "visual"): 2.0, ("channel", "all"): 3.0}
+    found = analysed(tmp_path, text.replace('"search"', '"search"\ntarget = "goal"'), 18,
+                     Observers(1.0, effects=effects))  # fmt: skip
+    for name in ("hits", "time", "path", "returns", "rt"):
+        touch, both = (found.line(name, channel=one).estimate for one in ("both", "all"))
+        assert math.isfinite(touch.mean)
+        if name in ("time", "path", "returns"):
+            assert touch.mean > both.mean
+    assert found.line("hits", channel="all").estimate.mean > 0.8
+    _, lists = study_of(tmp_path, text)
+    output = {step["factors"]["channel"]: step["output"] for step in lists[1]["steps"]
+              if step["type"] == "trial"}  # fmt: skip
+    assert not output["both"]["visual"]
+    assert output["visual"]["tactor_db"] is None
+    assert output["all"]["visual"]
+    assert output["all"]["tactor_db"] == 0.0
+
+
+BAD_ROWS = [
+    ({"response": "here"}, "response is 'here'; must be a place"),
+    ({"response": [0.2]}, "must be a place"),
+    ({"take": {"events": [[0, 1.0, 1]]}}, "take must have a sample_rate"),
+    ({"take": {"sample_rate": 48_000, "events": [[0, "x", 1]]}}, "take must have"),
+    ({"take": "none"}, "take must have"),
+    ({"takes": 3}, "take must have"),
+]
+
+
+@pytest.mark.parametrize(("bad", "reason"), BAD_ROWS)
+def test_a_bad_row_of_a_search_excludes_one_participant_with_one_line(tmp_path, bad, reason):
+    from overview_studies.tables import responses_csv
+
+    text = (
+        other("search", stimuli='made = { kinds = ["goal"], variants = 2 }')
+        .replace("sweep:0.5", "free")
+        .replace('"search"', '"search"\ntarget = "goal"')
+    )
+    study, lists = study_of(tmp_path, text)
+    answers = simulate_answers(study, lists, Observers(), 2, 1)
+    trial, received, row = answers.sessions[0].trials[0]
+    answers.sessions[0].trials[0] = (trial, received, {**row, **bad})
+    assert responses_csv(answers).count("\n") == 1 + 2 * 4
+    found = analyse(answers)
+    assert list(found.excluded) == ["sim001"]
+    assert found.excluded["sim001"].startswith(f"impossible answer {trial}: ")
+    assert reason in found.excluded["sim001"]
+    assert "\n" not in found.excluded["sim001"]
 
 
 def test_count_and_draw_and_adjust_are_measured(tmp_path):
@@ -122,6 +203,75 @@ def test_quest_plus_finds_a_threshold_and_a_reload_goes_on_where_it_was(tmp_path
     assert again.level == third.level
 
 
+def text_of_methods(folder, text):
+    return methods_text(analysed(folder, text, 2, Observers(1.0)))
+
+
+def test_the_methods_say_how_a_threshold_was_found(tmp_path):
+    stairs = text_of_methods(tmp_path, varying("staircase", "standard = 2.0\ndown = 3"))
+    for part in ("2 interleaved staircases", "3 correct answers in a row", "79.4% correct",
+                 "steps of 2, 1 levels", "8 reversals each", "at most 60 trials a run",
+                 "mean logarithm of the level of the last 6 reversals",
+                 "two intervals"):  # fmt: skip
+        assert part in stairs, part
+    quest = text_of_methods(
+        tmp_path, varying("quest", 'method = "yesno"\nmax_trials = 20') + "catch = 0.2\n"
+    )
+    for part in ("QUEST+ presented", "in 20 trials a run", "posterior mean of the logarithm",
+                 "did not change the level"):  # fmt: skip
+        assert part in quest, part
+    assert "Psychometric functions" not in stairs + quest
+    compare = text_of_methods(tmp_path, varying("compare"))
+    assert "Psychometric functions" in compare
+    assert "staircase" not in compare.lower()
+    adjust = text_of_methods(tmp_path, varying("adjust"))
+    assert "the logarithm of the level less that of the standard" in adjust
+
+
+def test_the_methods_name_the_rules_of_exclusion_and_count_trials_of_each_phase(tmp_path):
+    text = varying("quest", 'method = "yesno"\nmax_trials = 20') + "catch = 0.2\n"
+    study, lists = study_of(tmp_path, text)
+    catches = sum(sum(step["catch"]) for step in lists[1]["steps"] if step["type"] == "adaptive")
+    found = analyse(simulate_answers(study, {1: lists[1]}, Observers(1.0), 2, 1))
+    methods = methods_text(found)
+    assert f"{20 - catches} main, {catches} catch" in methods
+    assert "an incomplete session. Excluded: no participant." in methods
+    strict = text + "[exclude]\nincomplete = false\n"
+    assert "an incomplete session" not in text_of_methods(tmp_path, strict)
+    asked = IDENTIFY + "[exclude]\nattention = 0.5\n"
+    assert "less than 50% of the attention trials correct" in text_of_methods(tmp_path, asked)
+
+
+def test_the_reason_of_a_missing_threshold_counts_no_catch_trial(tmp_path):
+    text = varying("staircase", 'method = "yesno"\nmax_trials = 30') + "catch = 0.3\n"
+    found = analysed(tmp_path, text, 8, Observers(6.0))
+    reasons = [one.reason for one in found.missing if " trials are at " in one.reason]
+    assert reasons
+    main = [row for row in found.answers.rows() if row["phase"] == "main"]
+    for one in found.missing:
+        own = sum(row["participant"] == one.participant for row in main)
+        if one.reason in reasons:
+            assert f"of {own} trials are at" in one.reason
+
+
+@pytest.mark.parametrize("task", ["compare", "staircase"])
+def test_the_figure_of_levels_has_the_reported_means(tmp_path, task):
+    from overview_studies.figures import psychometric_figure
+
+    standard = "standard = 8.0" if task == "compare" else "standard = 2.0\nreversals = 12"
+    text = varying(task, standard).replace("[2.0, 4.0, 8.0, 16.0, 32.0]", HALVES) + (
+        '[factors]\nmapping = { within = ["friction", "static"] }\n'
+    )
+    found = analysed(tmp_path, text, 12, Observers(0.6 if task == "compare" else 0.12))
+    axes = psychometric_figure(found).axes[0]
+    labels = [one.get_text() for one in axes.get_legend().get_texts()]
+    measure = "pse" if task == "compare" else "threshold"
+    means = [found.line(measure, mapping=one).estimate.mean for one in ("friction", "static")]
+    assert any(map(math.isfinite, means))
+    for mean, label in zip(means, labels, strict=True):
+        assert label.endswith(f" {mean:.3g}" if math.isfinite(mean) else ": no threshold")
+
+
 HALVES = "[2.0, 2.8284, 4.0, 5.6569, 8.0, 11.3137, 16.0, 22.6274, 32.0, 45.2548, 64.0]"
 ADAPTIVE = [  # task, keys, d', and the steps from the standard (or from nothing) at the threshold
     ("staircase", "standard = 2.0", 0.12, math.sqrt(2.0) * 0.545 / 0.12),
@@ -144,6 +294,34 @@ def test_a_threshold_is_that_of_the_observer(tmp_path, task, more, d, steps):
     assert len(found.missing) <= 8, found.missing
     # two steps double the level; the mean is of the logarithms
     assert one.estimate.mean == pytest.approx(lowest * 2.0 ** ((steps - 1.0) / 2.0), rel=0.25)
+
+
+QUEST = [  # keys, observers, and the position of the threshold or the least part who have none
+    ("standard = -18.0", Observers(0.22), math.sqrt(2.0) * 0.6745 / 0.22, 0.0),
+    ("standard = -18.0", Observers(0.15), math.sqrt(2.0) * 0.6745 / 0.15, 0.0),
+    ("standard = -18.0", Observers(1.0, lapse=1.0), None, 0.95),  # they guess
+    ('method = "yesno"', Observers(0.2), 4.0, 0.0),
+    ('method = "yesno"', Observers(0.05), None, 0.8),  # they feel what is 7 steps stronger
+]
+
+
+@pytest.mark.parametrize("runs", [3, pytest.param(100, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(("more", "observers", "at", "without"), QUEST)
+def test_quest_plus_finds_thresholds_and_names_those_who_feel_no_level(
+    tmp_path, more, observers, at, without, runs
+):
+    text = (EXAMPLES / "quest" / "study.toml").read_text().replace("standard = -18.0", more)
+    study, lists = study_of(tmp_path, text)
+    held, missing = 0, 0
+    for run in range(runs):
+        found = analyse(simulate_answers(study, lists, observers, 12, run))
+        one = found.line("threshold").estimate
+        missing += len(found.missing)
+        held += at is not None and one.low <= -18.0 + 0.5 * at <= one.high
+    print(f"{more}, {observers}: held {held} of {runs}, missing {missing} of {12 * runs}")
+    assert without <= missing / (12 * runs) <= (0.05 if at is not None else 1.0)
+    if at is not None:
+        assert held >= (0.8 * runs if runs > 3 else 2)
 
 
 @pytest.mark.parametrize(("task", "more", "d", "steps"), ADAPTIVE)
@@ -197,6 +375,45 @@ def test_the_point_of_equality_is_the_standard_on_any_scale(tmp_path, standard, 
                                       "of the varied dimension")  # fmt: skip
 
 
+LAPSES = [(0.0, 0.0), (0.0, 0.1), (0.04, 0.04)]  # random answers with friction and with static
+
+
+@pytest.mark.parametrize("runs", [6, pytest.param(100, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("lapses", LAPSES)
+def test_lapses_in_one_condition_make_no_difference_of_jnds(tmp_path, lapses, runs):
+    """Twelve people, 20 trials a level; JNDs are equal, and the answers alone are simulated."""
+    text = (EXAMPLES / "compare" / "study.toml").read_text()
+    text += '[factors]\nmapping = { within = ["friction", "static"], order = "williams" }\n'
+    study, lists = study_of(tmp_path, text)
+    names = {
+        number: {step["id"]: step["factors"]["mapping"] for step in one["steps"]
+                 if step["type"] == "trial"} for number, one in lists.items()
+    }  # fmt: skip
+    jnd = 2.0 * 0.6745 * math.sqrt(2.0) / 1.2  # dB; levels are 2 dB apart
+    held, ratios = np.zeros(3), []
+    for run in range(runs):
+        calm, tired = (simulate_answers(study, lists, Observers(1.2, 0.1, lapse), 12, run)
+                       for lapse in lapses)  # fmt: skip
+        for first, second in zip(calm.sessions, tired.sessions, strict=True):
+            own = names[first.number]
+            both = zip(first.trials, second.trials, strict=True)
+            first.trials[:] = [b if own.get(a[0]) == "static" else a for a, b in both]
+        found = analyse(calm)
+        friction, static = (found.line("jnd", mapping=one).estimate for one in study["factors"]
+                            ["mapping"]["levels"])  # fmt: skip
+        (change,) = [one.estimate for one in found.differences if one.measure == "jnd"]
+        ratios.append(static.mean / friction.mean)
+        held += [change.low <= 0.0 <= change.high, friction.low <= jnd <= friction.high,
+                 static.low <= jnd <= static.high]  # fmt: skip
+    rate = found.line("lapse", mapping="static").estimate
+    assert rate.low < rate.high
+    ratio = np.exp(np.nanmean(np.log(ratios)))  # a mean may lack too many participants
+    print(f"lapses {lapses}: ratio of JNDs {ratio:.3f}; of {runs} intervals those that contain "
+          f"the difference, the JNDs: {held}")  # fmt: skip
+    assert 0.85 < ratio < 1.15
+    assert held[0] >= (0.9 * runs if runs >= 100 else runs - 2)
+
+
 def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
     """QUEST+ tables were made of the indices of levels, whatever their distances."""
     from overview_studies.measures import run_threshold
@@ -207,7 +424,11 @@ def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
     )
     study, lists = study_of(tmp_path, text)
     step = next(one for one in lists[1]["steps"] if one["type"] == "adaptive")
-    old = {**step, "quest": quest_table(np.arange(4.0), 0.5)}
+    # as version 0.2.0 wrote it: 9 thresholds of 9 slopes and lapse rates each, and only these keys
+    rows = [0.5 + (0.5 - lapse) * ndtr((np.arange(4.0) - threshold) / slope)
+            for threshold in np.linspace(-0.5, 3.5, 9) for slope in (0.5, 1.0, 2.0)
+            for lapse in (0.0, 0.02, 0.05)]  # fmt: skip
+    old = {**step, "quest": {"p": np.array(rows).T.tolist(), "prior": [1.0 / 81.0] * 81}}
     found = {}
     for name, one in (("new", step), ("old", old)):
         run, responses = Run(one), {}

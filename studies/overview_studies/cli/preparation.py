@@ -17,13 +17,15 @@ from overview_dsp.cli.extensions import announce_compile, progress_bar, show
 )
 @click.option("--json", "as_json", is_flag=True, help="Report as JSON.")
 def check(study: str, levels: bool, as_json: bool) -> None:
-    """Report lists, trials, minutes and balance of STUDY (a TOML file)."""
+    """Report lists, trials, minutes and flaws of STUDY (a TOML file), before anyone takes part.
+
+    Observers of three abilities complete it. Each warning names file, line, key and remedy.
+    """
     from overview_studies.checking import summarize_design, summary_lines
     from overview_studies.design import load_design
 
     design = load_design(study)
-    if levels:
-        announce_compile()
+    announce_compile()
     found = summarize_design(design, levels)
     show(as_json, found, *summary_lines(found))
 

@@ -33,4 +33,7 @@ export const identify = (context) =>
 
 export const compare = (context) => choose([[0, "The first"], [1, "The second"]], context);
 
-export const detectYesNo = (context) => choose([[1, "I felt it"], [0, "I felt nothing"]], context);
+export const detectYesNo = (context) => {
+  const { words } = context.study.task;
+  return choose([[1, words[1] ?? "I felt it"], [0, words[0] ?? "I felt nothing"]], context);
+};

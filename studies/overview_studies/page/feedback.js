@@ -10,7 +10,7 @@ export function isCorrect({ task, correct }, response) {
 /** Return the feedback text for an answer. */
 export function feedbackText({ task, correct }, { task: { words } }, response, right) {
   const labelOf = (value) => words[value] ?? String(value);
-  if (task === "locate") {
+  if (task === "locate" || task === "search") {
     const percent = (position) => `${Math.round(100 * position)} %`;
     const answer = correct.length === 0
       ? "Correct: nothing there." : `Correct: ${correct.map(percent).join(", ")}.`;

@@ -43,7 +43,7 @@ const headingOf = ({ type, again }) => {
 
 function linesOf({ text }, { type, again, text: own, practice }) {
   if (again) return ["Too few answers were correct. Please practise once more."];
-  if (type === "break") return ["Rest as long as you like."];
+  if (type === "break") return ["Rest as long as you like.", own].filter(Boolean);
   return [text.instructions, own, practice ? "Practice trials come first." : ""].filter(Boolean);
 }
 

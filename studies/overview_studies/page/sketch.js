@@ -64,7 +64,7 @@ export function drawCurve({ answer }) {
     curve.clear();
     draw();
   });
-  const done = button("This is what I felt", () => answer(curve.response), {
+  const done = button("This is my drawing", () => answer(curve.response), {
     disabled: true, class: "done",
   });
   new ResizeObserver(draw).observe(field);

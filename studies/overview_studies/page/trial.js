@@ -8,7 +8,7 @@ import { drawCurve } from "./sketch.js";
 import { Stage } from "./stage.js";
 
 export const VERSION = "0.1.0";
-const CONTROLS = { identify, locate, count, compare, adjust, draw: drawCurve };
+const CONTROLS = { identify, locate, search: locate, count, compare, adjust, draw: drawCurve };
 
 const controlsOf = ({ task, method }) => CONTROLS[task] ?? (method === "yesno" ? detectYesNo : compare);
 

@@ -207,6 +207,8 @@ def test_a_whole_session_by_touch_at_phone_size(chromium, tmp_path):
     ):
         client = page.context.new_cdp_session(page)
         page.tap("text=Begin")
+        page.wait_for_selector("text=Start")
+        page.wait_for_timeout(600)  # at the place of Begin, a tap at once is the second of two
         page.tap("text=Start")
         for done, trial in enumerate(trials):
             # until then the pad is the last trial's

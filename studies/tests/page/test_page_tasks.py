@@ -94,6 +94,8 @@ def more_of_it(reader):
 TASKS = {
     "locate": (study("locate", phases="practice = { repeats = 1 }"), feel, answered("It is here"),
                lambda found: found == pytest.approx(0.4)),
+    "search": (study("search", 'target = "goal"', output='channel = "all"'), feel,
+               answered("It is here"), lambda found: found == pytest.approx(0.4)),
     "locate nothing": (study("locate", hand="sweep:0.3", output='input = "keys"'), play,
                        answered("Nothing there"), lambda found: found is None),
     "locate on a scale": (study("locate", hand="sweep:0.3", output='channel = "visual"'), play,
@@ -112,7 +114,7 @@ TASKS = {
 }  # fmt: skip
 
 
-ALWAYS = ("locate", "draw")
+ALWAYS = ("locate", "search", "draw")
 EACH = [name if name in ALWAYS else pytest.param(name, marks=pytest.mark.soak) for name in TASKS]
 
 
