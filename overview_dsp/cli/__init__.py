@@ -167,6 +167,20 @@ def _note(
 
 def main() -> NoReturn:
     """Run the command line; a wrong input is one line and exit code 2, without a traceback."""
+    try:
+        _run()
+    except KeyboardInterrupt:  # a signal while another error is reported
+        _stop()
+
+
+def _stop() -> NoReturn:
+    remove_temporaries()
+    # an interrupt of code in a string (of a dataclass) would end `python -m` with SIGINT's code
+    exec("")
+    _fail("stopped; no partial output is left", stop_code())
+
+
+def _run() -> NoReturn:
     debug = "--debug" in sys.argv[1:2]
     warnings.simplefilter("always", OverviewWarning)
     warnings.showwarning = _note
@@ -189,8 +203,7 @@ def main() -> NoReturn:
     except click.ClickException as error:
         _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):
-        remove_temporaries()
-        _fail("stopped; no partial output is left", stop_code())
+        _stop()
     except BrokenPipeError:
         sys.exit(0)
     except OSError as error:

@@ -14,7 +14,7 @@ import click
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file, protect_input, unprotect_inputs
+from overview_dsp.files.atomic import protect_input, unprotect_inputs
 
 if TYPE_CHECKING:
     from overview_dsp.design.gestures import Gesture
@@ -69,12 +69,6 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     finally:
         if bar is not None:
             bar.__exit__(None, None, None)
-
-
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file, complete or not at all; OutputError."""
-    with atomic_file(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def protect_inputs(*paths: str) -> None:

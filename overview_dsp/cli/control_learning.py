@@ -11,9 +11,10 @@ from typing import Any, ClassVar, TypeVar
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import show, write_text
+from overview_dsp.cli.common import show
 from overview_dsp.cli.options.declaring import GENERAL, JSON, option
 from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import write_file
 from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.validation import prefix_errors
 
@@ -27,9 +28,7 @@ class Learning:
     heading: ClassVar[str] = GENERAL
 
     output: str = option(
-        "Map file to extend; created if missing.",
-        type=click.Path(dir_okay=False),
-        required=True,
+        "Map file to extend; created if missing.", type=click.Path(dir_okay=False), required=True
     )
     low: float | None = option(
         "Value at the lower end of the control: a position (0 to 1), or of the parameter."
@@ -86,6 +85,6 @@ def listen(
 
 def save_learned(learning: Learning, text: str, report: dict[str, Any], summary: str) -> None:
     """Write the map file, and report the new control."""
-    write_text(learning.output, text)
+    write_file(learning.output, text)
     report["file"] = learning.output
     show(learning.as_json, report, f"{Path(learning.output)}: {summary}")

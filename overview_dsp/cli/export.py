@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.design.presets.model import Preset
     from overview_dsp.offline.export.clip import PerceptualError
-    from overview_dsp.signal.actuators.model import Actuator
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"  # format that an actuator profile changes
@@ -37,8 +36,8 @@ CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
 ERROR_NOTE = (
-    "(median error of the perceived level; part of the clip with an error below 2.3 dB, strikes "
-    "included)"
+    "(median error of the perceived level; part of the felt time with an error below 2.3 dB; both "
+    "with strikes; the event with the largest error)"
 )
 
 _SUFFIXES = {"android": ".json", "wav4": ".wav"}
@@ -108,8 +107,9 @@ def command(
         return
     if SITE in formats:
         _require_alone(SITE, formats, *CLIP_OPTIONS)
-        driven, url = load_calibrated(actuator), _base_url(base_url)
-        _site(loaded, output or "site", zoom_levels, seed, driven, url, as_json)
+        options: dict[str, Any] = {"levels": zoom_levels, "seed": seed}
+        options |= {"actuator": load_calibrated(actuator), "address": _base_url(base_url)}
+        _site(loaded, output or "site", options, as_json)
         return
     if base_url is not None:
         raise InputError(f"--base-url does not apply to clips; remove it, or use --to {SITE}")
@@ -154,17 +154,23 @@ def command(
             continue
         click.echo(
             f"{files}: {report['points']} points, {report['transients']} strikes; "
-            + "; ".join(
-                f"on {name}: {on['median_error_db']:.1f} dB, {on['within_step_percent']:.0f} %"
-                for name, on in report["players"].items()
-            )
+            + "; ".join(f"on {name}: {_error_text(on)}" for name, on in report["players"].items())
         )
     if any("players" in report for report in reports):
         click.echo(ERROR_NOTE)
 
 
-def _error(error: PerceptualError) -> dict[str, float]:
+def _error_text(on: dict[str, Any]) -> str:
+    worst = on["worst_event"]
+    event = f" ({worst['kind']} at {worst['time_s']} s: {worst['error_db']} dB)" if worst else ""
+    return f"{on['median_error_db']:.1f} dB, {on['within_step_percent']:.0f} %{event}"
+
+
+def _error(error: PerceptualError) -> dict[str, Any]:
+    worst, worst_db = error.worst_event, round(error.worst_db, 1)
     return {
+        "worst_event": worst
+        and {"kind": worst.kind, "time_s": round(worst.time_s, 2), "error_db": worst_db},
         "median_error_db": round(error.median_db, 2),
         "largest_error_db": round(error.largest_db, 2),
         "within_step_percent": round(error.within_percent, 1),
@@ -204,21 +210,14 @@ def _base_url(text: str | None) -> str | None:
 
 
 def _site(
-    timelines: list[tuple[Timeline, Preset]],
-    out: str,
-    zooms: int | None,
-    seed: int,
-    actuator: Actuator | None,
-    address: str | None,
-    as_json: bool,
+    timelines: list[tuple[Timeline, Preset]], out: str, options: dict[str, Any], as_json: bool
 ) -> None:
     """Write the folder and print how to open it."""
     from overview_dsp.web.gallery import write_gallery
     from overview_dsp.web.static_site import write_site
 
     with progress_bar("writing the page") as progress:
-        options: dict[str, Any] = {"levels": zooms, "seed": seed, "actuator": actuator}
-        options |= {"address": address, "progress": progress}
+        options["progress"] = progress
         if len(timelines) > 1:
             size = write_gallery(timelines, out, **options)
         else:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from overview_dsp.cli.common import note, say
@@ -17,6 +20,7 @@ from overview_dsp.cli.signals import ended_by_signals
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
+    from overview_dsp.design.gestures import Gesture
     from overview_dsp.live.inputs.input import Input
     from overview_dsp.live.session.headless import Passed
     from overview_dsp.live.session.player import Player
@@ -65,10 +69,7 @@ def open_player(
     Afterwards it is closed, and takes and device settings are saved. `compare` is a second preset;
     `linear` removes the angle maps of presets.
 
-    Raises
-    ------
-    OverviewError
-        A device, file or value can't be used.
+    OverviewError: a device, file or value can't be used.
     """
     from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
 
@@ -90,6 +91,24 @@ def open_player(
     opened = OpenedPlayer(data.timeline, settings, note, say)
     with ended_by_signals(opened.player.takes.end) as received, opened as player:
         yield player, received
+
+
+def begin_blind(player: Player, take: str, gesture: Gesture | None, repeats: bool) -> None:
+    """Begin a blind comparison of the player's presets by a take, or by the user's hand.
+
+    The levels are matched over the take, or a sweep of 4 s. The answers are stored beside the take.
+    """
+    from overview_dsp.design.gestures import sweep
+    from overview_dsp.live.session.blind import BlindComparison
+    from overview_dsp.measure.level_matching import match_levels
+
+    window, stem = player.active_window, os.path.splitext(take)[0] + "."
+    second, first = window.presets.choose(1), window.presets.choose(0)
+    *matched, report = match_levels(first, second, window.window_timeline, gesture or sweep(4.0))
+    name = f"{stem if os.path.exists(take) else ''}blind-{time.strftime('%Y%m%d-%H%M%S')}.csv"
+    player.blind = BlindComparison(player, matched, Path(name), gesture, repeats)
+    note(report)
+    note("blind comparison: press a, b or x to feel; A or B (with Shift) answers; q ends")
 
 
 def play_headless(

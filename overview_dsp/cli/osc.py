@@ -55,7 +55,8 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
 
     def failure() -> str:
         received = f"received: {learner.received}" if learner.received else "nothing received"
-        return f"no message for {target!r} ({received})"
+        reason = f"; {learner.explanation}" if learner.explanation else ""
+        return f"no message for {target!r} ({received}{reason})"
 
     found = listen(OscPort(port), lambda: learner.instruction, decode, learning.timeout, failure)
     found = replace(found, low=learning.low, high=learning.high)

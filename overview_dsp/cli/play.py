@@ -7,11 +7,12 @@ import os
 import sys
 import time
 from contextlib import ExitStack
+from dataclasses import astuple
 
 import click
 
 from overview_dsp.cli.common import note, read_gesture, say
-from overview_dsp.cli.live_session import SECONDS, Session, open_player, play_headless
+from overview_dsp.cli.live_session import SECONDS, Session, begin_blind, open_player, play_headless
 from overview_dsp.cli.options.declaring import cli_command, option
 from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.input import FORCE_BLOCK, Controls, parse_sources
@@ -37,6 +38,11 @@ def command(
     compare: str | None = option(
         "Second preset; keys 1 and 2 switch.", heading=PresetChoice.heading, metavar="PRESET"
     ),
+    blind: bool = option(
+        "Compare the two presets blind (ABX): keys a, b and x; A and B answer.",
+        heading=PresetChoice.heading,
+        is_flag=True,
+    ),
     feed: Feed,
     controls: Controls,
     output: Output,
@@ -56,24 +62,33 @@ def command(
     """
     server = None if controls.remote is None else server_at(controls.remote)
     controls.require_consistent(timeline, feed.follow)
+    if blind:
+        _require_blind(compare, session.record, controls.remote, screen)
     replay = controls.replay or ""
     path = replay.removesuffix(LOOP)
     movement = read_gesture(path) if path else None
     sources = parse_sources(controls.input)
+    terminal = sys.stdin.isatty() and sys.stdout.isatty() and "lines" not in sources.openers
+    if blind and not (terminal or controls.input):
+        raise click.UsageError("--blind needs a terminal for its keys, or --input with commands")
     with ExitStack() as stack:
         data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         block = {"default_block": FORCE_BLOCK} if sources.force else {}
         player, received = stack.enter_context(
             open_player(data, output, session, choice.linear, compare, **block)
         )
-        if movement is not None:
+        if blind:
+            begin_blind(player, path, movement, path != replay)
+            stack.callback(lambda: say(player.blind.result_text if player.blind else ""))
+        elif movement is not None:
             player.loop.begin(movement, os.path.basename(path), path != replay)
         source = sources.open(player, stack.callback)
         address = ""
         if controls.osc_out is not None:
             from overview_dsp.live.ports.osc import OscOut
 
-            stack.callback(OscOut(player.engine, controls.osc_out, player.say).close)
+            out = OscOut(player.engine, controls.osc_out, player.say, lambda: astuple(player.state))
+            stack.callback(out.close)
         if server is not None:
             from overview_dsp.web.session import HostSession
 
@@ -82,7 +97,6 @@ def command(
             routes = data.routes("host", choice.linear)
             is_live = data.follow is not None
             address = stack.enter_context(open_server(server, host, routes, is_live)).text
-        terminal = sys.stdin.isatty() and sys.stdout.isatty() and not sources.by_lines
         until = math.inf if seconds is None else time.monotonic() + seconds
 
         def stopped() -> bool:
@@ -90,7 +104,7 @@ def command(
 
         if screen == "json" or not terminal:
             play_headless(player, source, received, seconds, controls.osc_out is not None)
-        elif screen == "lines" or (screen is None and os.environ.get("TERM") == "dumb"):
+        elif screen == "lines" or blind or (screen is None and os.environ.get("TERM") == "dumb"):
             from overview_dsp.live.screen.plain_mode import run as run_lines
 
             run_lines(player, source, stopped, say, address)
@@ -103,3 +117,18 @@ def command(
                 f"{lines.rejected} lines were not `theta2 touching`; first: {lines.first_rejected}"
             )
     exit_if_stopped(received)
+
+
+def _require_blind(
+    compare: str | None, record: str | None, remote: str | None, screen: str | None
+) -> None:
+    """Check the options beside --blind; click.UsageError."""
+    problems = {
+        "--blind needs a second preset: --compare PRESET": compare is None,
+        "--blind restarts the engine, which ends a take; remove --record": record is not None,
+        "--blind doesn't apply to --remote, whose page shows the preset": remote is not None,
+        "--blind doesn't apply to --screen full, which shows the presets": screen == "full",
+    }
+    for problem, applies in problems.items():
+        if applies:
+            raise click.UsageError(problem)

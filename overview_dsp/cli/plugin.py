@@ -65,8 +65,9 @@ def build(
     everything = not presets and not timelines
     if everything:
         presets = ov.bundled_presets()
-    fitting = dict.fromkeys(preset_for(timeline, None) for timeline in data.values())
-    chosen = [ov.load_preset(preset) for preset in presets or fitting]
+    if not presets:
+        presets = tuple(dict.fromkeys(preset_for(timeline, None) for timeline in data.values()))
+    chosen = [ov.load_preset(preset) for preset in presets]
     title = name or (Path(timelines[0]).stem if timelines else _ALL_BUNDLED)
     if target:
         note(f"compiling for {target}; the first time takes ziglang a minute or more")

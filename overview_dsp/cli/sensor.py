@@ -6,12 +6,12 @@ from pathlib import Path
 
 import click
 
-from overview_dsp.cli.common import show, write_text
+from overview_dsp.cli.common import show
 from overview_dsp.cli.control_learning import listen
 from overview_dsp.cli.devices import BAUD
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import require_writable
+from overview_dsp.files.atomic import require_writable, write_file
 
 
 @click.group(name="sensor", epilog="Example: overview sensor setup /dev/ttyACM0 -o mine.toml")
@@ -53,11 +53,11 @@ def setup(
             raise InputError(watched.problem)
         return watched.toml() if watched.done else None
 
-    def failure() -> str:
-        return f"only {watched.twists} of 2 twists ({watched.problem or watched.instruction})"
-
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    write_text(output, listen(opened, lambda: watched.instruction, decode, timeout, failure))
+    write_file(
+        output,
+        listen(opened, lambda: watched.instruction, decode, timeout, lambda: watched.failure),
+    )
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 
@@ -114,6 +114,6 @@ def profile(
         if Path(output).exists():
             raise InputError(f"{output} already exists; move it, or name another file (-o)")
         require_writable(output)
-        write_text(output, text)
+        write_file(output, text)
     message = text.rstrip() if output is None else f"{output}: play it with sensor={output}"
     show(as_json, {"name": name, "file": output, "text": text}, message)

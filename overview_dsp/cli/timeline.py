@@ -47,9 +47,12 @@ def show(
     if reading.select is None and plot is None:
         matches = list_matches(file, LoadOptions(**reading.load_options()))
         if len(matches) > 1:
-            _print_matches(file, matches, as_json)
+            width = len(str(len(matches)))
+            head = f"{file}: {len(matches)} matches; choose one with --select"
+            rows = (f"{number:>{width}}  {line}" for number, line in enumerate(matches, 1))
+            show_report(as_json, {"file": file, "matches": list(matches)}, head, *rows)
             return
-    data = open_timeline(file, reading)
+    data = open_timeline(file, reading, lists_notes=True)
     if plot is not None:
         from overview_dsp.offline.plots.saving import save_picture
         from overview_dsp.offline.plots.timeline import plot_timeline
@@ -135,13 +138,3 @@ _OPTIONS = {
     **{name: f"--read {key}" for key, (name, _) in READ_KEYS.items()},
 }
 """Option for each argument of `load_timeline`."""
-
-
-def _print_matches(file: str, matches: tuple[str, ...], as_json: bool) -> None:
-    width = len(str(len(matches)))
-    show_report(
-        as_json,
-        {"file": file, "matches": list(matches)},
-        f"{file}: {len(matches)} matches; choose one with --select",
-        *(f"{number:>{width}}  {line}" for number, line in enumerate(matches, start=1)),
-    )

@@ -7,9 +7,12 @@ import subprocess
 import sys
 import time
 
+import click
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.cli.options.follow import Feed
+from overview_dsp.cli.options.reading import Reading
 from tests.cli.running import MATCH, environment, overview, refused
 
 
@@ -41,11 +44,10 @@ def test_a_feed_keeps_its_speed(tmp_path):
         (("play", "--follow", "x.feed", "--expected-duration", "soon"), ("soon", "95m")),
         (("play", "--follow", "x.feed", "--layout", "level"), ("level", "so-far")),
         (("play", "--follow", "x.feed", "--value-column", "Close"), ("--value-column", "--follow")),
-        (("play", "--follow", "x.feed", "--update-held-after", "-1"), ("--update-held-after",)),
-        (
-            ("play", "--follow", "x.feed", "--update-held-after", "nan"),
-            ("--update-held-after is nan; must be 0 s or more",),
-        ),
+        (("play", "--follow", "x.feed,held=-1"), ("--follow: held=-1; must be 0 s or more",)),
+        (("play", "--follow", "x.feed,held=nan"), ("--follow: held=nan; must be 0 s or more",)),
+        (("play", "--follow", "x.feed,held=soon"), ("held=soon; must be 0 s or more",)),
+        (("play", "--follow", "pcm:48000", "--input", "-"), ("both read standard input",)),
         (("play", "--follow", "pcm:loud"), ("pcm:RATE",)),
         (("serve", MATCH, "--announce", "goal"), ("--announce", "--follow")),
     ],
@@ -80,3 +82,13 @@ def test_a_match_from_a_feed_is_played_recorded_and_rendered(tmp_path):
     outcome = overview("render", on, "--gesture", take, "-o", tmp_path / "again.wav",
                        "--sample-rate", "8000")  # fmt: skip
     assert outcome.code == 0
+
+
+@pytest.mark.parametrize(("suffix", "after_s"), [("", None), (",held=0.5", 0.5), (",held=0", 0.0)])
+def test_a_held_disk_is_updated_after_the_seconds_that_are_named(tmp_path, suffix, after_s):
+    path = tmp_path / "a.feed"
+    path.write_text('{"overview_feed": 1}\n{"event": {"time_s": 2, "kind": "goal"}}\n')
+    feed = Feed(follow=f"{path}{suffix}")
+    with click.Context(click.Command("play")), feed.opened(None, Reading()) as settings:
+        assert settings.after_s == after_s
+        assert len(settings.live.snapshot().events) == 1

@@ -36,6 +36,9 @@ def test_play_prints_a_line_per_second_and_a_summary(tmp_path, match, springy_fi
     done = played_here(springy_file, "--input", "sweep:1+tap:0.8:0.5", "--record", take)
     *lines, last = [json.loads(line) for line in done.out.splitlines()]
     assert len(lines) >= 2
+    assert {"name": "running", "reason": "by touch", "last_stop": ""} in [
+        one["state"] for one in lines
+    ]
     assert {"time_s", "cursor", "touching", "late_callbacks", "frames_lost"} <= lines[0].keys()
     assert {"blocks", "callback_p50_us", "callback_p99_us", "callback_max_us"} <= (
         last["summary"].keys()

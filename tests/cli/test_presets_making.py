@@ -47,6 +47,9 @@ def test_editing_checks_what_was_written(folder, monkeypatch):
     refused(overview("presets", "edit", "football"), "presets new my-football --base football")
     monkeypatch.setenv("VISUAL", "true")
     refused(overview("presets", "edit", "mine"), "disk.k1")
+    for name in ("VISUAL", "EDITOR"):
+        monkeypatch.delenv(name, raising=False)
+    refused(overview("presets", "edit", "mine"), "set EDITOR", "mine.toml", "presets check mine")
 
 
 def test_diff_lists_differences_as_a_table_and_as_json(folder):
@@ -116,6 +119,27 @@ def test_a_clip_is_imported_into_a_preset(folder):
     done("presets", "import", "c", "--as", "goal", "-o", "mine.toml")
     assert "kinds.goal.points" in done("presets", "diff", "football", "mine.toml")
     refused(overview("presets", "import", "mine.toml", "--as", "goal"), "not JSON")
+
+
+def test_an_imported_clip_keeps_the_base_variables_and_comments_of_the_preset(folder):
+    done("export", "world-cup-final-2018", "--gesture", "tap:0.5:0.3", "--to", "haptic", "-o", "c")
+    text = (
+        '# my match\nschema = 4\nextends = "football"\ntitle = "Mine"\n\n[variables]\nhard = 40.0'
+        '  # how hard\n\n[kinds.goal]\nheight = "$hard * 0.5"  # half\naliases = ["try"]\n'
+    )
+    (folder / "base.toml").write_text(text)
+    for kind in ("goal", "offside"):
+        done("presets", "import", "c", "--as", kind, "--base", "base.toml", "-o", "mine.toml")
+        written, made = (folder / "mine.toml").read_text(), ov.load_preset("mine.toml")
+        lines = written.splitlines()
+        assert not [line for line in text.splitlines() if line not in lines]
+        assert len(made.kinds[kind].points) == 64
+        (folder / "mine.toml").write_text(written.replace("hard = 40.0", "hard = 80.0"))
+        assert ov.load_preset("mine.toml").kinds["goal"].height == 40.0
+        assert made.kind_for("try") == "goal"
+    before, after = ov.load_preset("base.toml"), made
+    assert after.kinds["offside"].height == before.kinds["default"].height
+    assert {**after.kinds, "offside": None} == {**before.kinds, "offside": None}
 
 
 def test_an_observer_reports_confusions_as_text_json_and_a_picture(folder, monkeypatch):

@@ -194,10 +194,27 @@ def test_linear_renders_without_the_angle_map(folder, match, football):
     assert not np.array_equal(samples, ov.render(match, football, ov.sweep(0.2), 8000).samples)
 
 
-def test_rows_that_are_no_football_events_are_noted(folder):
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("render", "match.csv", *QUICK, "-o", "match.wav"),
+        ("play", "match.csv", "--device", "none", "--seconds", "0.1"),
+        ("serve", "match.csv", "--port", "0", "--seconds", "0.1"),
+        ("feed", "match.csv", "--speed", "1e6"),
+        ("timeline", "convert", "match.csv"),
+        ("timeline", "show", "match.csv"),
+    ],
+    ids=lambda command: " ".join(command[:2]),
+)
+def test_rows_that_are_no_football_events_are_noted_once(folder, command):
+    if command[0] == "serve":
+        pytest.importorskip("starlette", reason="needs the page: pip install '.[web]'")
     (folder / "match.csv").write_text(
         "minute,event\n8,Foul by Smith on Jones\n17,streaker\n30,Yellow card\n88,Red card Smith\n"
     )
-    outcome = overview("render", "match.csv", *QUICK, "-o", "match.wav")
+    outcome = overview(*command)
     assert outcome.code == 0, outcome.err
-    assert "note: omitted, not a football event kind: 1 streaker" in outcome.err
+    line = "omitted, not a football event kind: 1 streaker"
+    shows = command[1] == "show"
+    assert outcome.err.count(f"note: {line}") == (not shows)
+    assert outcome.out.count(line) == (shows or command[0] == "feed")

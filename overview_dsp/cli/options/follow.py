@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -22,6 +23,15 @@ if TYPE_CHECKING:
     from overview_dsp.web.media import Media
 
 FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
+
+HELD = ",held="
+
+
+def _held_s(text: str) -> float:
+    with suppress(ValueError):
+        if 0.0 <= (seconds := float(text)) < math.inf:
+            return seconds
+    raise InputError(f"--follow: held={text}; must be 0 s or more")
 
 
 @dataclass(frozen=True)
@@ -40,16 +50,14 @@ class Feed:
     )
     layout: str | None = option(
         "Positions span the expected length (whole) or the data so far (so-far).  "
-        "[default: that of the preset]",
+        "[default: that of the preset]  They change on release, or with --follow SOURCE,held=S "
+        "after S seconds.",
         metavar="LAYOUT",
     )
     announce: str | None = option(
         "Announce new events at least as strong as KIND; none: never.  "
         "[default: own_goal; none in presets for use in company]",
         metavar="KIND",
-    )
-    update_held_after: float | None = option(
-        "Apply new data to a held disk after S seconds.  [default: on release]", metavar="S"
     )
 
     @contextmanager
@@ -69,14 +77,14 @@ class Feed:
         from overview_dsp.live.inputs.feeds import open_source, parse_duration, parse_layout
         from overview_dsp.live.session.live_updates import FollowSettings
 
-        after_s, length, layout = self.update_held_after, self.expected_duration, self.layout
-        if after_s is not None and not after_s >= 0.0:
-            raise InputError(f"--update-held-after is {after_s:g}; must be 0 s or more")
+        name, held, seconds = self.follow.rpartition(HELD)
+        after_s = _held_s(seconds) if held else None
+        length, layout = self.expected_duration, self.layout
         live = ov.LiveTimeline(
             expected_duration_s=None if length is None else parse_duration(length),
             layout=None if layout is None else parse_layout(layout),
         )
-        source = open_source(self.follow, sys.stdin.buffer)
+        source = open_source(name if held else self.follow, sys.stdin.buffer)
         follower = Follower(live, source).start()
         try:
             until = time.monotonic() + FIRST_WITHIN_S

@@ -16,7 +16,6 @@ from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
-    from overview_dsp.live.inputs.controllers import Reader
     from overview_dsp.live.inputs.input import Input
     from overview_dsp.live.inputs.takes_and_lines import TextLineInput
     from overview_dsp.live.session.player import Player
@@ -75,8 +74,10 @@ class Controls:
             f"--remote {self.remote} is an address; name TIMELINE before it": (
                 self.remote and timeline is None and follow is None
             ),
-            "--follow - and --input - both read standard input; remove one": (
-                follow == "-" and "-" in self.input
+            f"--follow {follow} and --input - both read standard input; remove one": (
+                "-" in self.input
+                and follow is not None
+                and (follow == "-" or follow.startswith(("-,", "pcm:")))
             ),
             "--replay doesn't apply to --follow; remove one": self.replay and follow is not None,
             "--replay and --input exclude each other; remove one": self.replay and self.input,
@@ -93,11 +94,6 @@ class Sources:
     openers: dict[str, Callable[[Player], Input]]
     force: bool = False
     lines: TextLineInput | None = None
-
-    @property
-    def by_lines(self) -> bool:
-        """True if standard input is one of the sources."""
-        return "lines" in self.openers
 
     def open(self, player: Player, closing: Callable[[Callable[[], None]], Any]) -> Input | None:
         """Open the sources as one input; `closing` receives the close function of each."""
@@ -118,10 +114,7 @@ class Sources:
 def parse_sources(sources: tuple[str, ...]) -> Sources:
     """Parse the sources of --input; nothing is opened.
 
-    Raises
-    ------
-    InputError
-        An unknown source or setting, or two sources of one kind.
+    InputError: an unknown source or setting, or two sources of one kind.
     """
     openers: dict[str, Callable[[str, str, dict[str, str]], Callable[[Player], Input]]] = {
         "serial": _serial,
@@ -244,7 +237,6 @@ def _smooth_s(source: str, parts: dict[str, str]) -> float:
 
 def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import load_osc_map
-    from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.osc_messages import OscReader
     from overview_dsp.live.inputs.controllers import ControllerInput
     from overview_dsp.live.ports.osc import OscPort, parse_address
@@ -253,14 +245,11 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
     smooth_s = _smooth_s(f"{kind}:{where}", parts)
     controls = load_osc_map(parts["map"]) if "map" in parts else ()
 
-    def reader(counters: Counters) -> Reader:
-        return OscReader(counters, controls)
-
     return lambda player: ControllerInput(
         player.engine,
         kind,
         lambda: OscPort(where),
-        reader,
+        lambda counters: OscReader(counters, controls),
         SILENT_OSC_S,
         player.queue_command,
         smooth_s,
@@ -269,7 +258,6 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
 
 def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import DEFAULT, load_map
-    from overview_dsp.devices.controllers.control_messages import Counters
     from overview_dsp.devices.controllers.midi_messages import MidiReader
     from overview_dsp.devices.controllers.parameters import require_parameters
     from overview_dsp.live.inputs.controllers import ControllerInput
@@ -278,13 +266,14 @@ def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], In
     controls = load_map(parts["map"]) if "map" in parts else DEFAULT
     smooth_s = _smooth_s(f"{kind}:{where}", parts)
 
-    def reader(counters: Counters) -> Reader:
-        return MidiReader(controls, counters)
-
     def opened(player: Player) -> Input:
         require_parameters(controls, player.engine.preset)
         return ControllerInput(
-            player.engine, kind, lambda: MidiPort(where), reader, smooth_s=smooth_s
+            player.engine,
+            kind,
+            lambda: MidiPort(where),
+            lambda counters: MidiReader(controls, counters),
+            smooth_s=smooth_s,
         )
 
     return opened

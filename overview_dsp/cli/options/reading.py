@@ -70,8 +70,7 @@ class Window:
     heading: ClassVar[str] = DATA
 
     window: tuple[str, str] | None = option(
-        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.",
-        metavar="START END",
+        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.", metavar="START END"
     )
     zoom_to: str | None = option(
         "Window around an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"
@@ -80,10 +79,7 @@ class Window:
     def of(self, timeline: Timeline) -> tuple[float, float] | None:
         """Return the window (start_s, end_s); None for the whole timeline.
 
-        Raises
-        ------
-        InputError
-            There are both options, or an invalid one, which the message names.
+        InputError: there are both options, or an invalid one, which the message names.
         """
         from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
         from overview_dsp.validation import prefix_errors
@@ -120,21 +116,19 @@ class PresetChoice:
 
 
 def preset_for(timeline: Timeline, preset: str | None) -> str:
-    """Return `preset`, or the bundled one that fits the data."""
-    from overview_dsp.design.presets.library import best_preset_for
+    """Return `preset`, or the one that fits the data, with a note on the reason."""
+    from overview_dsp.design.presets.library import fitting_preset_for
 
-    return preset if preset is not None else best_preset_for(timeline)
+    if preset is not None:
+        return preset
+    chosen = fitting_preset_for(timeline)
+    note(str(chosen))
+    return chosen.preset
 
 
 def open_window(path: str, reading: Reading, window: Window) -> Timeline:
-    """Load a timeline, and return its selected window or all of it; InputError.
-
-    Events that the reader left out are noted.
-    """
+    """Load a timeline, and return its selected window or all of it; InputError."""
     whole = open_timeline(path, reading)
-    for line in whole.notes:
-        if line.startswith("omitted"):
-            note(line)
     limits = window.of(whole)
     return whole if limits is None else whole.window(*limits)
 
@@ -147,9 +141,16 @@ def open_timelines(path: str, group: str, reading: Reading) -> dict[str, Timelin
     return ov.load_timelines(path, group, **reading.load_options())
 
 
-def open_timeline(path: str, reading: Reading) -> Timeline:
-    """Load a timeline, with a progress bar; errors as `load_timeline`."""
+def open_timeline(path: str, reading: Reading, lists_notes: bool = False) -> Timeline:
+    """Load a timeline, with a progress bar; errors as `load_timeline`.
+
+    Events that the reader left out are noted, unless the caller lists all notes.
+    """
     protect_inputs(path)
     options = reading.load_options()
     with progress_bar(f"reading {path}") as progress:
-        return ov.load_timeline(path, progress=progress, **options)
+        timeline = ov.load_timeline(path, progress=progress, **options)
+    for line in () if lists_notes else timeline.notes:
+        if "omitted" in line:
+            note(line)
+    return timeline

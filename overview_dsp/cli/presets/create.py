@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import protect_inputs, show, write_text
+from overview_dsp.cli.common import protect_inputs, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import make_folder
+from overview_dsp.files.atomic import make_folder, write_file
+from overview_dsp.files.toml import SUFFIX
 
 if TYPE_CHECKING:
     from overview_dsp.offline.export.reading import Layer
@@ -41,7 +44,6 @@ def new(
     from overview_dsp.design.presets.library import LIBRARY
     from overview_dsp.design.presets.reference import json_schema
     from overview_dsp.design.presets.writing import preset_template
-    from overview_dsp.files.toml import SUFFIX
 
     if not _NAME.fullmatch(name):
         raise InputError(f"preset name is {name!r}; must be letters, digits, - _ . and spaces")
@@ -54,9 +56,9 @@ def new(
     if path.exists():
         raise InputError(f"{path} already exists; edit it, or choose another name")
     named = Path(base).resolve() if base.endswith(SUFFIX) else base
-    write_text(path, f"{SCHEMA_LINE}\n{preset_template(str(named), preset, name)}")
+    write_file(path, f"{SCHEMA_LINE}\n{preset_template(str(named), preset, name)}")
     ov.load_preset(path)
-    write_text(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
+    write_file(path.with_name(SCHEMA_FILE), json.dumps(json_schema(), indent=1) + "\n")
     line = f"{path}: extends {base}; edit it with: overview presets edit {output or name}"
     show(as_json, {"file": str(path), "extends": base}, line)
 
@@ -72,6 +74,12 @@ def edit(preset: str, *, as_json: bool = JSON) -> None:
             f"my-{preset} --base {preset}"
         )
     path = preset_path(preset)
+    named = os.environ.get("VISUAL") or os.environ.get("EDITOR")
+    if not (named or os.name == "nt" or (sys.stdin is not None and sys.stdin.isatty())):
+        raise InputError(
+            f"an editor needs a terminal; set EDITOR, or change {path} in any editor and check it: "
+            f"overview presets check {preset}"
+        )
     try:
         click.edit(filename=str(path))
     except click.ClickException as error:
@@ -91,7 +99,6 @@ def morph(
 ) -> None:
     """Write presets interpolated between FIRST and SECOND."""
     from overview_dsp.design.presets.writing import save_preset
-    from overview_dsp.files.toml import SUFFIX
 
     found = ov.presets.morph(ov.load_preset(first), ov.load_preset(second), steps)
     folder = make_folder(output)
@@ -110,7 +117,6 @@ def randomize(
 ) -> None:
     """Write a random variation of PRESET."""
     from overview_dsp.design.presets.writing import save_preset
-    from overview_dsp.files.toml import SUFFIX
 
     if seed < 0:
         raise InputError(f"--seed is {seed}; must be 0 or more")
@@ -143,10 +149,10 @@ def import_(
     """Add a haptic CLIP (AHAP or .haptic) to an event kind of a preset.
 
     An AHAP clip can have two files; name either. In a folder, each clip is added to the kind in its
-    file name (goal.ahap). With --as, the folder must have one clip.
+    file name (goal.ahap). With --as, the folder must have one clip. The file keeps everything else
+    in the base: its own base, variables and comments.
     """
-    from overview_dsp.design.presets.writing import save_preset
-    from overview_dsp.files.toml import SUFFIX
+    from overview_dsp.design.presets.text_update import changes_between, save_updated
     from overview_dsp.offline.export.reading import clips_in, read_clip, with_layer
 
     if check:
@@ -159,7 +165,7 @@ def import_(
         made = with_layer(made, name, read_clip(path), cast("Layer", layer))
     named = next(iter(clips)) if len(clips) == 1 else Path(clip).name
     path = Path(output) if output is not None else Path(f"{preset.name}-{named}{SUFFIX}")
-    save_preset(made, path)
+    save_updated(base, changes_between(preset, made), path)
     report = {"file": str(path), "kinds": list(clips), "layer": layer}
     layers = ", ".join(f"{source} as {name}" for name, source in clips.items())
     show(as_json, report, f"{path}: {base} with {layers}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from overview_dsp.data.timeline import Timeline
-    from overview_dsp.design.presets.model import EventKind, Preset
+    from overview_dsp.design.presets.model import Preset
     from overview_dsp.measure.report_base import Report
 
 
@@ -122,7 +122,7 @@ def feel(
     --observer simulates which kinds a user distinguishes by touch, by sound and by both. The
     observer learns on random timelines. Its test uses other random timelines and every TIMELINE.
     """
-    from overview_dsp.offline.plots.saving import require_picture
+    from overview_dsp.offline.plots.saving import require_picture, save_picture
 
     loaded = ov.load_preset(preset)
     loaded_timelines = []
@@ -137,8 +137,6 @@ def feel(
     measured = _observed if observer else _measured
     reports, figure = measured(loaded, loaded_timelines, **observing.arguments())
     if plot is not None:
-        from overview_dsp.offline.plots.saving import save_picture
-
         save_picture(figure(), plot)
     warnings = [line for report in reports for line in report.warnings()]
     data = reports[0].to_json()
@@ -196,12 +194,12 @@ def tune(
 ) -> None:
     """Tune heights and widths until each kind in --order is two JNDs stronger than the next.
 
-    With TIMELINEs, the kinds are measured in context; without, on an artificial timeline.
-
+    With TIMELINEs, the kinds are measured in context; without, on an artificial timeline. The
+    result is never worse than PRESET, on timelines held out of the search too.
     With --separate, no two kinds of PRESET feel the same, and each kind in --order is one JND
     stronger than the next. The file keeps everything else in PRESET: base, variables and comments.
     """
-    from overview_dsp.design.presets.text_update import save_updated
+    from overview_dsp.design.presets.text_update import changes_between, save_updated
     from overview_dsp.files.toml import SUFFIX
     from overview_dsp.measure.tuning import tune as tune_kinds
 
@@ -217,42 +215,32 @@ def tune(
         found = tune_kinds(loaded, target, measured or None, separate, seed, progress)
     names = list(loaded.kinds) if separate else target
     path = Path(output) if output is not None else Path(f"{loaded.name}-tuned{SUFFIX}")
-    moved = {name: _changed_values(loaded.kinds[name], found.preset.kinds[name]) for name in names}
-    _, made = save_updated(preset, {name: keys for name, keys in moved.items() if keys}, path)
-    reached = "reached" if found.reached else "not reached: use fewer kinds, or allow more height"
+    _, made = save_updated(preset, changes_between(loaded, found.preset), path)
+    reached = "is reached" if found.reached else "isn't: use fewer kinds"
     relation = "from any other" if separate else "above the next"
-    number = "one" if separate else "two"
+    number = 1 if separate else 2
     report = {
         "file": str(path),
         "least_jnds": round(found.least_jnds, 2),
         "reached": found.reached,
         "unreached": list(found.unreached),
+        "missing_jnds": round(found.missing_jnds, 2),
+        "missing_before": round(found.missing_before, 2),
         "kinds": {name: {key: getattr(made.kinds[name], key) for key in TUNABLE} for name in names},
     }
     show(
         as_json,
         report,
-        *(_change_text(name, loaded.kinds[name], made.kinds[name]) for name in names),
-        f"{path}: each at least {found.least_jnds:.2f} JNDs {relation} at every speed; {number} "
-        f"{reached}",
+        *(
+            f"{one.id}: {one.first:g} to {one.second:g} {one.unit}"
+            for one in ov.presets.differences(loaded, made)
+        ),
+        f"{path}: each at least {found.least_jnds:.2f} JNDs {relation} in every stroke; the "
+        f"target of {number} {reached}",
+        f"missing, on held-out timelines too: {found.missing_jnds:.2f} JNDs, "
+        f"{found.missing_before:.2f} before",
         *(f"not reached: {line}" for line in found.unreached),
     )
 
 
 TUNABLE = ("height", "width_percent", "width_ms")
-
-
-def _changed_values(before: EventKind, after: EventKind) -> dict[str, float]:
-    """Return the changed values of a kind."""
-    return {
-        key: getattr(after, key) for key in TUNABLE if getattr(after, key) != getattr(before, key)
-    }
-
-
-def _change_text(name: str, before: EventKind, after: EventKind) -> str:
-    """Return the changes of a kind as one line."""
-    if before.width_percent is not None and after.width_percent is not None:
-        width = f"{before.width_percent:g} to {after.width_percent:.3g} %"
-    else:
-        width = f"{before.width_ms:g} to {after.width_ms:.4g} ms"
-    return f"{name}: height {before.height:g} to {after.height:.4g}, width {width}"
