@@ -31,7 +31,9 @@ HEADER = """\
 
    Nothing is allocated and nothing locked. overview_process belongs to the audio thread;
    overview_control and overview_change to one thread each. The others may be called only while no
-   other function runs on that memory. Little-endian machines only. */
+   other function runs on that memory. With a compiler that has neither GCC's builtins nor
+   <stdatomic.h>, on machines other than x86, one thread must call all of them. Little-endian
+   machines only. */
 #ifndef OVERVIEW_H
 #define OVERVIEW_H
 #include <stdint.h>
@@ -65,7 +67,8 @@ extern const overview_parameter overview_parameters[OVERVIEW_PARAMETERS];
 /* Load an image of `bytes` bytes; call overview_prepare next. OVERVIEW_REFUSED if it is
    damaged, or of another layout: then the memory is all zero, or untouched. The first call in a
    process tests the machine code, in some 20 ms: OVERVIEW_MISCOMPILED if it would not give the
-   bits of `ov.render`. */
+   bits of `ov.render`. From then on every function below returns that, too, and does nothing else,
+   until the process ends. */
 int32_t overview_load(void *memory, const void *image, int64_t bytes);
 
 /* Reset at a sample rate in Hz: 1000 to 768000, and above the carrier's frequency / 0.45. */
@@ -140,6 +143,7 @@ static uint64_t ov_hashed(const unsigned char *memory, size_t first, size_t stop
 /* Whether this machine code gives the bits of `ov.render` (tools/self_test.py). */
 static int ov_is_right(unsigned char *memory) {{
     static const double hands[][3] = {{{hands}}};
+    static const double changes[][3] = {{{changes}}};
     static const uint64_t models[] = {{{models}}};
     float out[{floats}];
     uint64_t hash = UINT64_C({seed});
@@ -151,20 +155,28 @@ static int ov_is_right(unsigned char *memory) {{
         ov_prepare(memory, {rate});
         for (n = 0; n < sizeof hands / sizeof *hands; n++)
             ov_control(memory, 0, (uint64_t)hands[n][0], hands[n][1], (uint32_t)hands[n][2]);
-        for (n = 0; n < {blocks}; n++) {{
+        for (n = 0; n < sizeof changes / sizeof *changes; n++)
+            ov_change(memory, (uint32_t)changes[n][1], changes[n][2], (uint64_t)changes[n][0]);
+        for (n = 0; n < {blocks} + {blocks_after_reset}; n++) {{
+            if (n == {blocks}) {{
+                ov_reset(memory);
+                ov_control(memory, 0, 0, hands[0][1], (uint32_t)hands[0][2]);
+            }}
             ov_process(memory, (unsigned char *)out, {block}, 2);
 {hashes}        }}
     }}
     return hash == UINT64_C({expected});
 }}
 
+static int32_t ov_tested; /* 0: not yet, 1: right, OVERVIEW_MISCOMPILED: for good */
+#define OV_REFUSE_IF_MISCOMPILED if (OV_GET(&ov_tested) < 0) return OVERVIEW_MISCOMPILED
+
 int32_t overview_load(void *memory, const void *image, int64_t bytes) {{
-    static int32_t tested; /* OVERVIEW_DONE: not yet, 1: right */
-    int32_t found = OV_GET(&tested);
+    int32_t found = OV_GET(&ov_tested);
     if (!found) {{
         found = ov_is_right((unsigned char *)memory) ? 1 : OVERVIEW_MISCOMPILED;
         memset(memory, 0, (size_t)OVERVIEW_MEMORY_BYTES);
-        OV_SET(&tested, found);
+        OV_SET(&ov_tested, found);
     }}
     if (found < 0) return found;
     return (int32_t)ov_load((unsigned char *)memory, (unsigned char *)image, (uint64_t)bytes,
@@ -172,18 +184,24 @@ int32_t overview_load(void *memory, const void *image, int64_t bytes) {{
 }}
 
 int32_t overview_prepare(void *memory, double sample_rate) {{
+    OV_REFUSE_IF_MISCOMPILED;
     return (int32_t)ov_prepare((unsigned char *)memory, sample_rate);
 }}
 
-int32_t overview_reset(void *memory) {{ return (int32_t)ov_reset((unsigned char *)memory); }}
+int32_t overview_reset(void *memory) {{
+    OV_REFUSE_IF_MISCOMPILED;
+    return (int32_t)ov_reset((unsigned char *)memory);
+}}
 
 int32_t overview_control(
     void *memory, int32_t source, int64_t sample_time, double theta2, int32_t touching) {{
+    OV_REFUSE_IF_MISCOMPILED;
     return (int32_t)ov_control((unsigned char *)memory, (uint32_t)source, (uint64_t)sample_time,
                                theta2, (uint32_t)touching);
 }}
 
 int32_t overview_change(void *memory, int32_t parameter, double value, int64_t sample_time) {{
+    OV_REFUSE_IF_MISCOMPILED;
     if (parameter < 0 || parameter >= OVERVIEW_PARAMETERS
         || !(value >= overview_parameters[parameter].lowest
              && value <= overview_parameters[parameter].highest)) return OVERVIEW_REFUSED;
@@ -192,6 +210,7 @@ int32_t overview_change(void *memory, int32_t parameter, double value, int64_t s
 }}
 
 int32_t overview_process(void *memory, float *out, int64_t frames, int32_t channels) {{
+    OV_REFUSE_IF_MISCOMPILED;
     return (int32_t)ov_process((unsigned char *)memory, (unsigned char *)out, (uint64_t)frames,
                                (uint32_t)channels);
 }}
@@ -245,11 +264,13 @@ def test_numbers(functions: Mapping[str, Any]) -> dict[str, object]:
         "factor": self_test.FACTOR,
         "seed": self_test.SEED,
         "hands": ", ".join(f"{{{', '.join(map(repr, hand))}}}" for hand in self_test.HANDS),
+        "changes": ", ".join(f"{{{', '.join(map(repr, one))}}}" for one in self_test.changes()),
         "models": ", ".join(map(str, self_test.MODELS)),
         "models_at": 8 * (layout.SURFACES + layout.SLOT_MODELS),
         "rate": self_test.RATE,
         "block": self_test.BLOCK,
         "blocks": self_test.BLOCKS,
+        "blocks_after_reset": self_test.BLOCKS_AFTER_RESET,
         "floats": 2 * self_test.BLOCK,
         "hashes": "".join(
             f"            hash = ov_hashed(memory, {first}, {stop}, hash);\n"

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -65,7 +66,9 @@ def bundle(folder: Path) -> None:
     """Write the bundle into a folder and replace its content."""
     with tempfile.TemporaryDirectory() as name:
         work = Path(name)
-        for file, content in sources().items():
+        files = sources()
+        files["kernel.js"] = inlined(files["kernel.js"].decode(), files["layout.js"].decode())
+        for file, content in files.items():
             (work / file).write_bytes(content)
         (work / "package.json").write_text('{ "private": true }\n')
         (work / "config.mjs").write_text(CONFIG)
@@ -79,6 +82,15 @@ def bundle(folder: Path) -> None:
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(work / "bundle", folder)
     (folder / BUILD_INFO).write_text(build_info())
+
+
+def inlined(script: str, layout: str) -> bytes:
+    """Return a script with the numbers of `layout.js` instead of `L.NAME`.
+
+    The page uses few of the names; a frozen object would keep them all.
+    """
+    numbers = dict(re.findall(r"^  (\w+): (-?\d+),$", layout, re.MULTILINE))
+    return re.sub(r"\bL\.(\w+)", lambda found: numbers[found[1]], script).encode()
 
 
 def run(folder: Path, *command: str | Path) -> None:

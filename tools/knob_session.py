@@ -22,7 +22,7 @@ from overview_dsp.devices.sensors.frames import FrameDecoder
 from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.devices.sensors.source import SensorSource
-from overview_dsp.devices.sensors.touch_detection import TouchRules
+from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules
 
 BAUD = 1_000_000
 TICK_S = 0.002
@@ -87,8 +87,8 @@ class Listener:
 
     def receive(self, data: bytes, now: float) -> None:
         engine = self._engine
-        disk_theta2 = engine.meters.cursor * math.pi
-        for event in self._source.feed(data, now, None, disk_theta2):
+        disk = DiskState(None, engine.meters.cursor * math.pi)
+        for event in self._source.feed(data, now, disk):
             engine.control(event.theta2, event.touching, None, "serial")
         while engine.sample_time < now * self.RATE:
             engine.process(self._out)
