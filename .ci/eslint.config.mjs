@@ -1,7 +1,7 @@
 // The page's scripts: no name that isn't there or isn't used, nothing that hides a mistake.
 
 const browser = ["AbortSignal", "AudioContext", "AudioWorkletNode", "Blob", "DeviceOrientationEvent",
-  "EventSource", "IDBKeyRange", "Intl", "MutationObserver", "Option", "ResizeObserver", "SpeechSynthesisUtterance", "URL",
+  "EventSource", "IDBKeyRange", "IntersectionObserver", "Intl", "MutationObserver", "Option", "ResizeObserver", "SpeechSynthesisUtterance", "URL",
   "DecompressionStream", "Response", "TextDecoder", "URLSearchParams", "WebAssembly", "WebSocket", "addEventListener", "atob", "caches", "clearTimeout",
   "console", "crypto", "document",
   "fetch", "getComputedStyle", "history", "importScripts", "indexedDB", "localStorage", "location", "matchMedia",

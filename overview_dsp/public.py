@@ -24,36 +24,6 @@ _SHORT.maxstring = _SHORT.maxother = 60
 _SHORT.maxtuple = 3
 
 
-def lazy_names(
-    package: str, modules: Mapping[str, str], root: str | None = None
-) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Make the `__getattr__` of a package, and its `__dir__`, which lists `__all__`.
-
-    `modules` has the module in the package (or in `root`) by public name (`"render"`:
-    `"rendering.offline"`), or `module:name` if the name is another one there, also of a module.
-    """
-
-    def get(name: str) -> Any:
-        if name not in modules:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module, _, own_name = modules[name].partition(":")
-        own_name = own_name or name
-        if module:
-            # the list also imports a module of that name
-            value = getattr(
-                __import__(f"{root or package}.{module}", fromlist=[own_name]), own_name
-            )
-        else:
-            value = import_module(f"{root or package}.{own_name}")
-        setattr(sys.modules[package], name, value)
-        return value
-
-    def names() -> list[str]:
-        return list(sys.modules[package].__all__)
-
-    return get, names
-
-
 def stub_names(
     package: str, private: Iterable[str] = ()
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
@@ -64,19 +34,35 @@ def stub_names(
     are attributes, too, by the last part of their names.
     """
     stub = Path(str(sys.modules[package].__file__)).with_suffix(".pyi")
+    try:
+        text = stub.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ImportError(f"{stub}: {error.strerror}; reinstall overview-dsp") from None
     imported: dict[str, str] = {}
     public: dict[str, str] = {}
-    for node in ast.parse(stub.read_text(encoding="utf-8")).body:
+    for node in ast.parse(text).body:
         if isinstance(node, ast.ImportFrom):
-            module = str(node.module).removeprefix(PACKAGE).removeprefix(".")
-            here = {alias.name: f"{module}:{alias.name}" for alias in node.names}
+            here = {alias.name: f"{node.module}:{alias.name}" for alias in node.names}
             imported |= here
             public |= {alias.name: here[alias.name] for alias in node.names if alias.asname}
         elif isinstance(node, ast.Assign):
             public[ast.unparse(node.targets[0])] = imported[ast.unparse(node.value)]
     parents = (name.rpartition(".") for name in private)
-    private_names = {name: f"{parent}:{name}" for parent, _, name in parents}
-    return *lazy_names(package, public | private_names, PACKAGE), sorted(public)
+    names = public | {name: f"{PACKAGE}.{parent}:{name}" for parent, _, name in parents}
+
+    def get(name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module, _, own_name = names[name].partition(":")
+        if module == package:
+            value = import_module(f"{package}.{own_name}")
+        else:
+            # the list also imports a module of that name
+            value = getattr(__import__(module, fromlist=[own_name]), own_name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return get, lambda: sorted(public), sorted(public)
 
 
 def short(value: object) -> str:
@@ -84,9 +70,14 @@ def short(value: object) -> str:
     return _SHORT.repr(value)
 
 
-def counted(count: int, what: str) -> str:
+def plural(noun: str) -> str:
+    """Return the plural of a noun: `events`, `passes`."""
+    return f"{noun}es" if noun.endswith(("s", "ch", "sh")) else f"{noun}s"
+
+
+def counted(count: int, noun: str) -> str:
     """Return a number with its noun: `1 event`, `2 events`."""
-    return f"{count} {what}{'' if count == 1 else 's'}"
+    return f"{count} {noun if count == 1 else plural(noun)}"
 
 
 def changed_fields(instance: Any, **replacements: str) -> str:

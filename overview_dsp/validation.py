@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError, quoted
 
 KIND_MAX_LENGTH = 64  # maximum length of an event kind, characters
@@ -164,7 +165,7 @@ def path(value: object, what: str) -> Path:
     return Path(value)
 
 
-def numbers(value: object, what: str) -> NDArray[np.float64]:
+def numbers(value: object, what: str) -> FloatArray:
     """Return numbers as a float64 array of any shape; InputError for other values."""
     try:
         found = np.asarray(value)
@@ -175,7 +176,7 @@ def numbers(value: object, what: str) -> NDArray[np.float64]:
     return found.astype(np.float64)
 
 
-def floats(value: object, what: str) -> NDArray[np.float64]:
+def floats(value: object, what: str) -> FloatArray:
     """Return a row of numbers as float64 (n,); InputError for another shape or other values."""
     found = numbers(value, what)
     if found.ndim != 1:

@@ -5,6 +5,7 @@ import importlib.util
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -363,6 +364,27 @@ def test_a_wheel_has_the_command_line_and_renders(installed, tmp_path):
         NUMBA_DISABLE_JIT="1",
     )
     assert os.listdir(tmp_path) == ["out.wav"]
+
+
+def test_a_wheel_has_every_stub_and_a_missing_one_is_named(installed, tmp_path):
+    stubs = [path.relative_to(ROOT) for path in (ROOT / "overview_dsp").rglob("*.pyi")]
+    assert len(stubs) > 3
+    for stub in stubs:
+        assert (installed / stub).read_bytes() == (ROOT / stub).read_bytes()
+    shutil.copytree(installed / "overview_dsp", tmp_path / "overview_dsp")
+    (tmp_path / "overview_dsp" / "__init__.pyi").unlink()
+    done = subprocess.run(
+        [sys.executable, "-c", "import overview_dsp"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+    )
+    line = done.stderr.strip().splitlines()[-1]
+    assert line.startswith("ImportError: ")
+    assert "__init__.pyi: No such file or directory; " in line
+    assert line.endswith("reinstall overview-dsp")
 
 
 def test_a_wheel_holds_the_package_and_nothing_else(installed):

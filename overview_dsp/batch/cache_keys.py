@@ -14,7 +14,6 @@ import numpy as np
 
 from overview_dsp import __version__
 from overview_dsp.batch.grid import Case, RenderGrid
-from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.sources import sources_digest
 
@@ -57,13 +56,6 @@ def _update(result: Any, value: Any) -> None:
         raise TypeError(f"no digest of a {type(value).__name__}")
 
 
-def _of_timeline(timeline: Timeline) -> str:
-    """Return the digest of a timeline without its texts (title, provenance, notes)."""
-    return digest(
-        timeline.duration_s, timeline.events, timeline.details, timeline.intensity, timeline.gaps
-    )
-
-
 def preset_digest(preset: Preset) -> str:
     """Return the digest of a preset without `follow`, which doesn't change a render."""
     values = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
@@ -75,7 +67,10 @@ class Keys:
 
     def __init__(self, grid: RenderGrid) -> None:
         """Compute the digests of the inputs, once."""
-        self._timelines = [_of_timeline(timeline) for timeline in grid.timelines.values()]
+        self._timelines = [  # without their texts (title, provenance, notes)
+            digest(one.duration_s, one.events, one.details, one.intensity, one.gaps)
+            for one in grid.timelines.values()
+        ]
         self._presets = [preset_digest(preset) for preset in grid.presets.values()]
         self._gestures = [digest(gesture) for gesture in grid.gestures.values()]
         self._ids = tuple(grid.parameters)

@@ -39,7 +39,7 @@ from overview_dsp.data.readers.registry import BUNDLED
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
 from overview_dsp.design.gestures import Gesture, load_gesture, parse_gesture
-from overview_dsp.design.presets.library import best_preset_for, load_preset
+from overview_dsp.design.presets.library import fitting_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.errors import InputError, did_you_mean, quoted
@@ -208,7 +208,7 @@ def read_grid(
         timelines |= file.load_all("timelines", _timelines(file, jobs.timelines))
     names = jobs.presets
     if names is None:
-        names = [best_preset_for(next(iter(timelines.values())))]
+        names = [fitting_preset_for(next(iter(timelines.values()))).preset]
     presets = file.load_all("presets", ((name, lambda n=name: _preset(file, n)) for name in names))  # type: ignore[misc]
     if jobs.gestures or not gestures:
         loaders = ((spec, lambda s=spec: _gesture(file, s)) for spec in jobs.gestures)

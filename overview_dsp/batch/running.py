@@ -133,13 +133,9 @@ def _runner(
     if processes == 1:
         yield run_here, 1
         return
-    _compile_kernels()
-    yield lambda grid, tasks: run_in_processes(grid, tasks, processes), processes
-
-
-def _compile_kernels() -> None:
-    """Compile the kernels once, with a message, before worker processes need them."""
     if not (is_compiled() and is_compiled("process_lanes")):
+        # compile the kernels once, with a message, before worker processes need them
         voice = RenderJob(bundled_timeline(), load_preset("football"), pause(0.001))
         for _ in render_many([voice] * SIMD_WIDTH, tail="none", threads=1):
             pass
+    yield lambda grid, tasks: run_in_processes(grid, tasks, processes), processes

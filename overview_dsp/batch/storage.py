@@ -94,8 +94,7 @@ class Storage:
         """Read a file; FileNotFoundError if it doesn't exist, InputError if it can't be read."""
         try:
             if self._path is None:
-                data: bytes = self._fs.cat_file(self._remote(name))
-                return data
+                return bytes(self._fs.cat_file(self._remote(name)))
             return (self._path / name).read_bytes()
         except FileNotFoundError:
             raise
