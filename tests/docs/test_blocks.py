@@ -21,7 +21,7 @@ DEVICES = {
     "a C compiler", "a sound output", "a serial port", "a MIDI port", "a phone", "a cluster",
     "an editor", "a package registry", "a fresh environment", "a clone of the project",
     "five minutes", "both cores for a minute", "both cores for some seconds",
-    "a program that writes angles", "a terminal",
+    "a program that writes angles", "a terminal", "a live service",
 }  # fmt: skip
 """What a block may need that a test can't give it; its commands are parsed all the same."""
 

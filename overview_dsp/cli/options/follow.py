@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -24,14 +25,22 @@ if TYPE_CHECKING:
 
 FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
 
-HELD = ",held="
+MINIMUM_S = {"held": 0.0, "every": 1.0}
+"""Settings at the end of `--follow SOURCE,held=S,every=S`, with their smallest value, s."""
+
+_SETTING = re.compile(rf"(.*),({'|'.join(MINIMUM_S)})=([^,]*)", re.DOTALL)
 
 
-def _held_s(text: str) -> float:
-    with suppress(ValueError):
-        if 0.0 <= (seconds := float(text)) < math.inf:
-            return seconds
-    raise InputError(f"--follow: held={text}; must be 0 s or more")
+def _settings_of(text: str) -> tuple[str, dict[str, float]]:
+    """Return the source of `--follow` and its settings, s; InputError for an invalid one."""
+    found: dict[str, float] = {}
+    while match := _SETTING.fullmatch(text):
+        text, name, value = match.groups()
+        with suppress(ValueError):
+            found[name] = float(value)
+        if not MINIMUM_S[name] <= found.get(name, math.nan) < math.inf:
+            raise InputError(f"--follow: {name}={value}; must be {MINIMUM_S[name]:g} s or more")
+    return text, found
 
 
 @dataclass(frozen=True)
@@ -41,7 +50,7 @@ class Feed:
     heading: ClassVar[str] = "Live data"
 
     follow: str | None = option(
-        "Live source replacing TIMELINE: a file, - (standard input), http://, ws://, "
+        "Live source replacing TIMELINE: a file, - (standard input), ws://, http://[,every=S], "
         "audio:DEVICE, pcm:RATE[:CH].",
         metavar="SOURCE",
     )
@@ -77,14 +86,13 @@ class Feed:
         from overview_dsp.live.inputs.feeds import open_source, parse_duration, parse_layout
         from overview_dsp.live.session.live_updates import FollowSettings
 
-        name, held, seconds = self.follow.rpartition(HELD)
-        after_s = _held_s(seconds) if held else None
+        name, settings = _settings_of(self.follow)
         length, layout = self.expected_duration, self.layout
         live = ov.LiveTimeline(
             expected_duration_s=None if length is None else parse_duration(length),
             layout=None if layout is None else parse_layout(layout),
         )
-        source = open_source(name if held else self.follow, sys.stdin.buffer)
+        source = open_source(name, sys.stdin.buffer, settings.get("every"))
         follower = Follower(live, source).start()
         try:
             until = time.monotonic() + FIRST_WITHIN_S
@@ -93,7 +101,8 @@ class Feed:
             if live.revision == 0 and follower.over:
                 raise InputError("; ".join(follower.take_messages()) or f"{self.follow}: no data")
             preset = "crowd" if isinstance(source, Sound) else None  # it has no events yet
-            yield FollowSettings(live, follower, after_s, self.announce, layout is not None, preset)
+            held_s = settings.get("held")
+            yield FollowSettings(live, follower, held_s, self.announce, layout is not None, preset)
         finally:
             follower.close()
 

@@ -29,6 +29,7 @@ from overview_dsp.data.feeds.feed_history import (
     identity_of,
     merged_gaps,
 )
+from overview_dsp.data.readers.football.match_timeline import GOALS, label_without_counts
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
@@ -54,6 +55,7 @@ The share is five minutes for a match and over an hour for a day, so the layout 
 
 FUTURE_MARGIN = 0.03  # minimum length of the future after now, as a share of the time until now
 SHORTEST_S = 1.0  # minimum duration, s
+MAX_CORRECTION_S = 180.0  # maximum change of an event's time that is a correction, s
 SILENCE_S = 120.0  # silence, s, after which a feed that sends clock lines or samples gets a gap
 
 
@@ -353,7 +355,9 @@ class LiveTimeline:
     def replace(self, timeline: Timeline) -> None:
         """Replace all data by a timeline that was read again.
 
-        An event whose label alone has changed is neither retracted nor added.
+        An event whose label alone has changed is neither retracted nor added, nor is one that is
+        corrected by at most three minutes, or a goal that turns out to be an own goal. A timeline
+        that is known in part only sets the expected duration.
 
         Parameters
         ----------
@@ -377,13 +381,15 @@ class LiveTimeline:
             for key, event in after.items():
                 if key in before:
                     continue
-                same = (one for one in removed if (one.time_s, one.kind) == key[:2])
-                if (renamed := next(same, None)) is not None:  # only its label differs
-                    removed.remove(renamed)
+                same = [one for one in removed if _is_correction(one, event)]
+                if same:
+                    removed.remove(min(same, key=lambda one: abs(one.time_s - event.time_s)))
                 else:
                     changes.append(("added", event))
             changes = [*(("retracted", event) for event in removed), *changes]
             self._document = timeline
+            if timeline.known_until_s is not None:
+                self.suggest(timeline.duration_s)
             self._record_revision(changes)
 
     @property
@@ -660,6 +666,15 @@ class LiveTimeline:
         status = "ended" if self.ended else f"{self._layout}, now {clock_text(self.now_s)}"
         count = counted(sum(1 for _ in self._all_events()), "event")
         return f"<LiveTimeline {short(self._title)}: {status}, {count}>"
+
+
+def _is_correction(before: Event, after: Event) -> bool:
+    """Return whether an event is another one with its label, minute or kind of goal corrected."""
+    if before.time_s == after.time_s:
+        return before.kind == after.kind or {before.kind, after.kind} <= GOALS
+    texts = [label_without_counts(one.label) for one in (before, after)]
+    near = abs(before.time_s - after.time_s) <= MAX_CORRECTION_S
+    return near and before.kind == after.kind and texts[0] == texts[1] != ""
 
 
 def _in_range(value: object, name: str, hint: str, low: float, high: float) -> float:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import http.client
+import os
 import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from email.message import Message
 from typing import Any
+from urllib.parse import urlsplit
 
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
 from overview_dsp.data.feeds.sources import (
@@ -22,7 +25,27 @@ from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
 
-POLL_EVERY_S = 1.0  # interval at which a file is requested, s; `Retry-After` is respected
+POLL_EVERY_S = 1.0  # shortest interval at which a file is requested, s, and its default
+SERVICE_EVERY_S = 30.0
+"""Default interval at which a document of a live service is requested, s."""
+
+KEYS = {
+    "v3.football.api-sports.io": ("x-apisports-key", "API_FOOTBALL_KEY"),
+    "api.football-data.org": ("X-Auth-Token", "FOOTBALL_DATA_TOKEN"),
+    "api.openligadb.de": ("", ""),
+}
+"""Header of the key and environment variable that holds it, by the host of a live service.
+
+The key is sent to this host only, not to one that the host redirects to.
+"""
+
+_REMAINING = {
+    "X-Requests-Available-Minute": 60.0,
+    "X-RateLimit-Remaining": 60.0,
+    "x-ratelimit-requests-remaining": 3600.0,
+}
+"""Wait, s, when the number of remaining requests in this header of a response is 0."""
+
 RESPONSE_TIMEOUT_S = 10.0
 STREAM_TIMEOUT_S = 60.0
 """Time without data, not even a comment, after which a stream is lost, s."""
@@ -34,9 +57,14 @@ MAX_MESSAGE_BYTES = 16 << 20
 
 @dataclass
 class Http:
-    """URL of server-sent events, or of any other file, which is requested repeatedly."""
+    """URL of server-sent events, or of any other file, which is requested repeatedly.
+
+    `every_s`: interval of the requests, s; None: 30 for a live service, else 1. Longer waits that a
+    server demands are respected. After the end of a match in progress no request follows.
+    """
 
     name: str
+    every_s: float | None = None
     close_timeout_s: float = CLOSE_TIMEOUT_S
     _tag: str | None = field(default=None, init=False)
     _last_id: str | None = field(default=None, init=False)
@@ -44,11 +72,14 @@ class Http:
     def read(self) -> Iterator[Received]:
         """Yield the events of a stream, or the file each time it changes."""
         self._tag = None
+        host = urlsplit(self.name).hostname or ""
+        every_s = self.every_s or (SERVICE_EVERY_S if host in KEYS else POLL_EVERY_S)
+        in_progress = False
         while True:
-            response = self._request()
+            response = self._request(*KEYS.get(host, ("", "")), every_s)
             if response is None:
                 yield b""
-                time.sleep(POLL_EVERY_S)
+                yield from _wait(every_s)
                 continue
             with response:
                 if response.headers.get_content_type() == "text/event-stream":
@@ -61,16 +92,29 @@ class Http:
                 yield from _parts(data if data.endswith(b"\n") else data[: data.rfind(b"\n") + 1])
             elif data:
                 try:
-                    yield load_timeline(data)
+                    timeline = load_timeline(data)
                 except InputError as error:
                     # the file may be incomplete, so it is requested again
-                    raise LostError(f"{error}") from None
+                    raise LostError(
+                        f"{error}", _required_wait_s(response.headers, every_s)
+                    ) from None
+                yield timeline
+                if in_progress and timeline.known_until_s is None:
+                    yield b'{"end": %r}\n' % timeline.duration_s
+                    return
+                in_progress = timeline.known_until_s is not None
             self._tag = tag
-            time.sleep(POLL_EVERY_S)
+            yield from _wait(_required_wait_s(response.headers, every_s))
 
-    def _request(self) -> Any:
-        """Return the response; None if the file has not changed."""
+    def _request(self, header: str, variable: str, every_s: float) -> Any:
+        """Return the response; None if the file has not changed.
+
+        `header` and `variable` are those of the service's key, "" without one.
+        """
+        key = os.environ.get(variable, "").strip() if variable else ""
         request = urllib.request.Request(self.name)
+        if key:
+            request.add_unredirected_header(header, key)
         request.add_header("Accept", "text/event-stream, application/x-ndjson, */*;q=0.5")
         if self._tag is not None:
             by_time = self._tag.endswith("GMT")
@@ -83,11 +127,14 @@ class Http:
             with error:
                 if error.code == 304:
                     return None
-                after = error.headers.get("Retry-After", "")
-                raise LostError(
-                    f"HTTP {error.code} {error.reason}",
-                    min(float(after), 600.0) if after.isdecimal() else 0.0,
-                ) from None
+                if error.code in (401, 403) and variable:
+                    remedy = "its key was rejected" if key else "set it to your key"
+                    raise InputError(
+                        f"{self.name}: HTTP {error.code}; environment variable {variable}: {remedy}"
+                    ) from None
+                least_s = every_s if error.code == 429 else 0.0
+                wait_s = _required_wait_s(error.headers, least_s)
+                raise LostError(f"HTTP {error.code} {error.reason}", wait_s) from None
         except (OSError, http.client.HTTPException) as error:
             raise LostError(_reason(error)) from None
         except ValueError as error:
@@ -167,6 +214,27 @@ class WebSocket:
             raise InputError(f"{self.name}: {error}") from None
         except (OSError, WebSocketException) as error:
             raise LostError(_reason(error)) from None
+
+
+def _required_wait_s(headers: Message, least_s: float) -> float:
+    """Return the wait before the next request that a server demands, at least `least_s`, s."""
+    waits = [least_s]
+    after = headers.get("Retry-After", "")
+    if after.isdecimal():
+        waits.append(min(float(after), 600.0))
+    reset = headers.get("X-RequestCounter-Reset", "")
+    for name, wait_s in _REMAINING.items():
+        if headers.get(name, "").strip() == "0":
+            waits.append(float(reset) if reset.isdecimal() else wait_s)
+    return max(waits)
+
+
+def _wait(seconds: float) -> Iterator[None]:
+    """Yield None at intervals, so that a follower can stop in between."""
+    until = time.monotonic() + seconds
+    while (left := until - time.monotonic()) > 0.0:
+        time.sleep(min(left, 0.25))
+        yield None
 
 
 def _parts(data: bytes) -> Iterator[bytes]:

@@ -20,6 +20,7 @@ from overview_dsp.data.readers.football import (
     metrica,
     minute_list,
     openfootball,
+    services,
     statsbomb,
     wyscout,
 )
@@ -79,6 +80,9 @@ FORMATS: tuple[Format, ...] = (
         "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
         "extra `football`)",
         kloppy_formats,
+    ),
+    _module(
+        "live services (JSON of API-Football, football-data.org, OpenLigaDB)", services, _MATCH
     ),
     _module("openfootball matches (JSON with team1, team2 and goals)", openfootball, _MATCH),
     Format(

@@ -29,7 +29,7 @@ from overview_dsp.live.output.portaudio_library import (
 )
 
 FORMS = (
-    "a file, - (a feed on standard input), http(s)://..., ws(s)://..., audio:DEVICE, "
+    "a file, - (a feed on standard input), http(s)://...[,every=S], ws(s)://..., audio:DEVICE, "
     "pcm:RATE[:CHANNELS] (16-bit samples on standard input)"
 )
 QUEUE_BLOCKS = 200
@@ -38,14 +38,19 @@ QUEUE_BLOCKS = 200
 _PCM = re.compile(r"pcm:(\d{1,6})(?::(\d{1,2}))?")
 
 
-def open_source(text: str, stdin: BinaryIO) -> Source:
-    """Return the source of a `--follow` argument; InputError lists the allowed forms."""
+def open_source(text: str, stdin: BinaryIO, every_s: float | None = None) -> Source:
+    """Return the source of a `--follow` argument; InputError lists the allowed forms.
+
+    `every_s`: interval of the requests of an http(s) URL, s.
+    """
+    if every_s is not None and not text.startswith(("http://", "https://")):
+        raise InputError(f"--follow {text} is not requested repeatedly; remove every=")
     if not text:
         raise InputError(f"--follow is empty; must be {FORMS}")
     if text == "-":
         return Stream(stdin)
     if text.startswith(("http://", "https://")):
-        return Http(text)
+        return Http(text, every_s)
     if text.startswith(("ws://", "wss://")):
         return WebSocket(text)
     if text.startswith("audio:"):

@@ -120,6 +120,7 @@ def match_timeline(
     final: tuple[int, int] | None = None,
     ball_touches: Iterable[BallTouch] = (),
     end_label: str = "",
+    known_until_s: float | None = None,
 ) -> Timeline:
     """Return the timeline of a match: count the score, write the labels, derive the curve.
 
@@ -145,12 +146,17 @@ def match_timeline(
         Touches of the ball, which become the details of the timeline.
     end_label
         Label of the end. "": "full time", or "end" for a single period.
+    known_until_s
+        Time until which a match in progress is known, s. None: the match is over.
     """
     known, uncounted = len(teams) >= 2, 0
     score, all_notes = [0, 0], list(notes)
     events = [Event(begin_s, "period", START_LABELS[p]) for p, begin_s in begins_s.items()]
     end_label = end_label or ("full time" if len(begins_s) > 1 else "end")
     events.append(Event(end_s, "period", end_label))
+    reach_s = end_s if known_until_s is None else known_until_s
+    if known_until_s is not None:
+        events = [event for event in events if event.time_s < max(reach_s, 1.0)]
     seen: dict[tuple[float, str, str], int] = {}
     for one in sorted(match_events, key=lambda one: one.time_s):
         if one.kind in GOALS:
@@ -176,7 +182,7 @@ def match_timeline(
             f"the file has the final score {final[0]}-{final[1]}, but its goals add up to "
             f"{counted[0]}-{counted[1]}; the final score is used"
         )
-    intensity, derived, derived_notes = derive_intensity(events, end_s)
+    intensity, derived, derived_notes = derive_intensity(events, reach_s)
     title, shown_score = default_title, final or counted
     if known and all(teams[:2]):
         result = f"{shown_score[0]}-{shown_score[1]}" if shown_score is not None else "-"
@@ -193,7 +199,16 @@ def match_timeline(
         provenance="; ".join(filter(None, (provenance, derived))),
         notes=(*all_notes, *derived_notes),
         details=tuple(details),
+        known_until_s=known_until_s,
     )
+
+
+_COUNTED = re.compile(r"^\d+-\d+ | ?\d+(?:\+\d+)?'$| \(\d+\)$")
+
+
+def label_without_counts(label: str) -> str:
+    """Return a label without score, minute and number, which corrections of a match change."""
+    return _COUNTED.sub("", label)
 
 
 def shoot_out_note(kicks: Sequence[tuple[str, bool]], names: Mapping[str, str]) -> str:

@@ -1,0 +1,435 @@
+"""Reader of the documents of live football services: API-Football, football-data.org, OpenLigaDB.
+
+| service | document |
+|---|---|
+| API-Football 3 | `fixtures?id=...`, with events and score; `fixtures/events?fixture=...` |
+| football-data.org 4 | `matches/...`, with `goals` and `bookings` |
+| OpenLigaDB | `getmatchdata/...`, with goals only |
+
+Of a match in progress the timeline is known until the minute of the document, or until its last
+event if it has no minute. Events are in the middle of their minute (`minutes.py`).
+
+Services repeat events for a while, and keep goals that the video referee has withdrawn. An event
+that is listed twice is read once; a goal that is withdrawn is left out. Where the document has the
+score, a goal that the score counts stays, so two goals of one player in one minute are both read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from overview_dsp import validation
+from overview_dsp.data.readers.data_file import DataFile, LoadOptions
+from overview_dsp.data.readers.football.match_timeline import (
+    GOALS,
+    MatchEvent,
+    contains_record,
+    match_timeline,
+    select_match,
+    short_name,
+)
+from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute
+from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.errors import InputError, quoted
+from overview_dsp.public import counted
+
+_MEANINGS = {
+    "goal normal goal": ("goal", ""),
+    "goal regular": ("goal", ""),
+    "goal penalty": ("goal", "pen"),
+    "goal own goal": ("own_goal", ""),
+    "goal own": ("own_goal", ""),
+    "goal missed penalty": ("near_miss", "penalty missed"),
+    "card yellow card": ("yellow_card", ""),
+    "card yellow": ("yellow_card", ""),
+    "card second yellow card": ("red_card", "second yellow"),
+    "card yellow red": ("red_card", "second yellow"),
+    "card red card": ("red_card", ""),
+    "card red": ("red_card", ""),
+}
+"""Event kind and detail by the type and detail of a service, in lower case."""
+
+_NOT_BEGUN = frozenset(["NS", "TBD", "PST", "CANC", "SCHEDULED", "TIMED", "POSTPONED", "CANCELLED"])
+_FINISHED = frozenset(["FT", "AET", "PEN", "ABD", "AWD", "WO", "FINISHED", "AWARDED"])
+_EXTRA_TIME = frozenset(["AET", "PEN", "ET", "BT", "P", "EXTRA_TIME", "PENALTY_SHOOTOUT"])
+_WITHDRAWN = ("goal cancelled", "goal disallowed")
+_REVIEW_MINUTES = 6  # maximum time from a goal until it is withdrawn
+_REPEATED_MINUTES = 2  # maximum difference between two entries of one goal
+_MIDDLE_S = 30.0
+FULL_TIME = 90
+
+Pair = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Object of a document, with its location for error messages. Null is a missing key."""
+
+    raw: dict[str, Any]
+    location: str
+
+    @classmethod
+    def of(cls, raw: object, location: str) -> _Part:
+        """Return an object, empty for null; InputError for another type."""
+        return cls(_typed({} if raw is None else raw, dict, "an object {...}", location), location)
+
+    def part(self, key: str) -> _Part:
+        """Return an object in this one."""
+        return self.of(self.raw.get(key), f"{self.location}.{key}")
+
+    def parts(self, key: str) -> list[_Part] | None:
+        """Return a list of objects; None if it is missing."""
+        value, location = self.raw.get(key), f"{self.location}.{key}"
+        if value is None:
+            return None
+        listed = _typed(value, list, "a list [...]", location)
+        return [self.of(one, f"{location}[{i}]") for i, one in enumerate(listed)]
+
+    def text(self, key: str) -> str:
+        """Return a text; "" if it is missing."""
+        value = self.raw.get(key)
+        return "" if value is None else str(value).strip()
+
+    def number(self, key: str) -> int | None:
+        """Return a whole number, also written as text."""
+        value, text = self.raw.get(key), self.text(key)
+        if type(value) is str and text.isascii() and text.isdigit():
+            return int(text[:18])
+        location = f"{self.location}.{key}"
+        return None if value is None else _typed(value, int, "a whole number", location)
+
+    def pair(self, *keys: str) -> Pair | None:
+        """Return the numbers of both teams; None if one is missing."""
+        first, second = map(self.number, keys or ("home", "away"))
+        return None if first is None or second is None else (first, second)
+
+    def minute(self, base: str, added: str = "") -> Minute | None:
+        """Return the minute of these keys; None if it is missing."""
+        number, more = self.number(base), self.number(added)
+        if number is None:
+            return None
+        check_minute(number, more, f"{self.location}.{base}")
+        return Minute(number, more or None)
+
+
+def _typed(value: Any, kind: type, allowed: str, location: str) -> Any:
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise InputError(f"{location} is {quoted(value)}; must be {allowed}")
+    return value
+
+
+@dataclass(frozen=True)
+class _Row:
+    """Event of a service. `player_id` identifies the player, by name if there is no id."""
+
+    minute: Minute
+    kind: str
+    team: int | None
+    player: str
+    player_id: str
+    detail: str
+    location: str
+
+
+@dataclass(frozen=True)
+class _Match:
+    """Match of any service.
+
+    `until`: minute until which it is known; None if it is finished.
+    `rows`: events; None if the document has scores only.
+    """
+
+    service: str
+    id: str
+    teams: tuple[str, str]
+    title_parts: tuple[str, ...]
+    final: Pair | None
+    rows: Sequence[_Row] | None
+    withdrawn: Sequence[_Row] = ()
+    until: Minute | None = None
+    has_started: bool = True
+    extra_time: bool | None = None
+    shoot_out: Pair | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def line(self) -> str:
+        """Description of the match for display."""
+        result = f"{self.final[0]}-{self.final[1]}" if self.final else "-"
+        parts = (*self.title_parts[-1:], f"{self.teams[0]} {result} {self.teams[1]}")
+        return "  ".join(filter(None, (*parts, *self.title_parts[:-1])))
+
+
+def sniff(source: DataFile) -> bool:
+    """Return whether the file is a document of one of the services."""
+    text = source.text if source.looks_like_json else ""
+    if not any(f'"{key}"' in text for key in ("homeTeam", "matchID", "response")):
+        return False
+    try:
+        return bool(_matches(source.json))
+    except InputError:  # `read` reports it
+        return True
+
+
+def matches(source: DataFile) -> list[str]:
+    """Return a description of each match in the file."""
+    with validation.prefix_errors(f"{source.where}: "):
+        return [match.line for match in _matches(source.json)]
+
+
+def read(source: DataFile, options: LoadOptions) -> Timeline:
+    """Read one match (takes `match`).
+
+    Raises
+    ------
+    InputError
+        The document is invalid, reports an error, has scores only, or its match has not begun.
+    """
+    with validation.prefix_errors(f"{source.where}: "):
+        listed = _matches(source.json)
+        ids = [match.id for match in listed]
+        return _timeline(listed[select_match([one.line for one in listed], options.match, ids)])
+
+
+def _timeline(match: _Match) -> Timeline:
+    if not match.has_started:
+        raise InputError(
+            "the match has not begun; follow its URL (--follow), or read it again later"
+        )
+    if match.rows is None:
+        raise InputError(
+            f"the document of {match.service} has no events of the match; request the match alone"
+        )
+    rows, notes = _without_repeats(match)
+    known = [] if match.until is None else [match.until]
+    clock = Clock.from_minutes(
+        [*(row.minute for row in rows), *known], extra_time=match.extra_time, back_s=_MIDDLE_S
+    )
+    events = [
+        MatchEvent(
+            clock.time_s(row.minute), row.kind, row.team, short_name(row.player), row.detail,
+            str(row.minute), row.location,
+        )
+        for row in rows
+    ]  # fmt: skip
+    if match.shoot_out is not None:
+        notes.append(f"the shoot-out is omitted: {match.shoot_out[0]}-{match.shoot_out[1]}")
+    until_s, end_s = None, clock.duration_s
+    if match.until is not None:
+        until_s = replace(clock, back_s=0.0).time_s(match.until)
+        until_s = max([until_s, *(event.time_s for event in events)])
+        end_s = max(end_s, until_s + 60.0)  # the end is not known yet
+    return match_timeline(
+        match.teams if all(match.teams) else [],
+        clock.begins_s,
+        end_s,
+        events,
+        f"events: {match.service}, each in the middle of its minute",
+        [*match.notes, *notes],
+        title_parts=match.title_parts,
+        final=match.final,
+        known_until_s=until_s,
+    )
+
+
+def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
+    """Return the events without repeated and withdrawn ones, and notes about these."""
+    rows = list(match.rows or ())
+    left_out: dict[str, list[_Row]] = {"repeated": [], "withdrawn": []}
+
+    def is_counted(row: _Row) -> bool:
+        """Return whether the score requires this goal."""
+        if row.kind not in GOALS or match.final is None or row.team is None:
+            return False
+        listed = sum(one.kind in GOALS and one.team == row.team for one in rows)
+        return listed <= match.final[row.team]
+
+    def leave_out(row: _Row, why: str) -> None:
+        rows.remove(row)
+        left_out[why].append(row)
+
+    for review in match.withdrawn:
+        for row in reversed(rows):
+            ago = review.minute.on_clock - row.minute.on_clock
+            same = row.player_id == review.player_id or "" in (row.player_id, review.player_id)
+            if row.kind in GOALS and row.team == review.team and same and ago >= 0:
+                if ago <= _REVIEW_MINUTES and not is_counted(row):
+                    leave_out(row, "withdrawn")
+                break
+    for row in rows.copy():
+        for other in rows.copy():
+            apart = abs(other.minute.on_clock - row.minute.on_clock)
+            same = (row.kind, row.team, row.player_id) == (other.kind, other.team, other.player_id)
+            is_goal = row.kind in GOALS and match.final is not None
+            if row is other or not same or apart > _REPEATED_MINUTES * is_goal:
+                continue
+            if row in rows and not is_counted(row):
+                leave_out(row, "repeated")
+    notes = []
+    for why, found in left_out.items():
+        if found:
+            words = ", ".join(f"{row.player} {row.minute}".strip() for row in found)
+            notes.append(f"{counted(len(found), f'{why} event')} left out: {words}")
+    return rows, notes
+
+
+# --- the services
+
+
+def _api_match(match: _Part) -> _Match:
+    """Return a match of API-Football."""
+    fixture, league, teams = match.part("fixture"), match.part("league"), match.part("teams")
+    status, home, away = fixture.part("status"), teams.part("home"), teams.part("away")
+    listed = match.parts("events")
+    rows, withdrawn = _api_rows(listed or [], [home.text("id"), away.text("id")])
+    short = status.text("short")
+    return _Match(
+        "API-Football",
+        fixture.text("id"),
+        (home.text("name"), away.text("name")),
+        (league.text("name"), league.text("round"), fixture.text("date")[:10]),
+        match.part("goals").pair(),
+        None if listed is None else rows,
+        withdrawn,
+        until=None if short in _FINISHED else status.minute("elapsed", "extra") or _last(rows),
+        has_started=short not in _NOT_BEGUN,
+        extra_time=short in _EXTRA_TIME or None,
+        shoot_out=match.part("score").part("penalty").pair(),
+    )
+
+
+def _api_events(events: list[_Part]) -> _Match:
+    """Return the match of a list of events, which has neither score nor status."""
+    names = {team.text("id"): team.text("name") for team in (one.part("team") for one in events)}
+    rows, withdrawn = _api_rows(events, [*names][:2])
+    last, teams = _last(rows), tuple(names.values())[:2]
+    return _Match(
+        "API-Football",
+        "",
+        (teams[0], teams[1]) if len(teams) > 1 else ("", ""),
+        (),
+        None,
+        rows,
+        withdrawn,
+        until=last if last.base < FULL_TIME else None,
+        notes=("the document has no home team and no clock; that of fixtures?id=... has them",),
+    )
+
+
+def _api_rows(events: Iterable[_Part], teams: list[str]) -> tuple[list[_Row], list[_Row]]:
+    """Return the events of a match, and the goals that the video referee has withdrawn."""
+    rows, withdrawn = [], []
+    for event in events:
+        kind, detail = event.text("type").lower(), event.text("detail").lower()
+        if "shootout" in event.text("comments").lower():
+            continue
+        minute = event.part("time").minute("elapsed", "extra")
+        row = _row(event, minute, f"{kind} {detail}", teams, event.part("player"))
+        if kind == "var" and detail.startswith(_WITHDRAWN):
+            withdrawn.append(replace(row, kind="goal"))
+        elif row.kind:
+            rows.append(row)
+    return rows, withdrawn
+
+
+def _data_match(match: _Part) -> _Match:
+    """Return a match of football-data.org."""
+    home, away, score = match.part("homeTeam"), match.part("awayTeam"), match.part("score")
+    teams = [home.text("id"), away.text("id")]
+    goals, bookings = match.parts("goals"), match.parts("bookings")
+    rows = []
+    for what, key, who, listed in (
+        ("goal", "type", "scorer", goals),
+        ("card", "card", "player", bookings),
+    ):
+        for one in listed or []:
+            minute = one.minute("minute", "injuryTime")
+            row = _row(one, minute, f"{what} {one.text(key)}", teams, one.part(who))
+            rows += [row] if row.kind else []
+    regular, extra = score.part("regularTime").pair(), score.part("extraTime").pair()
+    final, shoot_out = score.part("fullTime").pair(), score.part("penalties").pair()
+    if regular is not None and shoot_out is not None:  # `fullTime` includes the shoot-out
+        more = extra or (0, 0)
+        final = regular[0] + more[0], regular[1] + more[1]
+    status = match.text("status")
+    return _Match(
+        "football-data.org",
+        match.text("id"),
+        (home.text("name"), away.text("name")),
+        (match.part("competition").text("name"), match.text("utcDate")[:10]),
+        final,
+        None if goals is None else rows,
+        until=None if status in _FINISHED else match.minute("minute", "injuryTime") or _last(rows),
+        has_started=status not in _NOT_BEGUN,
+        extra_time=extra is not None or status in _EXTRA_TIME or None,
+        shoot_out=shoot_out,
+    )
+
+
+def _liga_match(match: _Part) -> _Match:
+    """Return a match of OpenLigaDB."""
+    # the last entry of a score is the corrected one
+    goals = {one.pair("scoreTeam1", "scoreTeam2"): one for one in match.parts("goals") or []}
+    results = [one.pair("pointsTeam1", "pointsTeam2") for one in match.parts("matchResults") or []]
+    rows, score, untimed, is_finished = [], (0, 0), 0, match.raw.get("matchIsFinished") is True
+    for reached in sorted(filter(None, goals), key=sum):
+        goal, team = goals[reached], "0" if reached[0] > score[0] else "1"
+        score = reached
+        if (minute := goal.minute("matchMinute")) is None:
+            untimed += 1
+            continue
+        kinds = {"isOwnGoal": "own", "isPenalty": "penalty"}
+        kind = next((kinds[key] for key in kinds if goal.raw.get(key) is True), "regular")
+        player = _Part({"name": goal.text("goalGetterName")}, goal.location)
+        own = replace(goal, raw={"team": {"id": team}})
+        rows.append(_row(own, minute, f"goal {kind}", ["0", "1"], player))
+    return _Match(
+        "OpenLigaDB",
+        match.text("matchID"),
+        (match.part("team1").text("teamName"), match.part("team2").text("teamName")),
+        (match.text("leagueName"), match.part("group").text("groupName"),
+         match.text("matchDateTime")[:10]),
+        score if goals else max(filter(None, results), key=sum, default=None),
+        rows,
+        until=None if is_finished else _last(rows, 45 if results else 0),
+        has_started=bool(goals or results or is_finished),
+        extra_time=any(one.raw.get("isOvertime") is True for one in goals.values()) or None,
+        notes=(f"{counted(untimed, 'goal')} without a minute left out",) if untimed else (),
+    )  # fmt: skip
+
+
+def _matches(document: Any) -> list[_Match]:
+    """Return the matches of a document; empty if it is not one of a service."""
+    top = document if isinstance(document, dict) else {}
+    if isinstance(listed := top.get("response"), list) and top.keys() >= {"get", "errors"}:
+        if errors := top["errors"]:
+            words = errors.values() if isinstance(errors, dict) else errors
+            raise InputError(f"API-Football reports: {'; '.join(map(str, words))}")
+        parts = _Part(top, "document").parts("response") or []
+        if top["get"] == "fixtures/events" or contains_record(listed, "time", "detail"):
+            return [_api_events(parts)]
+        return [_api_match(one) for one in parts]
+    if "matches" in top or "homeTeam" in top:
+        listed = top.get("matches", [top])
+        if isinstance(listed, list) and contains_record(listed, "homeTeam", "awayTeam", "status"):
+            return [_data_match(_Part.of(one, f"matches[{i}]")) for i, one in enumerate(listed)]
+    listed = document if isinstance(document, list) else [document]
+    if contains_record(listed, "matchID", "team1", "team2"):
+        return [_liga_match(_Part.of(one, f"[{i}]")) for i, one in enumerate(listed)]
+    return []
+
+
+def _row(event: _Part, minute: Minute | None, what: str, teams: list[str], player: _Part) -> _Row:
+    if minute is None:
+        raise InputError(f"{event.location}: the event has no minute")
+    kind, detail = _MEANINGS.get(what.lower().replace("_", " "), ("", ""))
+    name, team = player.text("name"), event.part("team").text("id")
+    index = teams.index(team) if team in teams else None
+    return _Row(minute, kind, index, name, player.text("id") or name, detail, event.location)
+
+
+def _last(rows: Sequence[_Row], least: int = 0) -> Minute:
+    """Return the latest minute of the events, at least `least`."""
+    return max([Minute(least), *(row.minute for row in rows)], key=lambda one: one.on_clock)
