@@ -405,8 +405,8 @@ def _matches(document: Any) -> list[_Match]:
     top = document if isinstance(document, dict) else {}
     if isinstance(listed := top.get("response"), list) and top.keys() >= {"get", "errors"}:
         if errors := top["errors"]:
-            words = errors.values() if isinstance(errors, dict) else errors
-            raise InputError(f"API-Football reports: {'; '.join(map(str, words))}")
+            words = errors.values() if isinstance(errors, dict) else [errors]
+            raise InputError(f"API-Football reports {'; '.join(map(quoted, words))}")
         parts = _Part(top, "document").parts("response") or []
         if top["get"] == "fixtures/events" or contains_record(listed, "time", "detail"):
             return [_api_events(parts)]
