@@ -204,5 +204,5 @@ def _loudness(lufs: float | None, gain_db: float, target: float | None) -> str:
     gain = f", gain {gain_db:+.1f} dB" if target is not None else ""
     # further below the target than the gating of the measurement can explain
     limited = target is not None and lufs < target - 0.5
-    why = "; limited by its peak at -1 dBFS" if limited else ""
+    why = "; the limiter (true peaks of -1 dBFS) allows no more" if limited else ""
     return f"click: {lufs:.1f} LUFS{gain}{why}"

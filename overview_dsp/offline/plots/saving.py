@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import atomic_file, require_writable
@@ -36,11 +36,10 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
     # no date and fixed ids, so that the same figure gives the same bytes
     metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     suffix = _picture_suffix(path)
-    with (
-        matplotlib.rc_context({"svg.hashsalt": "overview", "svg.fonttype": "none"}),
-        atomic_file(path) as temporary,
-    ):
-        figure.savefig(temporary, dpi=150, metadata=metadata[suffix])
+    # TrueType, because publishers refuse the default, Type 3
+    settings: Any = {"svg.hashsalt": "overview", "svg.fonttype": "none", "pdf.fonttype": 42}
+    with matplotlib.rc_context(settings), atomic_file(path) as temporary:
+        figure.savefig(temporary, dpi=300, metadata=metadata[suffix])
 
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:

@@ -24,7 +24,10 @@ from overview_dsp.signal.engine.memory_reader import Strikes
 STRONG_DB, MEDIUM_DB = 6.0, 18.0
 """Limits of strong and medium events below the strongest one, dB; others are weak."""
 
-SHOWN_S = 1.5  # longest duration of a subtitle, s
+LEAST_SHOWN_S, SHOWN_S = 0.7, 1.5
+"""Shortest and longest duration of a subtitle, s."""
+
+MAX_SHOWN = 3  # most events that a subtitle names
 
 
 @dataclass(frozen=True)
@@ -112,15 +115,31 @@ def as_reaper(passed: Sequence[PassedEvent]) -> str:
 
 
 def as_webvtt(passed: Sequence[PassedEvent]) -> str:
-    """Return WebVTT subtitles: each event until the next one, at most 1.5 s."""
+    """Return WebVTT subtitles: each lasts until the next one, 0.7 to 1.5 s.
+
+    Events that are closer than that share a subtitle, which names the three strongest.
+    """
+    groups: list[list[PassedEvent]] = []
+    for one in passed:
+        if groups and one.time_s < groups[-1][0].time_s + LEAST_SHOWN_S:
+            groups[-1].append(one)
+        else:
+            groups.append([one])
     lines = ["WEBVTT", ""]
-    for number, one in enumerate(passed):
-        end = one.time_s + SHOWN_S
-        if number + 1 < len(passed):
-            end = min(end, max(passed[number + 1].time_s, one.time_s + 0.001))
+    for number, group in enumerate(groups):
+        start = group[0].time_s
+        following = groups[number + 1][0].time_s if number + 1 < len(groups) else start + SHOWN_S
+        strongest = sorted(group, key=lambda one: one.below_db)[:MAX_SHOWN]
         # an arrow would end a cue's text, and & and < start markup
-        words = one.text.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
-        lines += [f"{_clock(one.time_s)} --> {_clock(end)}", words, ""]
+        words = [
+            one.text.replace("&", "&amp;").replace("<", "&lt;").replace("-->", "--&gt;")
+            for one in group
+            if one in strongest
+        ]
+        if len(group) > len(words):
+            words[-1] += f" (and {len(group) - len(words)} weaker)"
+        end = min(start + SHOWN_S, following)
+        lines += [f"{_clock(start)} --> {_clock(end)}", *words, ""]
     return "\n".join(lines)
 
 

@@ -433,8 +433,9 @@ def render_to_file(
     loudness : bool
         Whether to measure the click's loudness.
     normalize : float or None
-        Target loudness of the click channel, LUFS, limited by peaks of -1 dBFS. The tactor
-        isn't changed. This renders twice.
+        Target loudness of the click channel, LUFS. A look-ahead limiter keeps its true peaks
+        below -1 dBFS. The tactor isn't changed. This renders twice, or up to eight times where the
+        limiter acts.
 
     Returns
     -------
@@ -458,6 +459,7 @@ def render_to_file(
     from overview_dsp.offline.rendering.stems import (
         ClickMeter,
         StemWriter,
+        limited_to,
         loudness_of,
         require_loudness,
     )
@@ -466,14 +468,14 @@ def render_to_file(
     if normalize is not None:
         require_loudness(normalize)
     engine, moved, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
-    gain = 1.0
+    limiter, gain = None, 1.0
     if normalize is not None:
-        meter = ClickMeter(sample_rate)
-        for block in blocks(engine, moved, tail, False, None, stage):
-            meter.feed(block.samples)
-        gain = meter.gain_to(normalize)
-        engine.reset()
-        stage = _stage(actuator, engine)
+
+        def again() -> Iterator[Block]:
+            yield from blocks(engine, moved, tail, False, None, _stage(actuator, engine))
+            engine.reset()
+
+        limiter, gain = limited_to(normalize, sample_rate, again)
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
     peaks = np.zeros(2)
     strikes: list[Strikes] = [engine.pop_strikes()]
@@ -485,8 +487,8 @@ def render_to_file(
         StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
     ):
         for block in blocks(engine, moved, tail, trace_path is not None or stems, progress, stage):
-            if gain != 1.0:
-                block.samples[:, CLICK] *= np.float32(gain)
+            if limiter is not None:
+                limiter.apply(block.samples[:, CLICK])
             sound.write(block.samples)
             stemmed.write(block.samples, block.trace)
             if block.trace is not None and trace_path is not None:

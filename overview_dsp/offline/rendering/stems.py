@@ -1,14 +1,16 @@
 """Stems: one sound file per channel and one with the trace; loudness of the click channel.
 
 Loudness follows ITU-R BS.1770. Normalisation changes the click channel only; the tactor keeps its
-level.
+level. Where the gain would raise true peaks above -1 dBFS, a look-ahead limiter lowers it.
 """
 
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +21,8 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SoundWriter
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import CLICK, TRACE_COLUMNS
+from overview_dsp.offline.rendering.limiter import Limiter, TruePeaks
+from overview_dsp.units import gain_to_db
 
 NAMES = ("click", "tactor")
 CURVES = ("cursor", "touching", "torque", "envelope")
@@ -74,8 +78,12 @@ class StemWriter(contextlib.ExitStack):
             writer.finish()
 
 
-CEILING_DBFS = -1.0  # highest sample after normalisation
+CEILING_DBFS = -1.0  # highest true peak after normalisation
 _ROUNDS = 8
+_LIMITED_ROUNDS = 6  # most renders that approach a loudness with the limiter
+_NEAR_LU = 0.05  # difference from the loudness that is near enough, LU
+_INTERPOLATION_DB = 0.2  # a true peak of four times the rate may be that much too low, dB
+_MOST_LIMITED_DB = 20.0  # highest reduction of a peak; beyond it strong and weak clicks are equal
 
 QUIETEST_LUFS, LOUDEST_LUFS = -60.0, 0.0
 
@@ -92,7 +100,7 @@ def require_loudness(lufs: float) -> float:
 
 
 class ClickMeter:
-    """Loudness meter of the click channel, fed with blocks of a render."""
+    """Meter for loudness and true peaks of the click channel, fed with blocks of a render."""
 
     def __init__(self, sample_rate: float) -> None:
         if sample_rate < MIN_RATE or sample_rate != int(sample_rate):
@@ -101,12 +109,12 @@ class ClickMeter:
             )
         self._meter = StepMeter(int(sample_rate), (1.0,))
         self._waiting = np.zeros((0, 1), np.float32)
-        self.peak = 0.0
+        self.true_peaks = TruePeaks(sample_rate)
 
     def feed(self, samples: SampleArray) -> None:
         """Feed the next samples, float32 (frames, 2)."""
         click = samples[:, CLICK : CLICK + 1]
-        self.peak = max(self.peak, float(np.abs(click).max(initial=0.0)))
+        self.true_peaks.feed(click[:, 0])
         self._waiting = np.concatenate([self._waiting, click])
         size = self._meter.block_frames
         while len(self._waiting) >= size:
@@ -119,16 +127,52 @@ class ClickMeter:
             self._meter.feed(self._waiting)
         return self._meter.finish()
 
-    def gain_to(self, lufs: float) -> float:
-        """Return the linear gain to a loudness, limited by the highest sample."""
-        steps = self.steps()
-        if loudness_of(steps) is None:
-            return 1.0
-        gain = 1.0
-        for _ in range(_ROUNDS):  # a gain changes which steps pass the gate at -70 LUFS
-            now = replace(steps, energy=steps.energy * gain**2).integrated()
-            gain *= gain_of_db(lufs - now)
-        return min(gain, gain_of_db(CEILING_DBFS) / self.peak)
+
+def gain_to(steps: Steps, lufs: float) -> float:
+    """Return the linear gain to a loudness; 1 for silence."""
+    gain = 1.0
+    for _ in range(_ROUNDS if loudness_of(steps) is not None else 0):
+        # a gain changes which steps pass the gate at -70 LUFS
+        now = replace(steps, energy=steps.energy * gain**2).integrated()
+        gain *= gain_of_db(lufs - now)
+    return gain
+
+
+def limited_to(
+    lufs: float, sample_rate: float, blocks: Callable[[], Iterable[Any]]
+) -> tuple[Limiter, float]:
+    """Return the limiter for a loudness, and its linear gain outside of peaks.
+
+    `blocks` renders; each call gives the same blocks. Without peaks above `CEILING_DBFS` one render
+    is enough. Otherwise the gain is raised until the limited click has the loudness, in at most six
+    more renders, until the highest peak is reduced by 20 dB.
+    """
+    meter = ClickMeter(sample_rate)
+    for block in blocks():
+        meter.feed(block.samples)
+    peaks, step_frames = meter.true_peaks.finish(), meter.true_peaks.step_frames
+    gain_db = gain_to_db(gain_to(meter.steps(), lufs))
+    ceiling_db = CEILING_DBFS - _INTERPOLATION_DB
+    unlimited_db = ceiling_db - gain_to_db(max(peaks.max(), 1e-12))
+
+    def limiter() -> Limiter:
+        return Limiter(peaks, step_frames, gain_of_db(gain_db), gain_of_db(ceiling_db))
+
+    before: tuple[float, float] | None = None
+    for _ in range(_LIMITED_ROUNDS if gain_db > unlimited_db else 0):
+        gain_db = min(gain_db, unlimited_db + _MOST_LIMITED_DB)
+        limited, meter = limiter(), ClickMeter(sample_rate)
+        for block in blocks():
+            limited.apply(block.samples[:, CLICK])
+            meter.feed(block.samples)
+        now = meter.steps().integrated()
+        if abs(lufs - now) <= _NEAR_LU or (before is not None and gain_db == before[0]):
+            break
+        slope = 1.0 if before is None else (now - before[1]) / (gain_db - before[0])
+        before = gain_db, now
+        gain_db += (lufs - now) / min(max(slope, 0.2), 1.0)
+    gain_db = min(gain_db, unlimited_db + _MOST_LIMITED_DB)
+    return limiter(), gain_of_db(gain_db)
 
 
 def loudness_of(steps: Steps) -> float | None:

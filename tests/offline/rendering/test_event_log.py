@@ -6,15 +6,18 @@ import csv
 import json
 import re
 import struct
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import soundfile
+from scipy.signal import resample_poly
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
 from overview_dsp.files.cue_points import add_cues
 from overview_dsp.offline.rendering.event_log import of_events, passed_events, save_transcript
+from overview_dsp.offline.rendering.limiter import Limiter, TruePeaks
 from tests.cli.running import MATCH, overview
 
 
@@ -71,13 +74,23 @@ def seconds(clock):
     return 3600 * int(hours) + 60 * int(minutes) + float(rest)
 
 
-def test_subtitles_follow_one_another(passed, tmp_path):
+def test_subtitles_can_be_read_and_name_the_strongest_events(passed, tmp_path):
     text = written(passed, tmp_path / "a.vtt")
     assert text.startswith("WEBVTT\n\n")
-    cues = re.findall(r"^(\d\d:\d\d:\d\d\.\d{3}) --> (\d\d:\d\d:\d\d\.\d{3})\n(.+)$", text, re.M)
-    assert len(cues) == len(passed)
-    for start, end, _ in cues:
-        assert 0.0 < seconds(end) - seconds(start) <= 1.5 + 1e-6
+    cue = r"^(\d\d:\d\d:\d\d\.\d{3}) --> (\d\d:\d\d:\d\d\.\d{3})\n((?:.+\n)+)"
+    cues = [(seconds(a), seconds(b), words) for a, b, words in re.findall(cue, text, re.M)]
+    for start, end, words in cues:
+        assert 0.7 - 1e-3 <= end - start <= 1.5 + 1e-3
+        inside = [one for one in passed if start - 6e-4 <= one.time_s < start + 0.7 - 6e-4]
+        shown = words.splitlines()
+        assert len(shown) == min(len(inside), 3)
+        assert max(inside, key=lambda one: -one.below_db).text in words
+        weaker = len(inside) - len(shown)
+        assert shown[-1].endswith(f"(and {weaker} weaker)") == (weaker > 0)
+    assert all(end <= start for (_, end, _), (start, _, _) in pairwise(cues))
+    assert sum(
+        start <= one.time_s + 6e-4 < start + 0.7 for one in passed for start, *_ in cues
+    ) == len(passed)
 
 
 def test_words_of_a_label_cannot_break_a_file(match, tmp_path):
@@ -174,7 +187,11 @@ def test_export_writes_a_transcript_too(tmp_path, monkeypatch):
     assert len(json.loads(done.out)[-1]["events"]) == len(lines) > 10
 
 
-@pytest.mark.parametrize("wanted", [-40.0, -30.0])
+def true_peak_db(samples):
+    return 20.0 * np.log10(np.abs(resample_poly(samples, 16, 1)).max())
+
+
+@pytest.mark.parametrize("wanted", [-40.0, -30.0, -23.0, -16.0])
 def test_normalized_the_click_has_its_loudness_and_the_tactor_is_as_it_was(
     tmp_path, match, football, wanted
 ):
@@ -182,19 +199,40 @@ def test_normalized_the_click_has_its_loudness_and_the_tactor_is_as_it_was(
     plain = ov.render_to_file(match, football, gesture, tmp_path / "a.wav", loudness=True)
     made = ov.render_to_file(match, football, gesture, tmp_path / "b.wav", normalize=wanted)
     assert made.lufs == pytest.approx(wanted, abs=0.1)
-    assert made.gain_db == pytest.approx(wanted - plain.lufs, abs=0.5)
     before, after = (soundfile.read(tmp_path / name)[0] for name in ("a.wav", "b.wav"))
     np.testing.assert_array_equal(before[:, 1], after[:, 1])
+    assert true_peak_db(after[:, 0]) <= -1.0
+    if wanted < -29.0:  # without the limiter
+        assert made.gain_db == pytest.approx(wanted - plain.lufs, abs=0.5)
+        quiet = np.abs(before[:, 0]) > 1e-3
+        gains = after[quiet, 0] / before[quiet, 0]
+        np.testing.assert_allclose(gains, 10 ** (made.gain_db / 20), rtol=5e-3)
+
+
+def test_the_limiter_acts_around_peaks_only_and_changes_gain_smoothly():
+    rate = 48_000
+    sound = np.full(rate, 0.1, np.float32)
+    sound[rate // 2] = 1.0
+    peaks = TruePeaks(rate)
+    for part in np.array_split(sound, 7):
+        peaks.feed(part)
+    limiter = Limiter(peaks.finish(), peaks.step_frames, 2.0, 0.5)
+    made = sound.copy()
+    for part in np.array_split(made, 11):  # views
+        limiter.apply(part)
+    gain = made / sound
+    assert made.max() <= 0.5
+    away = np.abs(np.arange(rate) - rate // 2) > 0.013 * rate
+    np.testing.assert_allclose(gain[away], 2.0, rtol=1e-6)
+    assert np.abs(np.diff(gain)).max() < 2.0 / (0.004 * rate)
 
 
 def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = overview("render", MATCH, *SHORT, "-o", "a.wav", "--normalize", "-6")
     assert done.code == 0, done.err
-    assert "limited by its peak at -1 dBFS" in done.out
-    assert np.abs(soundfile.read("a.wav")[0][:, 0]).max() == pytest.approx(
-        10 ** (-1 / 20), rel=1e-3
-    )
+    assert "the limiter (true peaks of -1 dBFS) allows no more" in done.out
+    assert -2.0 < true_peak_db(soundfile.read("a.wav")[0][:, 0]) <= -1.0
 
 
 @pytest.mark.parametrize(
