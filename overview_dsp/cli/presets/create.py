@@ -146,7 +146,7 @@ def import_(
     output: str | None = option("Preset file.  [default: ./PRESET-KIND.toml]"),
     as_json: bool = JSON,
 ) -> None:
-    """Add a haptic CLIP (AHAP or .haptic) to an event kind of a preset.
+    """Add a haptic CLIP (AHAP, .haptic, HJIF, Android, .haps) to an event kind of a preset.
 
     An AHAP clip can have two files; name either. In a folder, each clip is added to the kind in its
     file name (goal.ahap). With --as, the folder must have one clip. The file keeps everything else

@@ -218,23 +218,22 @@ class Ahap(Part):
             name = f"Pattern[{k}].ParameterCurve.ParameterCurveControlPoints"
             times = [point.Time for point in entry.ParameterCurve.ParameterCurveControlPoints]
             yield from descending(times, name)
-            last = entry.ParameterCurve.Time + times[-1]
-            if last > end + _TOLERANCE_S:
+            start = entry.ParameterCurve.Time
+            absolute = start > 0.0 and times[0] >= start and start + times[-1] > end + _TOLERANCE_S
+            if absolute or start > end + _TOLERANCE_S:
                 yield (
-                    f"{name} end at {last:g} s, after all events ({end:g} s); a point's time "
-                    "counts from its curve's"
+                    f"{name} end at {start + times[-1]:g} s, after all events ({end:g} s); a "
+                    "point's time counts from its curve's"
                 )
-        covered = 0.0
-        vibrations = [event for event in self.events if event.EventType == CONTINUOUS]
-        for event in sorted(vibrations, key=lambda event: event.Time):
-            if not 0.0 < event.end_s - event.Time <= LONGEST_EVENT_S:
+        for event in self.events:
+            if (
+                event.EventType == CONTINUOUS
+                and not 0.0 < event.end_s - event.Time <= LONGEST_EVENT_S
+            ):
                 yield (
                     f"EventDuration at {event.Time:g} s is {event.EventDuration:g}; "
                     f"must be more than 0 and at most {LONGEST_EVENT_S:g} s"
                 )
-            if event.Time < covered - _TOLERANCE_S:
-                yield f"a continuous event at {event.Time:g} s begins before the last one's end"
-            covered = max(covered, event.end_s)
 
 
 def decoded(pattern: Ahap) -> tuple[FloatArray, list[Transient]]:

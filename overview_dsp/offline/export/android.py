@@ -17,18 +17,28 @@ from typing import Annotated, Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from overview_dsp.arrays import FloatArray
+from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed
 from overview_dsp.offline.export.breakpoints import control_points
-from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
-from overview_dsp.offline.export.document import Count, Part, Positive, Unit, validate
+from overview_dsp.offline.export.clip import LEVELS_PER_S, MAX_CLIP_S, Clip
+from overview_dsp.offline.export.document import READING, Count, Part, Positive, Unit
 
 STEP_MS = 10
 MAX_POINTS = 16
 POINT_MS = (20, 1000)
 PART_MS = 1000  # approximate length of an envelope effect; its 16 points are about 60 ms apart
+
+
+def _amplitude(value: int, info: ValidationInfo) -> int:
+    """Validate an amplitude. 0 would switch the motor off inside the clip; a reader accepts it."""
+    low = 0 if info.context == READING else 1
+    if not low <= value <= 255:
+        raise PydanticCustomError("less_than_equal", f"{low} to 255")
+    return value
 
 
 class Waveform(Part):
@@ -37,11 +47,11 @@ class Waveform(Part):
     timings: Annotated[
         list[Annotated[int, Field(ge=1), Allowed("1 ms or more")]], Field(min_length=1)
     ]
-    # 0 would switch the motor off inside the clip
-    amplitudes: Annotated[
-        list[Annotated[int, Field(ge=1, le=255), Allowed("1 to 255")]], Field(min_length=1)
-    ]
+    amplitudes: Annotated[list[Annotated[int, AfterValidator(_amplitude)]], Field(min_length=1)]
     repeat: Literal[-1]
+
+    defaults = {"repeat": -1}  # noqa: RUF012
+    ignored = ("repeat",)
 
 
 class ControlPoint(Part):
@@ -62,6 +72,9 @@ class EnvelopeEffect(Part):
 
 class Android(Part):
     """JSON document with waveform and envelope effects."""
+
+    defaults = {"description": "", "envelopeEffects": []}  # noqa: RUF012
+    ignored = ("envelopeEffects",)
 
     description: str
     waveform: Waveform
@@ -145,22 +158,28 @@ def _parts(level: FloatArray) -> list[tuple[int, int]]:
     return list(zip(cuts, [*cuts[1:], last], strict=True))
 
 
-def validate_xml(root: ElementTree.Element) -> list[str]:
-    """Return all faults of a waveform's XML, one line each."""
+def xml_waveform(root: ElementTree.Element) -> dict[str, Any]:
+    """Return the JSON of a waveform's XML; InputError for other XML."""
     if root.tag != "vibration-effect" or [child.tag for child in root] != ["waveform-effect"]:
-        return ["the root must be a vibration-effect with a waveform-effect"]
+        raise InputError("the root must be a vibration-effect with a waveform-effect")
     wave: dict[str, Any] = {"timings": [], "amplitudes": [], "repeat": -1}
     for k, entry in enumerate(root[0]):
         if entry.tag != "waveform-entry" or set(entry.keys()) != {"durationMs", "amplitude"}:
-            return [f"waveform-effect[{k}] must be a waveform-entry with durationMs and amplitude"]
+            raise InputError(
+                f"waveform-effect[{k}] must be a waveform-entry with durationMs and amplitude"
+            )
         for key, values in (("durationMs", wave["timings"]), ("amplitude", wave["amplitudes"])):
             text = entry.get(key, "")
             values.append(int(text) if re.fullmatch("[0-9]{1,12}", text) else text)
-    return validate(Waveform, wave)
+    return wave
 
 
 def waveform_played(wave: Waveform) -> FloatArray:
-    """Return the amplitude of a waveform at each millisecond."""
+    """Return the amplitude of a waveform at each millisecond; InputError if it is too long."""
+    if len(wave.timings) != len(wave.amplitudes):
+        raise InputError(f"{len(wave.timings)} timings and {len(wave.amplitudes)} amplitudes")
+    if sum(wave.timings) > MAX_CLIP_S * LEVELS_PER_S:
+        raise InputError(f"it is longer than {MAX_CLIP_S:g} s, which is the maximum")
     return np.append(np.repeat(np.array(wave.amplitudes) / 255.0, wave.timings), 0.0)
 
 

@@ -120,9 +120,8 @@ class Haptic(Part):
         yield from self.unplayable()
         pitches = self.signals.continuous.envelopes.frequency
         yield from descending([point.time for point in pitches], "frequency times")
-        for name, times in (("amplitude", self.points), ("frequency", pitches)):
-            if times and times[0].time != 0.0:
-                yield f"{name}[0].time = {times[0].time:g}; Meta's renderer wants 0"
+        if self.points[0].time != 0.0:
+            yield f"amplitude[0].time = {self.points[0].time:g}; Meta's renderer wants 0"
         end = self.points[-1].time
         for k, pitch in enumerate(pitches):
             if pitch.time > end:

@@ -27,10 +27,12 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
 from overview_dsp.arrays import FloatArray
+from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed
 from overview_dsp.kernels.layout import CELLS
+from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
-from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip
+from overview_dsp.offline.export.clip import LEVELS_PER_S, MAX_CLIP_S, Clip, Transient
 from overview_dsp.offline.export.document import Count, Part, Signed, descending
 
 STRIKE_MS = 12  # duration of a strike's wave: three cycles of a C-2
@@ -39,6 +41,7 @@ TICKS_PER_TURN = 18_000
 """Number of ticks of the friction curve: half a turn in units of 0.01 degrees."""
 
 TRANSIENT_MS, TRANSIENT_HZ = 22, 1000.0 / 11.0
+MAX_STRIKE_MS = 30  # longest wave that is read as a strike, ms
 FRICTION_POINTS = 2000
 _LOW_HZ, _HIGH_HZ = 50, 500
 
@@ -64,6 +67,8 @@ class Keyframe(Part):
 
 class Effect(Part):
     """Effect: a wave or a curve from a tick on."""
+
+    defaults = {"phase": 0.0, "base_signal": "Sine"}  # noqa: RUF012
 
     id: Count | None = None
     effect_type: Literal["Basis", "Reference", "Composite"]
@@ -105,6 +110,8 @@ class Band(Part):
 class Channel(Part):
     """Channel: sum of bands."""
 
+    ignored = ("reference_device_id",)
+
     id: Count
     description: str
     gain: float
@@ -138,6 +145,8 @@ class Perception(Part):
     reference_devices: list[Device] | None = None
     channels: Annotated[list[Channel], Field(min_length=1, max_length=127)]
     effect_library: list[Part]
+
+    ignored = ("reference_devices",)
 
     def faults(self) -> Iterator[str]:
         """Yield contradictions between values, with locations relative to the perception."""
@@ -290,17 +299,45 @@ def _friction(clip: Clip, highest: float) -> Band:
     )
 
 
+Wave = tuple[int, FloatArray, float, float]
+"""Start (ms), amplitude at each millisecond, frequency (Hz) and phase of a wave."""
+
+
 def played(hjif: Hjif) -> FloatArray:
     """Return the amplitude of the vibrotactile perceptions at each millisecond."""
-    parts = [
-        part
+    return _summed(_waves(hjif))
+
+
+def decoded(hjif: Hjif) -> tuple[FloatArray, list[Transient], FloatArray]:
+    """Return the amplitude of long waves at each millisecond, short ones as strikes, and all."""
+    waves = _waves(hjif)
+    strikes = [
+        Transient(start / LEVELS_PER_S, min(float(level.max()), 1.0), sharpness_of(hz), "")
+        for start, level, hz, _ in waves
+        if len(level) <= MAX_STRIKE_MS
+    ]
+    long = [wave for wave in waves if len(wave[1]) > MAX_STRIKE_MS]
+    return _summed(long), sorted(strikes, key=lambda one: one.time_s), _summed(waves)
+
+
+def _waves(hjif: Hjif) -> list[Wave]:
+    effects = [
+        (band.band_type, effect, channel.gain)
         for perception in hjif.perceptions
         if perception.perception_modality == "Vibrotactile"
         for channel in perception.channels
         for band in channel.bands
         for effect in band.effects
-        for part in _parts(band.band_type, effect, channel.gain)
     ]
+    if not effects:
+        raise InputError("perceptions: none is Vibrotactile, with effects")
+    end = max(one.position + one.keyframes[-1].relative_position for _, one, _ in effects)
+    if end > MAX_CLIP_S * LEVELS_PER_S:
+        raise InputError(f"it lasts {end / LEVELS_PER_S:g} s; at most {MAX_CLIP_S:g} s are allowed")
+    return [wave for one in effects for wave in _parts(*one)]
+
+
+def _summed(parts: list[Wave]) -> FloatArray:
     count = max((start + len(amplitude) for start, amplitude, _, _ in parts), default=1)
     phasors: dict[float, NDArray[np.complex128]] = {}
     for start, amplitude, hz, phase in parts:
@@ -313,8 +350,8 @@ def played(hjif: Hjif) -> FloatArray:
     return np.asarray(np.sqrt(energy))
 
 
-def _parts(band: str, effect: Effect, gain: float) -> list[tuple[int, FloatArray, float, float]]:
-    """Return (start, amplitude at each millisecond, Hz, phase) of an effect's waves."""
+def _parts(band: str, effect: Effect, gain: float) -> list[Wave]:
+    """Return the waves of an effect."""
     at = [frame.relative_position for frame in effect.keyframes]
     levels = [gain * frame.amplitude_modulation for frame in effect.keyframes]
     if band == "Transient":

@@ -28,16 +28,18 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind
 from overview_dsp.design.presets.parameters import MODE_PARAMETERS
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import MAX_MODES
-from overview_dsp.offline.export import ahap, haptic
-from overview_dsp.offline.export.android import Android, validate_xml
+from overview_dsp.offline.export import ahap, haps, haptic, hjif
+from overview_dsp.offline.export.android import Android, Waveform, waveform_played, xml_waveform
 from overview_dsp.offline.export.clip import DULL_HZ, SHARP_HZ, Transient
 from overview_dsp.offline.export.document import Part, read, validate
+from overview_dsp.offline.export.haps import Haps
 from overview_dsp.offline.export.hjif import Hjif
 from overview_dsp.public import counted
 
 MAX_BYTES = 8_000_000
+MAX_DIGITS = 18  # of a whole number
 
-SUFFIXES = (".ahap", ".haptic")
+SUFFIXES = (".ahap", ".haptic", ".hjif", ".haps", ".xml")
 PLAIN = SUFFIXES[0]
 PAIRS = ((PLAIN, ".strikes.ahap"), ("_continuous.ahap", "_transients.ahap"))
 """Suffixes of the two files of an AHAP clip: ours, and Meta's."""
@@ -47,8 +49,11 @@ _MODELS: dict[str, type[Part]] = {
     "signals": haptic.Haptic,
     "perceptions": Hjif,
     "waveform": Android,
+    "m_vibration": Haps,
 }
 """Formats by a unique key."""
+
+FORMATS = "AHAP, .haptic, HJIF, Android (JSON, XML) or .haps"
 
 MAX_FAULTS = 20  # highest number of faults to list; later ones are often consequences
 
@@ -85,12 +90,13 @@ class DecodedClip:
 
 
 def read_clip(path: str | os.PathLike[str]) -> DecodedClip:
-    """Read an AHAP or `.haptic` file, detected from its content.
+    """Read a haptic clip, whose format is detected from its content.
 
     Parameters
     ----------
     path : str or path
-        File, or either file of an AHAP clip with two (`x.ahap` and `x.strikes.ahap`,
+        AHAP, `.haptic`, HJIF, `.haps` or Android file (JSON, or the XML of a waveform), or either
+        file of an AHAP clip with two (`x.ahap` and `x.strikes.ahap`,
         `x_continuous.ahap` and `x_transients.ahap`).
 
     Returns
@@ -122,14 +128,29 @@ def read_clip(path: str | os.PathLike[str]) -> DecodedClip:
 
 def _read(path: Path) -> DecodedClip:
     document = load_document(path)
-    keys = document if isinstance(document, dict) else ()
     with validation.prefix_errors(f"{path}: "):
-        if "Pattern" in keys:
-            return _core_haptics(*ahap.decoded(read(ahap.Ahap, document)))
-        if "signals" in keys:
-            level, strikes = haptic.decoded(read(haptic.Haptic, document))
-            return DecodedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
-    raise InputError(f"{path}: must be AHAP (with a Pattern) or .haptic (with signals)")
+        model = _model_of(document)
+        if model is None:
+            raise InputError(f"must be {FORMATS}")
+        clip: Any = read(model, document)
+        if isinstance(clip, ahap.Ahap):
+            return _core_haptics(*ahap.decoded(clip))
+        if isinstance(clip, Hjif):
+            level, strikes, played = hjif.decoded(clip)
+            return DecodedClip(level, tuple(strikes), played)
+        if isinstance(clip, Android):
+            level = waveform_played(clip.waveform)
+            return DecodedClip(level, (), level)
+        if isinstance(clip, Haps):
+            level, strikes = haps.decoded(clip)
+            return _core_haptics(level, strikes)
+        level, strikes = haptic.decoded(clip)
+        return DecodedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
+
+
+def _model_of(document: object) -> type[Part] | None:
+    keys = document if isinstance(document, dict) else {}
+    return next((model for key, model in _MODELS.items() if key in keys), None)
 
 
 def _core_haptics(level: FloatArray, strikes: list[Transient]) -> DecodedClip:
@@ -182,7 +203,7 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
 
 
 def load_document(path: str | os.PathLike[str]) -> Any:
-    """Load a clip's JSON; raise InputError with the file's name on failure."""
+    """Load a clip's JSON, that of an Android waveform from XML; InputError names the file."""
     where = os.fspath(path)
     try:
         size = Path(path).stat().st_size
@@ -191,14 +212,25 @@ def load_document(path: str | os.PathLike[str]) -> Any:
         raise InputError(f"{where}: can't be read ({error})") from None
     if data is None:
         raise InputError(f"{where}: larger than {MAX_BYTES:,} bytes; a clip is a short JSON file")
+    if Path(path).suffix.lower() == ".xml":
+        with validation.prefix_errors(f"{where}: "):
+            return {"waveform": xml_waveform(_xml(data))}
     try:
-        return json.loads(data.decode("utf-8-sig"), parse_constant=_no_constant)
+        return json.loads(
+            data.decode("utf-8-sig"), parse_constant=_no_constant, parse_int=_whole_number
+        )
     except (ValueError, RecursionError) as error:
         raise InputError(f"{where}: not JSON: {error}") from None
 
 
 def _no_constant(name: str) -> None:
     raise ValueError(f"{name} is not valid JSON")
+
+
+def _whole_number(digits: str) -> int:
+    if len(digits) > MAX_DIGITS:
+        raise ValueError(f"a number of {len(digits)} digits; at most {MAX_DIGITS} are allowed")
+    return int(digits)
 
 
 def check_clip(path: str | os.PathLike[str]) -> list[str]:
@@ -209,7 +241,7 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
     Parameters
     ----------
     path : str or path
-        An AHAP, `.haptic`, HJIF or Android file (JSON, or the XML of a waveform).
+        An AHAP, `.haptic`, HJIF, `.haps` or Android file (JSON, or the XML of a waveform).
 
     Returns
     -------
@@ -229,32 +261,29 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
     []
     """
     validation.path(path, "a clip")
-    if Path(path).suffix.lower() == ".xml":
-        return _xml(Path(path))[:MAX_FAULTS]
     try:
         document = load_document(path)
     except InputError as error:
-        if ": not JSON" in str(error):
+        if any(
+            words in str(error) for words in (": not JSON", ": not XML", ": the root", ": wave")
+        ):
             return [str(error).partition(": ")[2]]
         raise
-    for key, model in _MODELS.items():
-        if isinstance(document, dict) and key in document:
-            return validate(model, document)[:MAX_FAULTS]
-    return [f"has none of {', '.join(_MODELS)}; must be AHAP, .haptic, HJIF or Android"]
+    model = _model_of(document)
+    if model is None:
+        return [f"has none of {', '.join(_MODELS)}; must be {FORMATS}"]
+    if model is Android and "description" not in document:
+        return validate(Waveform, document["waveform"])[:MAX_FAULTS]
+    return validate(model, document)[:MAX_FAULTS]
 
 
-def _xml(path: Path) -> list[str]:
+def _xml(data: bytes) -> ElementTree.Element:
+    if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
+        raise InputError("not XML of a clip: its document type may expand to gigabytes")
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: can't be read ({error})") from None
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        return ["it has a document type (<!DOCTYPE ...>), which may expand to gigabytes"]
-    try:
-        root = ElementTree.fromstring(text.encode())
+        return ElementTree.fromstring(data)
     except (ElementTree.ParseError, ValueError) as error:
-        return [f"not XML: {error}"]
-    return validate_xml(root)
+        raise InputError(f"not XML: {error}") from None
 
 
 POINTS = 64

@@ -70,6 +70,12 @@ def friction(d):
     return d["perceptions"][1]["channels"][0]["bands"][0]["effects"][0]
 
 
+def counted_from_the_clip(curve, start):
+    curve["Time"] = start
+    for point in curve["ParameterCurveControlPoints"]:
+        point["Time"] += start
+
+
 def swap(found, key):
     found[3][key], found[4][key] = found[4][key], found[3][key]
 
@@ -83,7 +89,6 @@ DAMAGE = {
     "ahap: a time that is a text": ("ahap", lambda d: event(d).update(Time="0")),
     "ahap: longer than 30 s": ("ahap", lambda d: event(d).update(EventDuration=30.5)),
     "ahap: no duration": ("ahap", lambda d: event(d).pop("EventDuration")),
-    "ahap: cut short": ("ahap", lambda d: event(d).update(EventDuration=0.1)),
     "ahap: intensity above 1": (
         "strikes.ahap",
         lambda d: event(d)["EventParameters"][0].update(ParameterValue=1.2),
@@ -106,11 +111,8 @@ DAMAGE = {
         "ahap",
         lambda d: swap(curve(d)["ParameterCurveControlPoints"], "Time"),
     ),
-    "ahap: times counted from the clip": ("ahap", lambda d: curve(d).update(Time=5.0)),
-    "ahap: the vibration twice": (
-        "ahap",
-        lambda d: d["Pattern"].append(copy.deepcopy(d["Pattern"][0])),
-    ),
+    "ahap: a curve after the clip": ("ahap", lambda d: curve(d).update(Time=50.0)),
+    "ahap: times counted from the clip": ("ahap", lambda d: counted_from_the_clip(curve(d), 0.3)),
     "haptic: another version": ("haptic", lambda d: d["version"].update(major=2)),
     "haptic: no metadata": ("haptic", lambda d: d.pop("metadata")),
     "haptic: one point": ("haptic", lambda d: points(d).__delitem__(slice(1, None))),
@@ -126,7 +128,6 @@ DAMAGE = {
         lambda d: emphasised(d)["emphasis"].pop("frequency"),
     ),
     "haptic: a pitch after the end": ("haptic", lambda d: pitches(d)[-1].update(time=60.0)),
-    "haptic: the pitch begins late": ("haptic", lambda d: pitches(d)[0].update(time=0.01)),
     "haptic: a misspelt key": ("haptic", lambda d: points(d)[3].update(emphasys={})),
     "haptic: not a number": ("haptic", lambda d: points(d)[3].update(amplitude=float("nan"))),
     "hjif: an old version": ("hjif", lambda d: d.update(version="2022")),
@@ -233,3 +234,96 @@ def test_the_command_checks_and_writes_nothing(written, documents, tmp_path, mon
     assert done.code == 2
     assert "amplitude[5].amplitude = 7 is out of range; must be 0 to 1" in done.errors[0]
     assert [path.name for path in tmp_path.iterdir()] == ["bad.haptic"]
+
+
+def haptic_clip(**more):
+    return {
+        "version": {"major": 1, "minor": 0, "patch": 0},
+        "metadata": {"editor": "Haptics Studio", "author": "", "tags": ["hit"], "project": ""},
+        "signals": {
+            "continuous": {
+                "envelopes": {
+                    "amplitude": [{"time": 0.0, "amplitude": 0.2}, {"time": 0.4, "amplitude": 0.1}],
+                    "frequency": [],
+                    **more,
+                }
+            }
+        },
+    }
+
+
+def parameters(intensity, sharpness):
+    ids = (("HapticIntensity", intensity), ("HapticSharpness", sharpness))
+    return [{"ParameterID": id_, "ParameterValue": value} for id_, value in ids]
+
+
+def control(start, *points, id_="HapticIntensityControl"):
+    frames = [{"Time": time, "ParameterValue": value} for time, value in points]
+    curve = {"ParameterID": id_, "Time": start, "ParameterCurveControlPoints": frames}
+    return {"ParameterCurve": curve}
+
+
+def transient(time, sharpness=0.1):
+    event = {"Time": time, "EventType": "HapticTransient"}
+    return {"Event": event | {"EventParameters": parameters(1.0, sharpness)}}
+
+
+def vibration(time, duration):
+    event = {"Time": time, "EventType": "HapticContinuous", "EventDuration": duration}
+    return {"Event": event | {"EventParameters": parameters(0.6, 0.4)}}
+
+
+FOREIGN = {
+    "a rumble of transients under a curve that ends after them": {
+        "Version": 1.0,
+        "Metadata": {"Project": "Sampler", "Created": "5 June 2019", "Description": "Rumble."},
+        "Pattern": [
+            *(transient(0.04 * n) for n in range(39)),
+            control(0, (0, 0.3), (0.1, 1.0), (1.0, 1.0), (1.6, 0.0)),
+        ],
+    },
+    "vibrations that overlap, each with its curve": {
+        "Version": 1,
+        "Pattern": [
+            vibration(0.0, 0.5),
+            vibration(0.25, 0.5),
+            control(0.0, (0, 0.0), (0.5, 1.0)),
+            control(0.25, (0, 1.0), (0.6, 0.0)),
+            control(0.1, (0, -0.5), (0.8, 0.5), id_="HapticSharpnessControl"),
+        ],
+    },
+    "a pitch that begins after the start": haptic_clip(
+        frequency=[{"time": 0.01, "frequency": 0.4}, {"time": 0.4, "frequency": 0.5}]
+    ),
+    "an envelope without a pitch": haptic_clip(),
+}
+
+
+@pytest.mark.parametrize("document", FOREIGN.values(), ids=FOREIGN.keys())
+def test_a_valid_clip_of_others_has_no_fault_and_can_be_imported(tmp_path, document):
+    path = tmp_path / ("clip.haptic" if "signals" in document else "clip.ahap")
+    path.write_text(json.dumps(document))
+    assert ov.export.check_clip(path) == []
+    clip = ov.export.read_clip(path)
+    assert clip.level.max() > 0.0 or clip.transients
+
+
+@pytest.mark.parametrize("number", ["9" * 400, "-" + "9" * 400, "1e400", "0." + "9" * 400])
+@pytest.mark.parametrize("suffix", ["ahap", "haptic", "hjif", "json"])
+def test_a_number_of_400_digits_is_one_line(tmp_path, documents, suffix, number):
+    text = json.dumps(documents[suffix])
+    first = next(
+        part
+        for part in text.replace("}", ",").replace("]", ",").split(": ")[1:]
+        if part[0].isdigit()
+    )
+    path = tmp_path / f"clip.{suffix}"
+    path.write_text(text.replace(f": {first.split(',')[0]}", f": {number}", 1))
+    for call in (ov.export.check_clip, ov.export.read_clip):
+        try:
+            found = call(path)
+        except ov.InputError as error:
+            found = [str(error)]
+        for line in found if isinstance(found, list) else ():
+            assert "\n" not in line
+            assert len(line) < 400

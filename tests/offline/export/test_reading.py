@@ -288,7 +288,7 @@ def test_a_single_transient_is_a_clip(tmp_path, football):
 
 
 @pytest.mark.parametrize("gesture", [ov.sweep(3.0), ov.tap(0.8, 1.5)], ids=["sweep", "tap"])
-@pytest.mark.parametrize("to", ["ahap", "haptic"])
+@pytest.mark.parametrize("to", ["ahap", "haptic", "hjif"])
 def test_what_was_exported_comes_back_within_a_step(match, football, tmp_path, gesture, to):
     result = ov.render(match, football, gesture)
     clip = clip_of(result)
@@ -380,3 +380,88 @@ def test_an_emphasis_ends_where_the_next_one_begins():
     assert (level[10:20] == 0.9).all()
     assert (level[20:32] == 0.4).all()
     assert not level[32:].any()
+
+
+@pytest.mark.parametrize("suffix", ["json", "xml"])
+def test_an_android_waveform_is_read_from_json_and_xml(match, football, tmp_path, suffix):
+    result = ov.render(match, football, ov.sweep(1.0))
+    clip = clip_of(result)
+    files = {one.suffix: one for one in export(result, "android", tmp_path / "clip.json").files}
+    back = read_clip(files[f".{suffix}"])
+    assert back.transients == ()
+    error = perceptual_error(back.played, clip.level, clip.transients)
+    assert error.median_db <= 1.0
+    made = with_layer(football, "goal", back, "both").kinds["goal"]
+    assert max(made.points) == 1.0
+    assert made.modes == football.kinds["goal"].modes
+
+
+def note(start, gain=1.0, keyframes=()):
+    effect = {"m_type": 0}
+    if keyframes:
+        frames = [{"m_time": time, "m_value": value} for time, value in keyframes]
+        effect = {"m_amplitudeModulation": {"m_extrapolationStrategy": 0, "m_keyframes": frames}}
+    return {"m_startingPoint": start, "m_length": 0.022, "m_gain": gain, "m_hapticEffect": effect}
+
+
+def haps(*melodies, gain=1.0):
+    empty = {"m_loop": 0, "m_maximum": 1.0, "m_gain": 1.0, "m_signalEvaluationMethod": 3}
+    listed = [{"m_mute": 0, "m_gain": 1.0, "m_notes": list(notes)} for notes in melodies]
+    return {
+        "m_version": "5",
+        "m_description": "",
+        "m_HDFlag": 0,
+        "m_time_unit": 0,
+        "m_length_unit": 7,
+        "m_gain": gain,
+        "m_stiffness": empty | {"m_melodies": []},
+        "m_texture": empty | {"m_melodies": []},
+        "m_vibration": empty | {"m_melodies": listed},
+    }
+
+
+def test_haps_has_curves_transients_and_gains_that_multiply(tmp_path):
+    document = haps(
+        [note(0.1, 0.5), note(0.3)], [note(0.2, 0.5, [(0.0, 0.0), (0.4, 1.0)])], gain=0.8
+    )
+    path = tmp_path / "clip.haps"
+    path.write_text(json.dumps(document))
+    assert ov.export.check_clip(path) == []
+    clip = read_clip(path)
+    assert [(one.time_s, one.amplitude) for one in clip.transients] == [(0.1, 0.4), (0.3, 0.8)]
+    assert len(clip.level) == 601
+    assert clip.level[[100, 200, 400, 600]] == pytest.approx([0.0, 0.0, 0.2, 0.4])
+    document["m_vibration"]["m_melodies"][1]["m_mute"] = 1
+    path.write_text(json.dumps(document))
+    assert not read_clip(path).level.any()
+
+
+def test_an_hjif_of_short_and_long_waves_and_transients(tmp_path, match, football):
+    result = ov.render(match, football, ov.sweep(0.5))
+    path = export(result, "hjif", tmp_path / "clip.hjif").files[0]
+    document = json.loads(path.read_text())
+    band = {
+        "band_type": "Transient",
+        "lower_frequency_limit": 50,
+        "upper_frequency_limit": 500,
+        "block_length": 16,
+        "effects": [
+            {
+                "effect_type": "Basis",
+                "position": 100,
+                "keyframes": [{"relative_position": 0, "amplitude_modulation": 0.7}],
+            }
+        ],
+    }
+    document["perceptions"][0]["channels"] = [
+        {**document["perceptions"][0]["channels"][0], "frequency_sampling": 8000, "bands": [band]}
+    ]
+    path.write_text(json.dumps(document))
+    clip = read_clip(path)
+    assert [(one.time_s, one.amplitude) for one in clip.transients] == [(0.1, 0.7)]
+    assert not clip.level.any()
+    assert clip.played[[99, 100, 121]] == pytest.approx([0.0, 0.7, 0.7])
+    band["effects"][0]["position"] = 10**9
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"lasts 1e\+06 s; at most 600 s are allowed"):
+        read_clip(path)
