@@ -4,9 +4,9 @@
 
 The script needs npm. Rollup joins the modules into few files, since each request delays a phone:
 `main.js` (first picture), `page.js` (the page), `served.js` (features of a server), `live.js` (live
-timelines) and `kernel.js`, which the page and `processor.js` (audio thread) share. esbuild minifies
-each file. Both tools have the MIT licence. They are installed into a temporary folder, in the
-versions below: other versions may produce other bytes.
+timelines), `embedded.js` (in an article) and `kernel.js`, which the page and `processor.js` (audio
+thread) share. esbuild minifies each file. Both tools have the MIT licence. They are installed into
+a temporary folder, in the versions below: other versions may produce other bytes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ BUILD_INFO = "build_info.json"
 """File in the bundle with a digest of the sources and the versions of the tools."""
 
 ENTRIES = ["main.js", "processor.js"]
-STANDALONE = ["worker.js", "style.css"]
+STANDALONE = ["worker.js", "embed.js", "style.css"]
 """Files that import no module."""
 
 CONFIG = f"""

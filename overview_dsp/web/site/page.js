@@ -80,6 +80,10 @@ export class Page {
     this.isStarted = false;
     this.hasSounded = this.interrupted = false;
     sound.onstate = (isRunning) => this.onSoundState(isRunning);
+    /** Called for each passed event. @type {(event: TimelineEvent) => void} */
+    this.onenter = () => {};
+    /** Called at each frame. */
+    this.onmove = () => {};
   }
 
   /**
@@ -387,6 +391,7 @@ export class Page {
       const patterns = passed.map(({ kind }) => this.info.kinds[kind].pattern);
       this.motor.play(patterns, peak / this.gain, performance.now());
     }
+    passed.forEach(this.onenter);
     const last = passed.at(-1);
     if (last && this.input.active !== "keys") this.speech.speak(eventText(last, this.info));
   }
@@ -396,6 +401,7 @@ export class Page {
     const torque = (this.meters?.torque ?? 0) / this.info.reference_torque;
     this.picture.draw({ cursor: this.cursor, input: this.reading, touching, torque });
     this.slider.show(this.view, this.reading, this.info);
+    this.onmove();
   }
 }
 
@@ -410,6 +416,9 @@ export async function begin(data, picture) {
   const page = new Page(data, picture, served?.host ?? new Sound(data));
   page.begin(served && served.serve);
   /** @type {any} */ (window).overview = page;
+  if (window.parent !== window && location.hash.includes("embed=")) {
+    (await import("./embedded.js")).embed(page);
+  }
   await page.load();
   if (!server) keepOffline();
 }
