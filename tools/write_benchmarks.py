@@ -4,7 +4,7 @@ python tools/write_benchmarks.py                 measures speeds here: about fiv
 python tools/write_benchmarks.py --live          how the output holds: 22 minutes, and it sounds
 python tools/write_benchmarks.py --first-starts  what first starts cost: a minute
 python tools/write_benchmarks.py --report FILE   one of them, from `python -m tools.bench --json`,
-                                                 `overview bench --live --json` or
+                                                 `python -m tools.bench --live --json` or
                                                  `python tools/measure_first_starts.py --json`
 
 Speeds draw docs/pictures/speeds.png too. The tables stand between `<!-- bench: speeds -->` (or
@@ -34,7 +34,7 @@ def measured(what: str) -> dict[str, Any]:
     rounds = ("--rounds", str(ROUNDS), "--json")
     command: tuple[str, ...] = {
         "speeds": ("-m", "tools.bench", *rounds, "--plot", str(PICTURE)),
-        "live": ("-m", "overview_dsp", "bench", "--live", *rounds),
+        "live": ("-m", "tools.bench", "--live", *rounds),
         "first starts": (str(ROOT / "tools" / "measure_first_starts.py"), "--json"),
     }[what]
     done = subprocess.run([sys.executable, *command], stdout=subprocess.PIPE, check=True, cwd=ROOT)
@@ -85,10 +85,10 @@ def ranged(figure: dict[str, Any], prefix: str = "") -> str:
 
 
 def live(report: dict[str, Any]) -> str:
-    """Return the output of `overview bench --live`."""
-    from overview_dsp.measure.bench.live.latency import LatencyResult
-    from overview_dsp.measure.bench.live.session import SessionRow
-    from overview_dsp.measure.bench.live.table import LoadRow, Report, lines
+    """Return the output of `python -m tools.bench --live`."""
+    from tools.bench.live.latency import LatencyResult
+    from tools.bench.live.session import SessionRow
+    from tools.bench.live.table import LoadRow, Report, lines
 
     shown = {key: value for key, value in report.items() if key not in ("machine", "date")}
     shown["load"] = [LoadRow(**row) for row in report["load"]]

@@ -7,17 +7,17 @@ import json
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench.live.latency import HOLD, TAP_POSITION, probe_engine, strike_delay
 from overview_dsp.units import HALF_TURN
 from tests.live import jack_server
 from tests.live.test_portaudio import aligned
+from tools.bench.live.latency import HOLD, TAP_POSITION, probe_engine, strike_delay
 
 TAPS = """
 import json, random, sys, time
 from dataclasses import asdict
 import jack
 import numpy as np
-from overview_dsp.measure.bench.live.latency import probe_engine, strike_delay, tap_while_playing
+from tools.bench.live.latency import probe_engine, strike_delay, tap_while_playing
 from overview_dsp.live.output.portaudio_stream import OutputStream
 
 path, block, count = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])

@@ -1,17 +1,18 @@
-"""`overview bench --live` on a headless JACK server, with windows too short for figures."""
+"""`python -m tools.bench --live` on a headless JACK server, with windows too short for figures."""
 
 from __future__ import annotations
 
 import json
 
 import pytest
+from click.testing import CliRunner
 
-from overview_dsp.measure.bench.live.table import BLOCKS, LOAD_CASES, SESSIONS, LoadRow, lost_ratio
-from tests.cli.running import overview, refused
 from tests.live import jack_server
+from tools.bench.__main__ import command
+from tools.bench.live.table import BLOCKS, LOAD_CASES, SESSIONS, LoadRow, lost_ratio
 
 needs_server = pytest.mark.skipif(not jack_server.available(), reason=jack_server.INSTALL)
-BENCH = ("-m", "overview_dsp", "bench", "--live", "--seconds", "1", "--rounds", "1")
+BENCH = ("-m", "tools.bench", "--live", "--seconds", "1", "--rounds", "1")
 
 
 def row(callback, lost_percent, loaded=True):
@@ -34,7 +35,9 @@ def test_a_python_callback_that_lost_nothing_has_ratio_0():
 
 
 def test_what_belongs_to_live_is_refused_without_it():
-    refused(overview("bench", "--device", "system"), "--live")
+    done = CliRunner().invoke(command, ["--device", "system"])
+    assert done.exit_code == 2
+    assert "--device belongs to --live" in done.output
 
 
 @pytest.mark.realtime

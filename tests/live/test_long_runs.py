@@ -11,10 +11,10 @@ import os
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench.live.latency import LatencyResult
-from overview_dsp.measure.bench.live.table import BLOCKS, LoadRow, Report, latency_table, load_table
 from tests.live import jack_server
 from tests.live.test_portaudio import OPEN_AND_CLOSE
+from tools.bench.live.latency import LatencyResult
+from tools.bench.live.table import BLOCKS, LoadRow, Report, latency_table, load_table
 
 pytestmark = [
     pytest.mark.soak,
@@ -179,7 +179,7 @@ def test_long_play_keeps_its_memory_its_clock_and_its_feel():
 
 def test_no_native_callback_is_late_under_load_and_next_to_nothing_is_lost():
     window = min(60.0, SECONDS / 30.0)
-    bench = ("-m", "overview_dsp", "bench", "--live", "--device", "system", "--json")
+    bench = ("-m", "tools.bench", "--live", "--device", "system", "--json")
     with jack_server.Server(period=256) as server:
         found = json.loads(
             server.python(*bench, "--seconds", max(1.0, window), "--rounds", 5, timeout=7200.0)
@@ -199,7 +199,7 @@ def test_no_native_callback_is_late_under_load_and_next_to_nothing_is_lost():
 LATENCY = """
 import json, sys
 from dataclasses import asdict
-from overview_dsp.measure.bench.live.latency import measure_latency
+from tools.bench.live.latency import measure_latency
 print(json.dumps(asdict(measure_latency("system", int(sys.argv[1]), float(sys.argv[2])))))
 """
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from overview_dsp.measure.bench import speeds
-from overview_dsp.measure.bench.live.latency import LatencyResult
-from overview_dsp.measure.bench.live.table import LoadRow
-from overview_dsp.measure.bench.live.table import Report as LiveReport
 from overview_dsp.measure.bench.speeds import Contender, run_in_turn, this_machine
 from tools.bench import many_voices, scaling, solvers
 from tools.bench.building import MissingError
+from tools.bench.live.latency import LatencyResult
+from tools.bench.live.table import LoadRow
+from tools.bench.live.table import Report as LiveReport
 from tools.bench.report import NEIGHBOURS, Report
 from tools.bench.scaling import Cost, Memory
 

@@ -113,7 +113,9 @@ def test_title_language_colours_and_place_are_attributes(article):
     assert dressed.evaluate(look) == ["de", "Das Finale", "rgb(10, 20, 30)", "rgb(255, 255, 240)"]
     assert plain.evaluate(look)[0] == "en"
     assert plain.evaluate(look)[3] != "rgb(255, 255, 240)"
-    goal = dressed.evaluate("overview.view.events.filter(({ kind }) => kind === 'goal')[1].position")
+    goal = dressed.evaluate(
+        "overview.view.events.filter(({ kind }) => kind === 'goal')[1].position"
+    )
     assert dressed.evaluate("overview.reading") == pytest.approx(goal, abs=0.01)
     assert page.locator("iframe").nth(1).get_attribute("title") == "Das Finale"
     page.evaluate("document.querySelectorAll('overview-timeline')[1].setAttribute('paper', 'red')")

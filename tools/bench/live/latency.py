@@ -19,9 +19,9 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import OverviewError
 from overview_dsp.live.output.portaudio_stream import OutputStream
-from overview_dsp.measure.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.units import HALF_TURN
+from tools.bench.live.load import MAX_BLOCK, RATE, SETTLE_S, SILENT_S
 
 HOLD = 4800  # duration of a tap, in samples
 BACK_S = 0.3  # the disk returns to rest within this time after a tap

@@ -1,6 +1,6 @@
 """Live measurements of this machine in one report: load test, control latency, sessions.
 
-Each run has its own process, `python -m overview_dsp.measure.bench.live.table RUN`. RUN is one JSON
+Each run has its own process, `python -m tools.bench.live.table RUN`. RUN is one JSON
 object, and the process prints its result as one JSON object. PortAudio and the interpreter start
 fresh. The runs of a round are interleaved, so that the machine's drift affects all of them.
 """
@@ -13,18 +13,21 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.output.devices import devices
-from overview_dsp.measure.bench.live.latency import LatencyResult, measure_latency, probe_engine
-from overview_dsp.measure.bench.live.load import RATE, LoadResult, measure_load
-from overview_dsp.measure.bench.live.session import (
+from tools.bench.live.latency import LatencyResult, measure_latency, probe_engine
+from tools.bench.live.load import RATE, LoadResult, measure_load
+from tools.bench.live.session import (
     SessionRow,
     can_measure,
     measure_session,
     session_table,
 )
+
+ROOT = Path(__file__).parents[3]
 
 BLOCK = 256
 BLOCKS = (64, 128, 256, 512, 1024)
@@ -195,9 +198,11 @@ def latency_table(report: Report) -> list[str]:
 
 def _in_own_process(what: dict[str, Any]) -> dict[str, Any]:
     limit = START_WITHIN_S + 3.0 * what["seconds"]
-    command = [sys.executable, "-m", "overview_dsp.measure.bench.live.table", json.dumps(what)]
+    command = [sys.executable, "-m", "tools.bench.live.table", json.dumps(what)]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+        done = subprocess.run(
+            command, cwd=ROOT, capture_output=True, text=True, timeout=limit, check=False
+        )
     except subprocess.TimeoutExpired:
         raise OverviewError(f"a run did not end within {limit:.0f} s: {json.dumps(what)}") from None
     if done.returncode != 0:
