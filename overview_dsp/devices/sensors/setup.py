@@ -9,11 +9,11 @@ import numpy as np
 
 from overview_dsp.devices.sensors.decoders import AMBIGUOUS
 from overview_dsp.devices.sensors.lines import LineSplitter
-from overview_dsp.devices.sensors.number_learner import NumberLearner
 from overview_dsp.devices.sensors.number_meaning import (
     AWAY_DEG,
     REST_ROWS,
     Meaning,
+    NumberLearner,
     Table,
     are_turns,
     axes_in_turn,
