@@ -13,14 +13,13 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.kernels import layout
 from overview_dsp.live.output import saved_settings
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.saved_settings import (
     load_settings,
     remembered_actuator,
     save_settings,
 )
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings
-from overview_dsp.live.output.stream import compile_python_path, connect, run_block
+from overview_dsp.live.output.stream import NullStream, compile_python_path, connect, run_block
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from tests.profiles import share

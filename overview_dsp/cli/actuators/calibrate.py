@@ -97,8 +97,13 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
-    from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
-    from overview_dsp.live.output.threshold import SILENCE_S, RisingTone, find_threshold
+    from overview_dsp.live.output.threshold import (
+        SILENCE_S,
+        NullSamplePlayer,
+        RisingTone,
+        SamplePlayer,
+        find_threshold,
+    )
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels

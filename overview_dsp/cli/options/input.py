@@ -176,8 +176,7 @@ def _take(source: str) -> Callable[[Player], Input]:
 def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.force_feedback.motor_loop import require_motor
     from overview_dsp.devices.sensors.profile import Sensor, load_sensor
-    from overview_dsp.live.inputs.motors import MotorInput
-    from overview_dsp.live.inputs.sensors import SensorInput
+    from overview_dsp.live.inputs.sensors import MotorInput, SensorInput
 
     baud = None
     if "baud" in parts:

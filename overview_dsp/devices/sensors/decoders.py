@@ -21,7 +21,14 @@ from overview_dsp.devices.sensors.labelled_lines import (
     line_shape,
     name_slots,
 )
-from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
+from overview_dsp.devices.sensors.lines import (
+    LineDecoder,
+    LineSplitter,
+    parse_header,
+    parse_numbers,
+    parse_row,
+    split_cells,
+)
 from overview_dsp.devices.sensors.number_meaning import order_at_rest
 from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
@@ -36,12 +43,6 @@ from overview_dsp.devices.sensors.reading import (
     Counters,
     Decoder,
     has,
-)
-from overview_dsp.devices.sensors.text_lines import (
-    parse_header,
-    parse_numbers,
-    parse_row,
-    split_cells,
 )
 from overview_dsp.devices.sensors.units import is_gravity
 

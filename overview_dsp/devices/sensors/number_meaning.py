@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.devices.sensors.labelled_lines import line_shape
-from overview_dsp.devices.sensors.lines import LineSplitter
+from overview_dsp.devices.sensors.lines import WORD, LineSplitter, parse_numbers, split_cells
 from overview_dsp.devices.sensors.reading import (
     ACCELERATION,
     ANGLES,
@@ -26,7 +26,6 @@ from overview_dsp.devices.sensors.reading import (
     SKIPPED,
     Counters,
 )
-from overview_dsp.devices.sensors.text_lines import WORD, parse_numbers, split_cells
 from overview_dsp.devices.sensors.units import Vector, is_gravity, unit
 from overview_dsp.errors import InputError
 

@@ -22,10 +22,9 @@ from overview_dsp.design.gestures import load_gesture
 from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
+from overview_dsp.live.output.reconnecting_stream import ReconnectingStream, StreamOpener
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
-from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.blind import BlindComparison
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates

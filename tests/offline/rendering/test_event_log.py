@@ -13,7 +13,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.files.cue_points import add_cues
+from overview_dsp.files.sound import add_cues
 from overview_dsp.offline.rendering.event_log import of_events, passed_events, save_transcript
 from tests.cli.running import MATCH, overview
 
