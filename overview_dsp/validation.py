@@ -34,14 +34,8 @@ def prefix_errors(location: str) -> Iterator[None]:
         yield
     except InputError as error:
         what, _, fix = str(error).partition("\n")
-        raise InputError(
-            f"{location}{what}",
-            fix,
-            line=error.line,
-            column=error.column,
-            value=error.value,
-            note=error.note,
-        ) from error
+        error.args = InputError(f"{location}{what}", fix).args
+        raise
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from overview_dsp.batch import manifest
 from overview_dsp.batch.cache_keys import Keys
 from overview_dsp.batch.grid import RenderGrid
-from overview_dsp.batch.local import run_here, run_in_processes
 from overview_dsp.batch.storage import Storage, is_url
 from overview_dsp.batch.task import Job, TaskResult
+from overview_dsp.batch.workers import Cluster, run_here, run_in_processes
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import pause
 from overview_dsp.design.presets.library import load_preset
@@ -121,8 +121,6 @@ def _runner(
 ) -> Iterator[tuple[Run, int]]:
     """Yield the function that runs tasks, and the number of tasks that run at a time."""
     if scheduler is not None:
-        from overview_dsp.batch.cluster import Cluster
-
         cluster = Cluster(scheduler)
         try:
             yield cluster.run, cluster.threads

@@ -15,8 +15,7 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from overview_dsp.live.session.session import Session
-from overview_dsp.live.session.status import STATES
+from overview_dsp.live.session.session import STATES, Session
 
 
 def make_stream(callbacks):

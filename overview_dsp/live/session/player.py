@@ -32,8 +32,7 @@ from overview_dsp.live.session.loop import Loop
 from overview_dsp.live.session.missed_events import MissedEvents
 from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
-from overview_dsp.live.session.session import Session
-from overview_dsp.live.session.status import SessionState, Status
+from overview_dsp.live.session.session import Session, SessionState, Status
 from overview_dsp.live.takes.takes import Takes, timeline_path
 from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
@@ -99,6 +98,7 @@ class Player:
         self.say, self.take_messages = session.say, session.take_messages
         self._presets = PresetPair(watch, other)
         window = self.active_window = ActiveWindow(session, timeline, self._presets)
+        self.show, self.time_at = window.show, window.time_at
         self.takes = Takes(session, record)
         self.live_updates = None if follow is None else LiveUpdates(session, follow, window)
         self.state = SessionState("starting", "opening the output")
@@ -145,14 +145,6 @@ class Player:
     def window(self) -> tuple[float, float]:
         """Start and end of the window, s."""
         return self.active_window.window
-
-    def time_at(self, position: float) -> float:
-        """Return the time in the whole timeline, s, at a position of the window (0 to 1)."""
-        return self.active_window.time_at(position)
-
-    def show(self, start_s: float, end_s: float) -> None:
-        """Change the window; InputError if it isn't part of the timeline."""
-        self.active_window.show(start_s, end_s)
 
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail about the time at position `about` (0 to 1).
