@@ -45,7 +45,7 @@ SERVER = {
     for name in (
         *("web.app", "web.certificate", "web.connections", "web.control"),
         *("web.data", "web.live_data", "web.media", "web.static_publisher"),
-        *("web.security.middleware", "web.security.threaded_endpoint", "web.server"),
+        *("web.security.middleware", "web.server"),
     )
 }
 """Modules that `overview serve` and its like import once they know that their extra is there."""

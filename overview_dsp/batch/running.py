@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
-from overview_dsp.batch.cache_keys import Keys
-from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.grid import Keys, RenderGrid
 from overview_dsp.batch.storage import Storage, is_url
 from overview_dsp.batch.task import Job, TaskResult
 from overview_dsp.batch.workers import Cluster, run_here, run_in_processes

@@ -22,8 +22,7 @@ from functools import lru_cache
 from multiprocessing import connection, get_context, parent_process
 from typing import Any
 
-from overview_dsp.batch.cache_keys import PROGRAM
-from overview_dsp.batch.grid import RenderGrid
+from overview_dsp.batch.grid import PROGRAM, RenderGrid
 from overview_dsp.batch.task import Job, TaskResult, Worker
 from overview_dsp.errors import OverviewError, OverviewWarning, warn
 from overview_dsp.installation import require_package

@@ -72,7 +72,7 @@ class Learning:
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
     """Check that a target is one of `known` or the id of a parameter; InputError otherwise."""
-    from overview_dsp.devices.controllers.parameters import find_parameter
+    from overview_dsp.devices.controllers.control_messages import find_parameter
 
     if target not in known and not target.startswith("kinds."):
         try:

@@ -115,7 +115,7 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
     """Change the saved settings of a device, except its actuator; InputError."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import SILENT, device_named
-    from overview_dsp.live.output.saved_settings import resolve_output, save_settings
+    from overview_dsp.live.output.settings import resolve_output, save_settings
 
     if not texts:
         raise InputError("--device needs --set KEY=VALUE; add it")
@@ -129,8 +129,7 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
 
 def _plays(output: OutputDevice) -> str | None:
     """Return the channels and actuator of an output if they aren't the default."""
-    from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
-    from overview_dsp.live.output.settings import OutputSettings
+    from overview_dsp.live.output.settings import OutputSettings, load_settings, remembered_actuator
 
     try:
         settings = load_settings(output.full_name, output.channels)

@@ -27,8 +27,7 @@ from overview_dsp.web.control import serve_input
 from overview_dsp.web.messages import json_object
 from overview_dsp.web.preset_data import parse_preset
 from overview_dsp.web.security.auth_token import Access
-from overview_dsp.web.security.middleware import Guard, cookie_name
-from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
+from overview_dsp.web.security.middleware import Guard, cookie_name, threaded_endpoint
 
 if TYPE_CHECKING:
     from overview_dsp.web.session import HostSession

@@ -59,7 +59,7 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_preset,
 )
-from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
+from overview_dsp.web.security.middleware import threaded_endpoint
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"

@@ -40,9 +40,8 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
 from overview_dsp.web.preset_data import vibration_pattern
-from overview_dsp.web.site_data import kind_styles, window_json
+from overview_dsp.web.site_data import kind_styles, series_json, window_json
 from overview_dsp.web.sound_data import make_patch, window_bytes
-from overview_dsp.web.values import series_json
 
 CHECK_INTERVAL_S = 0.05
 NOTICE_INTERVAL_S = 0.25

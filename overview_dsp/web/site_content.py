@@ -15,9 +15,15 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.site_data import site_windows, timeline_json, window_json
+from overview_dsp.web.site_data import (
+    fits_one_file,
+    has_values,
+    points_json,
+    site_windows,
+    timeline_json,
+    window_json,
+)
 from overview_dsp.web.sound_data import make_patch, pack, whole_bytes, window_bytes
-from overview_dsp.web.values import fits_one_file, has_values, points_json
 
 RATES = (48_000, 44_100)
 """Common sample rates of browsers, Hz; at others the browser resamples."""

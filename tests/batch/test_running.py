@@ -18,7 +18,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.batch import run_batch, storage, task
-from overview_dsp.batch.cache_keys import Keys
+from overview_dsp.batch.grid import Keys
 from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Storage
 from overview_dsp.design.presets.parameters import PARAMETERS

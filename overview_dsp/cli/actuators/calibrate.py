@@ -149,8 +149,12 @@ def _output(
     """Return the output of the tactor, and name, rate (Hz) and index of the device."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import device_named
-    from overview_dsp.live.output.saved_settings import load_settings
-    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
+    from overview_dsp.live.output.settings import (
+        OutputSettings,
+        SignalSettings,
+        load_settings,
+        parse_channels,
+    )
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None

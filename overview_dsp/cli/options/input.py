@@ -257,8 +257,8 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
 
 def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import DEFAULT, load_map
+    from overview_dsp.devices.controllers.control_messages import require_parameters
     from overview_dsp.devices.controllers.midi_messages import MidiReader
-    from overview_dsp.devices.controllers.parameters import require_parameters
     from overview_dsp.live.inputs.controllers import ControllerInput
     from overview_dsp.live.ports.midi import MidiPort
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from overview_dsp.devices.sensors.app_json import LONGEST, parse_app_batch, parse_json_line
+from overview_dsp.devices.sensors.calibration import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.frames import FrameDecoder
 from overview_dsp.devices.sensors.labelled_lines import (
     LabelledReader,
@@ -30,7 +31,6 @@ from overview_dsp.devices.sensors.lines import (
     split_cells,
 )
 from overview_dsp.devices.sensors.number_meaning import order_at_rest
-from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.devices.sensors.profile import DETECT

@@ -9,8 +9,7 @@ from typing import Any
 
 from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
-from overview_dsp.live.output.saved_settings import file_requiring
-from overview_dsp.live.output.settings import is_pad
+from overview_dsp.live.output.settings import file_requiring, is_pad
 
 _CARD = re.compile(r"\(hw:\d+(,\d+)*\)")
 _OUTPUT_HINTS = {

@@ -27,9 +27,8 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
 from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.blind import BlindComparison
-from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
+from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates, MissedEvents
 from overview_dsp.live.session.loop import Loop
-from overview_dsp.live.session.missed_events import MissedEvents
 from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Session, SessionState, Status

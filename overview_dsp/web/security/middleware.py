@@ -1,4 +1,4 @@
-"""Access checks and security headers of every request.
+"""Access checks and security headers of every request, and endpoints that run in a thread.
 
 The checks are, in order: the Host header, the Origin, the size, the token, and the time to receive
 the body. Every response has the security headers. An exception in the application is reported to
@@ -15,13 +15,17 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from http.cookies import CookieError, SimpleCookie
 
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.body_limit import RequestBodyLimitMiddleware
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict
 
 POLICY = "; ".join(
@@ -254,3 +258,21 @@ def _with_timeout(receive: Receive) -> Receive:
         return message
 
     return receive_in_time
+
+
+Answer = Callable[[Request, bytes], Response]
+
+
+def threaded_endpoint(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
+    """Return an endpoint that runs `answer` in a thread; invalid input is status 400."""
+
+    async def endpoint(request: Request) -> Response:
+        body = await request.body()
+        try:
+            return await run_in_threadpool(answer, request, body)
+        except InputError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        except OverviewError as error:
+            return PlainTextResponse(f"{error}\n", 503)
+
+    return endpoint
