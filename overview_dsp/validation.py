@@ -56,6 +56,14 @@ def number(value: object, what: str, hint: str = "give a finite number") -> floa
     return result
 
 
+def float_or_nan(word: str) -> float:
+    """Return the number that a text holds; NaN for any other text."""
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
+
+
 def positive(value: object, what: str, hint: str = "give a finite number above 0") -> float:
     """Return `value` as a finite float above 0 (errors as `number`)."""
     result = number(value, what, hint)

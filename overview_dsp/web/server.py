@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import io
-import ipaddress
 import logging
 import socket
 import ssl
@@ -21,6 +20,7 @@ from starlette.types import ASGIApp
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.web.connections import MAX_HEADER, HttpConnection, WebSocketConnection
 from overview_dsp.web.messages import MAX_MESSAGE_BYTES
+from overview_dsp.web.security.auth_token import parse_ip
 
 HANDSHAKE_TIMEOUT_S = 5.0
 STOP_TIMEOUT_S = 2
@@ -157,12 +157,8 @@ EXTERNAL_ADDRESS = {4: "192.0.2.1", 6: "2001:db8::1"}
 
 def is_loopback(host: str) -> bool:
     """Return whether a host accepts connections from this machine only."""
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
+    address = parse_ip(host)
+    return host == "localhost" or (address is not None and address.is_loopback)
 
 
 def machine_names() -> frozenset[str]:
@@ -173,11 +169,8 @@ def machine_names() -> frozenset[str]:
 
 def public_host(host: str) -> str:
     """Return the address at which other machines reach a server that listens on `host`."""
-    try:
-        parsed = ipaddress.ip_address(host)
-    except ValueError:
-        return host
-    if not parsed.is_unspecified:
+    parsed = parse_ip(host)
+    if parsed is None or not parsed.is_unspecified:
         return host
     family = socket.AF_INET6 if parsed.version == 6 else socket.AF_INET
     with socket.socket(family, socket.SOCK_DGRAM) as probe:

@@ -6,7 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -14,6 +14,7 @@ import overview_dsp as ov
 from overview_dsp.cli.options.declaring import option, refuse_options
 from overview_dsp.cli.options.reading import Reading, Window, open_timeline, preset_for
 from overview_dsp.errors import InputError
+from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -25,13 +26,6 @@ if TYPE_CHECKING:
 FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
 
 HELD = ",held="
-
-
-def _held_s(text: str) -> float:
-    with suppress(ValueError):
-        if 0.0 <= (seconds := float(text)) < math.inf:
-            return seconds
-    raise InputError(f"--follow: held={text}; must be 0 s or more")
 
 
 @dataclass(frozen=True)
@@ -78,7 +72,9 @@ class Feed:
         from overview_dsp.live.session.live_updates import FollowSettings
 
         name, held, seconds = self.follow.rpartition(HELD)
-        after_s = _held_s(seconds) if held else None
+        after_s = float_or_nan(seconds) if held else None
+        if after_s is not None and not 0.0 <= after_s < math.inf:
+            raise InputError(f"--follow: held={seconds}; must be 0 s or more")
         length, layout = self.expected_duration, self.layout
         live = ov.LiveTimeline(
             expected_duration_s=None if length is None else parse_duration(length),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from collections.abc import Callable
@@ -14,6 +13,7 @@ import click
 from overview_dsp.cli.common import read_gesture
 from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
     from overview_dsp.live.inputs.input import Input
@@ -225,10 +225,7 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
 def _smooth_s(source: str, parts: dict[str, str]) -> float:
     """Return the delay that makes movements more even, s; 0: they apply in the next block."""
     text = parts.get("smooth", "0")
-    try:
-        smooth_ms = float(text)
-    except ValueError:
-        smooth_ms = math.nan
+    smooth_ms = float_or_nan(text)
     if not 0.0 <= smooth_ms <= MAX_SMOOTH_MS:
         raise InputError(f"--input {source}: smooth={text}; must be 0 to {MAX_SMOOTH_MS:g} (ms)")
     return 1e-3 * smooth_ms

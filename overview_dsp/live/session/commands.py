@@ -18,6 +18,7 @@ from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.session import Status
 from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.stage import warn_of_carrier
+from overview_dsp.validation import float_or_nan
 
 
 def poll(player: Player, source: Input | None = None) -> Status:
@@ -86,10 +87,7 @@ def _window(player: Player, start: str, end: str) -> None:
 
 
 def _number(word: str, quantity: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
+    value = float_or_nan(word)
     if not math.isfinite(value):
         raise InputError(f"{quantity} {word!r} must be a number")
     return value

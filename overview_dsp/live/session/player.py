@@ -112,7 +112,10 @@ class Player:
             session, self.output, window, self._end_before_restart, self.pointer.force_release
         )
         try:
-            self.output.open((lambda: None) if record is None else self._start_first_take)
+            if record is None:
+                self.output.open()
+            else:
+                self.output.open(lambda: self.takes.start_first(*self._take_header))
         except BaseException:
             self.takes.end()
             raise
@@ -333,9 +336,6 @@ class Player:
             "angle_map": preset.number(SHARE),
         }
         return header, None if self.live_updates is None else self.timeline
-
-    def _start_first_take(self) -> None:
-        self.takes.start_first(*self._take_header)
 
     def toggle_take(self) -> None:
         """Start a take, or end the present one."""

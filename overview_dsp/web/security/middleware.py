@@ -26,7 +26,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict
+from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict, parse_ip
 
 POLICY = "; ".join(
     (
@@ -105,10 +105,7 @@ def _parts(host: str, default: int) -> tuple[str | None, int]:
 
 
 def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    try:
-        parsed = ipaddress.ip_address(text.partition("%")[0])
-    except ValueError:
-        return None
+    parsed = parse_ip(text)
     mapped = parsed.ipv4_mapped if isinstance(parsed, ipaddress.IPv6Address) else None
     return mapped or parsed
 
