@@ -57,7 +57,7 @@ from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.preset_data import vibration_pattern
+from overview_dsp.web.preset_data import KINDS, vibration_pattern
 
 MAX_POINTS = 16_384
 DERIVED_UNIT = "0..1"
@@ -248,42 +248,6 @@ def site_windows(timeline: Timeline, levels: int) -> list[Window]:
 
 COLUMNS = 1025
 
-# shape of each known kind, and colour on the page of a study
-_STYLES = {
-    "goal": ("circle", "blue"),
-    "own_goal": ("hexagon", "sky"),
-    "near_miss": ("triangle", "green"),
-    "yellow_card": ("card", "yellow"),
-    "red_card": ("red", "vermilion"),
-    "foul": ("cross", "grey"),
-    "period": ("bar", "ink"),
-    "shot": ("wedge", "green"),
-    "touch": ("plus", "grey"),
-    "highest": ("triangle", "vermilion"),
-    "lowest": ("fall", "blue"),
-    "record_high": ("square", "vermilion"),
-    "record_low": ("open_square", "blue"),
-    "peak": ("peak", "vermilion"),
-    "trough": ("trough", "blue"),
-    "largest_rise": ("diamond", "vermilion"),
-    "largest_fall": ("open_diamond", "blue"),
-    "crossing_up": ("arrow_up", "vermilion"),
-    "crossing_down": ("arrow_down", "blue"),
-}
-# names of kinds whose identifier isn't plain English
-_NAMES = {
-    "period": "kick-off, half-time, full time",
-    "crossing_up": "rises above a level",
-    "crossing_down": "falls below a level",
-}
-_OTHER_SHAPES = (
-    "star", "diamond", "triangle", "square", "circle", "wedge", "cross", "plus", "fall",
-    "open_diamond", "open_triangle", "open_square", "open_circle", "open_wedge", "open_star",
-    "open_fall", "pentagon", "hexagon", "arrow_up", "arrow_down", "peak", "trough",
-    "open_pentagon", "open_hexagon",
-)  # fmt: skip
-_OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
-
 
 def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
     """Return name, shape, colour, count and vibration pattern of each event kind.
@@ -294,25 +258,23 @@ def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]
     window_kinds = SERIES_KINDS if timeline.rules is not None else TICKS
     for kind in (*(detail.kind for detail in timeline.details), *window_kinds):
         counts.setdefault(kind, 0)
-    fixed = {**_STYLES, **dict.fromkeys(TICKS, ("bar", "grey"))}
+    fixed = KINDS["known"] | {kind: {"shape": "bar", "colour": "grey"} for kind in TICKS}
     others = sorted(set(counts) - set(fixed))
-    taken = {fixed[kind][0] for kind in counts if kind in fixed}
+    taken = {fixed[kind]["shape"] for kind in counts if kind in fixed}
     # goals of the second team are outlines
-    taken |= {f"open_{fixed[kind][0]}" for kind in ("goal", "own_goal") if kind in counts}
-    free = [shape for shape in _OTHER_SHAPES if shape not in taken]
+    taken |= {f"open_{fixed[kind]['shape']}" for kind in ("goal", "own_goal") if kind in counts}
+    free = [shape for shape in KINDS["others"]["shapes"] if shape not in taken]
     styles = {}
     for kind in (*(name for name in fixed if name in counts), *others):
         if kind in fixed:
-            shape, colour = fixed[kind]
+            style = fixed[kind]
         else:
-            i = others.index(kind)
-            shape = free[min(i, len(free) - 1)]
-            colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
-        name = KIND_STYLE[kind][2] if kind in _STYLES else kind.replace("_", " ")
+            i, colours = others.index(kind), KINDS["others"]["colours"]
+            style = {"shape": free[min(i, len(free) - 1)], "colour": colours[i % len(colours)]}
+        name = KIND_STYLE[kind][2] if kind in KINDS["known"] else kind.replace("_", " ")
         styles[kind] = {
-            "name": _NAMES.get(kind, name),
-            "shape": shape,
-            "colour": colour,
+            "name": name,
+            **style,
             "count": counts[kind],
             "pattern": list(vibration_pattern(kind, preset)),
         }
