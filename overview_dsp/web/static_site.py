@@ -16,6 +16,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Sequence
+from string import Template
 from typing import Any
 
 from overview_dsp.data.timeline import Timeline
@@ -23,7 +24,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.web.assets import START, folder_files, page_files
+from overview_dsp.web.assets import START, WEB, folder_files, page_files
 from overview_dsp.web.site_content import SiteContent
 from overview_dsp.web.site_data import default_levels
 
@@ -198,25 +199,5 @@ def _gallery_page(timelines: Sequence[Timeline], names: Sequence[str], address: 
         for timeline, name in zip(timelines, names, strict=True)
     )
     tags = "\n  ".join(link_tags(_GALLERY_TITLE, f"{names[0]}/{PICTURE}", address))
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-  <meta charset="utf-8">
-  <meta name="viewport" content="width=device-width, initial-scale=1, viewport-fit=cover">
-  <meta name="color-scheme" content="light dark">
-  <title>{_GALLERY_TITLE}</title>
-  {tags}
-  <link rel="icon" href="icon.svg" type="image/svg+xml">
-  <link rel="apple-touch-icon" href="icon-192.png">
-  <link rel="stylesheet" href="style.css">
-</head>
-<body class="gallery">
-  <main>
-  <h1>{_GALLERY_TITLE}</h1>
-  <ul>
-{items}
-  </ul>
-  </main>
-</body>
-</html>
-"""
+    page = Template((WEB / "gallery.html").read_text(encoding="utf-8"))
+    return page.substitute(title=_GALLERY_TITLE, tags=tags, items=items)

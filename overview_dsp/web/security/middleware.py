@@ -26,36 +26,12 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.files.toml import table_beside
 from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict, parse_ip
 
-POLICY = "; ".join(
-    (
-        "default-src 'none'",
-        "script-src 'self' 'wasm-unsafe-eval'",  # WebAssembly, and no inline script
-        "style-src 'self'",
-        "img-src 'self'",
-        "media-src 'self'",
-        "connect-src 'self'",
-        "worker-src 'self'",
-        "manifest-src 'self'",
-        "base-uri 'none'",
-        "form-action 'none'",
-        "frame-ancestors 'none'",
-    )
-)
-
-SECURITY_HEADERS = {
-    "content-security-policy": POLICY,
-    # both isolate the page, which enables precise clocks and shared memory
-    "cross-origin-opener-policy": "same-origin",
-    "cross-origin-embedder-policy": "require-corp",
-    "cross-origin-resource-policy": "same-origin",
-    "x-content-type-options": "nosniff",
-    "referrer-policy": "no-referrer",
-    "permissions-policy": "accelerometer=(self), gyroscope=(self), magnetometer=(self), "
-    "camera=(), microphone=(), geolocation=(), usb=(), payment=()",
-    "cache-control": "no-store",
-}
+_HEADERS = table_beside(__file__, "headers.toml")
+POLICY = "; ".join(f"{name} {source}" for name, source in _HEADERS["policy"].items())
+SECURITY_HEADERS: dict[str, str] = {"content-security-policy": POLICY, **_HEADERS["headers"]}
 """Defaults; a response may set its own `cache-control`."""
 
 PORTS = {"http": 80, "ws": 80, "https": 443, "wss": 443}
