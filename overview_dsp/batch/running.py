@@ -87,7 +87,10 @@ def run_batch(
         jobs = [(index, key) for key, index in missing.items()]
         try:
             with _runner(grid, workers, scheduler) as (run, at_a_time):
-                for done in run(grid, _tasks(jobs, at_a_time)):
+                size = math.ceil(len(jobs) / (at_a_time * TASKS_PER_WORKER))
+                size = min(size, MAX_CASES_PER_TASK)
+                tasks = [jobs[first : first + size] for first in range(0, len(jobs), size)]
+                for done in run(grid, tasks):
                     count += done.finished + len(done.failed)
                     failed += done.failed
                     if progress:
@@ -104,11 +107,6 @@ def run_batch(
     at = f"{grid.out.rstrip('/')}/{manifest.MANIFEST}"
     rendered = len(missing) - len(failed)
     return BatchResult(len(keys), cached, rendered, tuple(sorted(failed)), at)
-
-
-def _tasks(jobs: Sequence[Job], at_a_time: int) -> list[Sequence[Job]]:
-    size = min(max(1, math.ceil(len(jobs) / (at_a_time * TASKS_PER_WORKER))), MAX_CASES_PER_TASK)
-    return [jobs[first : first + size] for first in range(0, len(jobs), size)]
 
 
 Run = Callable[[RenderGrid, Sequence[Sequence[Job]]], Iterator[TaskResult]]

@@ -45,7 +45,8 @@ def command(
     Each serial port is opened to detect its format, which restarts many boards. --set changes
     the settings of --device (or of the default output) first.
     """
-    from overview_dsp.live.output.devices import devices, no_output_hint
+    from overview_dsp.live.output.devices import devices
+    from overview_dsp.live.output.portaudio_library import platform_hint
     from overview_dsp.live.ports.midi import midi_ports
     from overview_dsp.live.ports.pads import pads
     from overview_dsp.live.ports.serial import PortInfo, ports
@@ -84,7 +85,7 @@ def command(
         )
         return
     if not found:
-        why = missing.get("outputs") or f"PortAudio finds none: {no_output_hint()}"
+        why = missing.get("outputs") or f"PortAudio finds none: {platform_hint('output')}"
         click.echo(f"no audio output: {why}; rendering to files works without one")
     for output in found:
         star = "*" if output.default else " "

@@ -197,26 +197,21 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
     """Return the opener of a game pad, a phone app or a Bluetooth sensor."""
     from overview_dsp.devices.sensors.profile import load_sensor
     from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput
+    from overview_dsp.live.ports.bluetooth import BlePort
+    from overview_dsp.live.ports.pads import PadPort, find_pad
+    from overview_dsp.live.ports.phones import PhyphoxPort, PostPort
     from overview_dsp.live.ports.port import Port
 
-    silent_s, default = SILENT_S, "phone"
-    open_port: Callable[[str], Port]
-    if kind == "pad":
-        from overview_dsp.live.ports.pads import PadPort as open_port  # noqa: N813
-        from overview_dsp.live.ports.pads import find_pad
-
-        default = find_pad(where).kind
-    elif kind == "ble":
-        from overview_dsp.live.ports.bluetooth import BlePort as open_port  # noqa: N813
-
-        default = "imu"
-    elif kind == "post":
-        from overview_dsp.live.ports.phones import PostPort as open_port  # noqa: N813
-
-        silent_s = SILENT_BATCHES_S
-    else:
-        from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
-
+    ports: dict[str, tuple[Callable[[str], Port], str]] = {
+        "pad": (PadPort, ""),
+        "ble": (BlePort, "imu"),
+        "post": (PostPort, "phone"),
+        "http": (PhyphoxPort, "phone"),
+    }
+    open_port, default = ports[kind]
+    default = default or find_pad(where).kind
+    silent_s = SILENT_BATCHES_S if kind == "post" else SILENT_S
+    if kind == "http":
         kind, where = "phyphox", f"http:{where}"
     profile = load_sensor(parts.get("sensor", default))
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)

@@ -15,9 +15,10 @@ import sys
 import tempfile
 from ctypes.util import find_library
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 from overview_dsp.errors import OverviewError, require_internals
+from overview_dsp.files.toml import table_beside
 from overview_dsp.live.output import jack
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
@@ -49,12 +50,13 @@ _with_jack: list[ctypes.CDLL] = []
 OPEN_STREAMS: set[Any] = set()
 """Open streams. They must outlive every other reference, because PortAudio calls them."""
 
-_LIBRARY_HINTS = {
-    "linux": "install it (Debian, Ubuntu: apt install libportaudio2; Fedora: dnf install "
-    "portaudio; Arch: pacman -S portaudio)",
-    "darwin": "install it (pip install --force-reinstall sounddevice, or brew install portaudio)",
-    "win32": "install it (pip install --force-reinstall sounddevice)",
-}
+_HINTS = table_beside(__file__, "hints.toml")
+
+
+def platform_hint(missing: Literal["output", "library"]) -> str:
+    """Return what to do on this platform without an output, or without the PortAudio library."""
+    hints: dict[str, str] = _HINTS[missing]
+    return hints.get(sys.platform, hints["linux"])
 
 
 def device_named(device: str | None) -> int | str | None:
@@ -72,7 +74,7 @@ def import_sounddevice() -> Any:
         _prepare()
         import sounddevice
     except OSError as error:
-        hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
+        hint = platform_hint("library")
         raise OverviewError(f"PortAudio library not found ({error}): {hint}") from None
     require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
     return sounddevice
