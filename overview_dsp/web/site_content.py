@@ -90,15 +90,15 @@ class SiteContent:
 
     def _timeline_file(self) -> bytes:
         content = timeline_json(self.timeline, self.preset, self.parts, RATES)
-        return _json({**content, "server": self._server, "live": self._live})
+        return compact_json({**content, "server": self._server, "live": self._live})
 
     def _window(self, i: int) -> bytes:
         timeline, surface = self._surface(i)
-        return _json(window_json(timeline, surface, self.parts[i].start_s))
+        return compact_json(window_json(timeline, surface, self.parts[i].start_s))
 
     def _points(self, i: int) -> bytes:
         part = self.parts[i]
-        return _json(points_json(self.timeline, part.start_s, part.end_s))
+        return compact_json(points_json(self.timeline, part.start_s, part.end_s))
 
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]
@@ -114,6 +114,7 @@ class SiteContent:
         return make_patch(self._sound(i), self._at_rate(i, rate))
 
 
-def _json(document: dict[str, Any]) -> bytes:
+def compact_json(document: dict[str, Any]) -> bytes:
+    """Return a JSON object without spaces."""
     text = json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.encode()

@@ -77,9 +77,9 @@ class Learner:
             return None
         if kind == 0xE0 and len(data) == 3:
             return self._changed(Control("bend", channel=channel), data[2])
-        return (
-            self._changed(Control("pressure", channel=channel), data[1]) if kind == 0xD0 else None
-        )
+        if kind == 0xD0:
+            return self._changed(Control("pressure", channel=channel), data[1])
+        return None
 
     def _note(self, number: int, channel: int) -> Control | None:
         if self._to == THETA2:
