@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from importlib import import_module
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.errors import InputError
 
 DISTRIBUTION = "overview-dsp"
 
@@ -38,14 +37,6 @@ def require_package(module: str, purpose: str, extra: str) -> Any:
         raise InputError(
             f"{purpose} needs the package {package} ({error}); install it: {command}"
         ) from error
-
-
-def import_first(modules: tuple[str, ...], needs: str, extra: str) -> Any:
-    """Import the first installed module; OverviewError names what `needs` it, and its `extra`."""
-    for module in modules:
-        with contextlib.suppress(ImportError):
-            return import_module(module)
-    raise OverviewError(f"{needs}: {install_command(extra)}")
 
 
 def _source() -> Path | None:

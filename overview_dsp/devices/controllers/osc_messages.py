@@ -45,8 +45,8 @@ from overview_dsp.devices.messages import Messages
 from overview_dsp.devices.sensors.angles import Angle, make_angle
 from overview_dsp.devices.sensors.reading import ACCELERATION
 from overview_dsp.devices.sensors.reading import Counters as SensorCounters
-from overview_dsp.errors import InputError
-from overview_dsp.installation import import_first
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.units import HALF_TURN
 
 NAME = "device"
@@ -101,7 +101,10 @@ def require_osc() -> None:
 
     This also keeps python-osc from logging each unknown type to the terminal.
     """
-    import_first(("pythonosc",), "OSC needs python-osc", "osc")
+    try:
+        import pythonosc  # noqa: F401
+    except ImportError:
+        raise OverviewError(f"OSC needs python-osc: {install_command('osc')}") from None
     root = logging.getLogger()
     if _not_from_osc not in root.filters:
         root.addFilter(_not_from_osc)

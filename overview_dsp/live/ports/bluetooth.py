@@ -11,8 +11,8 @@ import threading
 from typing import Any
 
 from overview_dsp.devices.sensors.packets import packets_from_notification
-from overview_dsp.errors import InputError
-from overview_dsp.installation import import_first
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 FIND_WITHIN_S = 10.0
@@ -21,6 +21,14 @@ MAX_QUEUED = 1000
 
 UART = "6e400003-b5a3-f393-e0a9-e50e24dcca9e"
 WITMOTION = "0000ffe4-0000-1000-8000-00805f9a34fb"
+
+
+def _import_bleak() -> Any:
+    try:
+        import bleak
+    except ImportError:
+        raise OverviewError(f"Bluetooth sensors need bleak: {install_command('ble')}") from None
+    return bleak
 
 
 class BlePort(QueuedPort):
@@ -34,7 +42,7 @@ class BlePort(QueuedPort):
         """
         super().__init__(f"ble:{selected}", MAX_QUEUED)
         self._selected = selected.casefold()
-        self._bleak = bleak or import_first(("bleak",), "Bluetooth sensors need bleak", "ble")
+        self._bleak = _import_bleak() if bleak is None else bleak
         self._lost = threading.Event()
         self._opened = threading.Event()
         self._fault = ""

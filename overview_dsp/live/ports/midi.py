@@ -12,8 +12,8 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
-from overview_dsp.errors import InputError
-from overview_dsp.installation import import_first
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import PortLostError, QueuedPort
 
 MAX_QUEUED = 4096
@@ -86,10 +86,17 @@ def _quiet() -> Iterator[None]:
 
 def _library() -> tuple[Any, Iterable[int]]:
     """Return the library and its possible systems; OverviewError without a library."""
-    library = import_first(("rtmidi", "rtmidi2"), "MIDI needs python-rtmidi or rtmidi2", "midi")
-    if hasattr(library, "get_compiled_api"):  # python-rtmidi
-        return library, library.get_compiled_api()
-    return library, [getattr(library, name) for name in RTMIDI2_SYSTEMS]
+    try:
+        import rtmidi
+    except ImportError:
+        try:
+            import rtmidi2
+        except ImportError:
+            raise OverviewError(
+                f"MIDI needs python-rtmidi or rtmidi2: {install_command('midi')}"
+            ) from None
+        return rtmidi2, [getattr(rtmidi2, name) for name in RTMIDI2_SYSTEMS]
+    return rtmidi, rtmidi.get_compiled_api()
 
 
 def _systems() -> list[_System]:

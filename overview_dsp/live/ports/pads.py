@@ -12,8 +12,8 @@ from overview_dsp.devices.sensors.pads import (
     READ_MEMORY,
     framed,
 )
-from overview_dsp.errors import InputError
-from overview_dsp.installation import import_first
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import Port, PortLostError
 
 MAX_BYTES = 512
@@ -45,8 +45,15 @@ class Pad:
 
 
 def _import_hid() -> Any:
-    # hidraw: part of hidapi on Linux, which also finds Bluetooth and detaches no driver
-    return import_first(("hidraw", "hid"), "game pads need hidapi", "pads")
+    try:
+        import hidraw  # part of hidapi on Linux; it also finds Bluetooth and detaches no driver
+    except ImportError:
+        try:
+            import hid
+        except ImportError:
+            raise OverviewError(f"game pads need hidapi: {install_command('pads')}") from None
+        return hid
+    return hidraw
 
 
 def pads(hid: Any = None) -> list[Pad]:
