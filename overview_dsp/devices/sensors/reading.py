@@ -6,9 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from overview_dsp.files.toml import table_beside
+from overview_dsp.files.toml import load_table
 
-COLUMNS: Mapping[str, str] = table_beside(__file__, "quantities.toml")
+COLUMNS: Mapping[str, str] = load_table(__file__, "quantities.toml")
 """Names of the quantities that a sensor can send, each in the sensor's own unit."""
 
 ACCELERATION = ("ax", "ay", "az")

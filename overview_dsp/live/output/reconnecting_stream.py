@@ -1,4 +1,4 @@
-"""Output of a session: its opener, its reopening after it was lost, its count of lost frames."""
+"""Output of a session, with its opener. It opens again after it was lost, counting lost frames."""
 
 from __future__ import annotations
 

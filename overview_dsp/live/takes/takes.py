@@ -1,4 +1,4 @@
-"""Takes of a session: their recorder, the one that is recorded, and those that have ended."""
+"""Takes of a session, the one that is recorded and those that have ended, with their recorder."""
 
 from __future__ import annotations
 
