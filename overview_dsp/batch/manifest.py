@@ -22,14 +22,14 @@ from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 from overview_dsp.installation import require_package
 
 SOUNDS = "sounds"
 PARTS = "parts"
 MANIFEST = "manifest.parquet"
 
-_MEASURES = load_table(__file__, "measures.toml")
+_MEASURES = load_toml(__file__, "measures.toml")
 MEASURES: Mapping[str, str] = {name: one["meaning"] for name, one in _MEASURES.items()}
 """Columns of a part beside the key, with their meanings."""
 

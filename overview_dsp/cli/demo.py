@@ -8,9 +8,9 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.files.atomic import make_folder
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 
-LISTEN = load_table(__file__, "demo.toml")
+LISTEN = load_toml(__file__, "demo.toml")
 
 
 @cli_command("demo -o my-demo", name="demo")

@@ -47,7 +47,7 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(f"{source}:{place[1]}: not TOML: {reason}") from None
 
 
-def load_table(module: str, name: str) -> dict[str, Any]:
+def load_toml(module: str, name: str) -> dict[str, Any]:
     """Return the table in the TOML file `name` of this package, beside the file of a module."""
     return tomllib.loads(Path(module).with_name(name).read_text(encoding="utf-8"))
 

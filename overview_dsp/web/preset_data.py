@@ -28,7 +28,7 @@ from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, write_file
-from overview_dsp.files.toml import SUFFIX, load_table
+from overview_dsp.files.toml import SUFFIX, load_toml
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 WINDOWS_DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")
@@ -91,7 +91,7 @@ def _check_parent(text: str, name: str) -> None:
 
 Pattern = tuple[int, ...]
 
-KINDS = load_table(__file__, "kinds.toml")
+KINDS = load_toml(__file__, "kinds.toml")
 LONG, SHORT, TICK = 80, 35, 14
 
 # heights of an event profile from which a pulse is long or short

@@ -48,7 +48,7 @@ from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGLES, ANGULAR_VELOCITY, QUATERNION
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.schema import Allowed, Strict, checked
-from overview_dsp.files.toml import load_table, parse_toml, read_text, require_known
+from overview_dsp.files.toml import load_toml, parse_toml, read_text, require_known
 from overview_dsp.validation import prefix_errors
 
 SCHEMA = 1
@@ -326,7 +326,7 @@ def sensor_of(control: OscControl) -> Sensor:
 
 APPS: Mapping[str, tuple[OscControl, ...]] = {
     name: tuple(_osc_control(_OscEntry(**entry)) for entry in entries)
-    for name, entries in load_table(__file__, "apps.toml").items()
+    for name, entries in load_toml(__file__, "apps.toml").items()
 }
 """Maps of well-known apps, by name."""
 

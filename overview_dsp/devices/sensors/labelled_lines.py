@@ -22,7 +22,7 @@ from overview_dsp.devices.sensors.reading import (
     QUATERNION,
     Reading,
 )
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 
 REPETITIONS = 3
 MAX_LINES = 12  # maximum number of lines in a cycle
@@ -33,7 +33,7 @@ _TOKEN = re.compile(
 )
 _NUMBER = "#"
 
-_LABELS = load_table(__file__, "labels.toml")
+_LABELS = load_toml(__file__, "labels.toml")
 _QUANTITIES = {name: of for of, names in _LABELS["quantities"].items() for name in names}
 _UNITS, _OF_UNIT = _LABELS["units"], _LABELS["quantity_of_unit"]
 _AXES, _COUNTS, _OTHER = _LABELS["axes"], _LABELS["values"], _LABELS["other"]

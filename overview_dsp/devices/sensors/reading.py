@@ -6,9 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 
-COLUMNS: Mapping[str, str] = load_table(__file__, "quantities.toml")
+COLUMNS: Mapping[str, str] = load_toml(__file__, "quantities.toml")
 """Names of the quantities that a sensor can send, each in the sensor's own unit."""
 
 ACCELERATION = ("ax", "ay", "az")

@@ -21,7 +21,7 @@ from overview_dsp.devices.sensors.touch_detection import (
     TwistTouch,
 )
 from overview_dsp.errors import InputError
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 from overview_dsp.units import HALF_TURN
 
 FOLLOW_GAIN = 6.0
@@ -147,5 +147,5 @@ class SensorSource(Messages):
                          "is held until the device is flatter")  # fmt: skip
 
 
-FAULTS: dict[str, str] = load_table(__file__, "faults.toml")
+FAULTS: dict[str, str] = load_toml(__file__, "faults.toml")
 """Messages by counter; the other counters need no action."""

@@ -18,7 +18,7 @@ from functools import cache
 from typing import Any, Literal
 
 from overview_dsp.errors import OverviewError, require_internals
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 from overview_dsp.live.output import jack
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
@@ -50,7 +50,7 @@ _with_jack: list[ctypes.CDLL] = []
 OPEN_STREAMS: set[Any] = set()
 """Open streams. They must outlive every other reference, because PortAudio calls them."""
 
-_HINTS = load_table(__file__, "hints.toml")
+_HINTS = load_toml(__file__, "hints.toml")
 
 
 def platform_hint(missing: Literal["output", "library"]) -> str:

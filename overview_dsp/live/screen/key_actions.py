@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 from overview_dsp.live.screen.timeline_view import STRETCHED, marks
 from overview_dsp.live.session.player import Player
 
 STEP = 0.01
 ZOOM = 1.5
 
-HELP: dict[str, str] = load_table(__file__, "help.toml")
+HELP: dict[str, str] = load_toml(__file__, "help.toml")
 """Help on the keys: of the full screen, and of plain mode."""
 
 

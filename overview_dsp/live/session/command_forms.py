@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 
-FORMS: dict[str, str] = load_table(__file__, "command_forms.toml")
+FORMS: dict[str, str] = load_toml(__file__, "command_forms.toml")
 KEYS = {
     "R": ("record",), "P": ("replay",), "N": ("missed",),
     "1": ("preset", "1"), "2": ("preset", "2"),

@@ -26,10 +26,10 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.files.toml import load_table
+from overview_dsp.files.toml import load_toml
 from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict, parse_ip
 
-_HEADERS = load_table(__file__, "headers.toml")
+_HEADERS = load_toml(__file__, "headers.toml")
 POLICY = "; ".join(f"{name} {source}" for name, source in _HEADERS["policy"].items())
 SECURITY_HEADERS: dict[str, str] = {"content-security-policy": POLICY, **_HEADERS["headers"]}
 """Defaults; a response may set its own `cache-control`."""
