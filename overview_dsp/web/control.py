@@ -17,14 +17,13 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overview_dsp.errors import InputError
-from overview_dsp.units import HALF_TURN
 from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message
-from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput, RemoteInputs
+from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput
 
 if TYPE_CHECKING:
     from overview_dsp.web.session import HostSession
@@ -115,28 +114,8 @@ async def _report(websocket: WebSocket, session: HostSession, remote: RemoteInpu
                 await websocket.send_json({"ping": time.monotonic()})
             if now >= next_status:
                 next_status = now + STATUS_INTERVAL_S
-                status = {**session.status(), **_input_status(inputs, remote)}
+                status = {**session.status(), **inputs.status(remote)}
                 await websocket.send_json({"status": status})
             await asyncio.sleep(CHECK_INTERVAL_S)
     except (WebSocketDisconnect, RuntimeError):  # the connection was closed
         return
-
-
-def _input_status(inputs: RemoteInputs, remote: RemoteInput) -> dict[str, Any]:
-    return {
-        "active": inputs.is_active(remote),
-        "others": [
-            {
-                "name": one.name,
-                "position": round(one.theta2 / HALF_TURN, 4),
-                "active": inputs.is_active(one),
-            }
-            for one in inputs.others_touching(remote)
-        ],
-        "round_trip_ms": _ms(remote.clock.round_trip_s),
-        "event_to_sample_ms": _ms(remote.event_to_sample_s),
-    }
-
-
-def _ms(seconds: float | None) -> float | None:
-    return None if seconds is None else round(seconds * 1e3, 2)

@@ -16,8 +16,10 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.units import HALF_TURN
 from overview_dsp.web.messages import RemoteEvent
 
 MAX_PINGS = 40
@@ -181,13 +183,22 @@ class RemoteInputs:
         """Return whether an input touches but has sent nothing for too long."""
         return remote.touching and self._now() - remote.last_message_s > SILENCE_TIMEOUT_S
 
-    def is_active(self, remote: RemoteInput) -> bool:
-        """Return whether this input is the active one among the pages."""
-        return remote is self._active
-
-    def others_touching(self, remote: RemoteInput) -> list[RemoteInput]:
-        """Return the other inputs that touch."""
-        return [one for one in self._inputs if one.touching and one is not remote]
+    def status(self, remote: RemoteInput) -> dict[str, Any]:
+        """Return the state of an input, and of the others that touch, for its page."""
+        return {
+            "active": remote is self._active,
+            "others": [
+                {
+                    "name": one.name,
+                    "position": round(one.theta2 / HALF_TURN, 4),
+                    "active": one is self._active,
+                }
+                for one in self._inputs
+                if one.touching and one is not remote
+            ],
+            "round_trip_ms": _ms(remote.clock.round_trip_s),
+            "event_to_sample_ms": _ms(remote.event_to_sample_s),
+        }
 
     def move(self, remote: RemoteInput, events: tuple[RemoteEvent, ...]) -> None:
         """Apply the events of an input in order."""
@@ -243,3 +254,7 @@ class RemoteInputs:
         # the ring is read in order, so times must not decrease
         stamp = self._last_stamp = max(stamp, self._last_stamp)
         self._engine.control(theta2, touching, stamp, SOURCE)
+
+
+def _ms(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds * 1e3, 2)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import hashlib
 import html
 import io
+import itertools
 import json
 import os
 import re
@@ -184,11 +185,9 @@ def _folder_names(titles: Sequence[str]) -> list[str]:
     names: list[str] = []
     for title in titles:
         plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:_MAX_NAME].strip("-")
-        name, number = plain or "timeline", 1
-        while name in names:
-            number += 1
-            name = f"{plain or 'timeline'}-{number}"
-        names.append(name)
+        first = plain or "timeline"
+        numbered = (f"{first}-{number}" for number in itertools.count(2))
+        names.append(next(one for one in itertools.chain([first], numbered) if one not in names))
     return names
 
 

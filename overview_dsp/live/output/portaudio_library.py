@@ -166,7 +166,7 @@ def _loaded_file(name: str) -> str:
             found = [line.split(None, 5)[5].strip() for line in maps if name in line]
     except OSError:
         found = []
-    for path in found:
-        if os.path.isfile(path):
-            return path
-    raise OverviewError("the JACK server has stopped; start it, then start overview play again")
+    path = next(filter(os.path.isfile, found), None)
+    if path is None:
+        raise OverviewError("the JACK server has stopped; start it, then start overview play again")
+    return path

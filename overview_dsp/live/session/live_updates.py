@@ -30,8 +30,7 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.feeds import parse_layout
 from overview_dsp.live.session.active_window import ActiveWindow
-from overview_dsp.live.session.pointer import Pointer
-from overview_dsp.live.session.session import Session
+from overview_dsp.live.session.session import Pointer, Session
 from overview_dsp.public import counted
 from overview_dsp.signal.engine.replay import set_pattern
 from overview_dsp.units import HALF_TURN, clock_text

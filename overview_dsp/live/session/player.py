@@ -29,9 +29,8 @@ from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.blind import BlindComparison
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates, MissedEvents
 from overview_dsp.live.session.loop import Loop
-from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
-from overview_dsp.live.session.session import Session, SessionState, Status
+from overview_dsp.live.session.session import Pointer, Session, SessionState, Status
 from overview_dsp.live.takes.takes import Takes, timeline_path
 from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine

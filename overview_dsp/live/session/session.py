@@ -1,14 +1,19 @@
-"""Session: an engine, its counters across restarts, messages for the user, state and status."""
+"""Session: an engine, its counters, messages for the user, state and status; the pointer."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from overview_dsp.devices.messages import Messages
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
 from overview_dsp.signal.actuators.stage import ProtectionReport
 from overview_dsp.signal.engine.engine import Engine
+from overview_dsp.units import HALF_TURN
+
+if TYPE_CHECKING:
+    from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 
 STATES = ("running", "paused", "no input", "starting", "output lost")
 """Names of the states, on the screen and in lines, in JSON and OSC."""
@@ -95,3 +100,45 @@ class Session(Messages):
     def keep_counts(self) -> None:
         """Keep the engine's counts; call this before the engine restarts and counts from 0."""
         self._played_before_s, self._dropped_before = self.played_s, self.dropped_events
+
+
+class Pointer:
+    """Input of mouse and keys to an engine.
+
+    Thread: control.
+
+    Attributes
+    ----------
+    position : float
+        Present or last position of its touch, 0 to 1.
+    touching : bool
+        Whether it touches; False after the engine restarts.
+    """
+
+    def __init__(self, session: Session, output: ReconnectingStream) -> None:
+        self._engine, self._output = session.engine, output
+        self.position = 0.0
+        self.touching = False
+
+    def touch(self, position: float) -> None:
+        """Touch at `position` (0 to 1), or move there during a touch."""
+        self.position = min(max(position, 0.0), 1.0)
+        self.touching = True
+        if self._output.playing:  # without an output the event would be applied too late
+            self._engine.control(self.position * HALF_TURN, True)
+
+    def release(self) -> None:
+        """Release: the disk arrives at `position`, then it recoils."""
+        if self.touching:
+            self.force_release()
+
+    def force_release(self) -> None:
+        """Release the engine, also where `touching` is False already."""
+        self.touching = False
+        self._engine.control(self.position * HALF_TURN, False)
+
+    def tap(self, position: float) -> None:
+        """Step to `position` and release at once (paper, figure 6)."""
+        self.release()
+        self.touch(position)
+        self.release()
