@@ -23,6 +23,7 @@ import reprlib
 import warnings
 from collections.abc import Iterable
 from numbers import Rational, Real
+from operator import attrgetter
 from types import ModuleType
 
 
@@ -185,15 +186,14 @@ def require_internals(module: ModuleType, names: Iterable[str], requirement: str
     are known to work, for pip. OverviewError if an attribute is missing in the installed version.
     """
     for name in names:
-        found: object = module
-        for part in name.split("."):
-            if not hasattr(found, part):
-                package = module.__name__.partition(".")[0]
-                raise OverviewError(
-                    f"{package} {_version(package)} has no {module.__name__}.{name}; install a "
-                    f"version that is known to work: pip install '{requirement}'"
-                )
-            found = getattr(found, part)
+        try:
+            attrgetter(name)(module)
+        except AttributeError:
+            package = module.__name__.partition(".")[0]
+            raise OverviewError(
+                f"{package} {_version(package)} has no {module.__name__}.{name}; install a "
+                f"version that is known to work: pip install '{requirement}'"
+            ) from None
 
 
 def _version(package: str) -> str:

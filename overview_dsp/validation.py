@@ -34,14 +34,8 @@ def prefix_errors(location: str) -> Iterator[None]:
         yield
     except InputError as error:
         what, _, fix = str(error).partition("\n")
-        raise InputError(
-            f"{location}{what}",
-            fix,
-            line=error.line,
-            column=error.column,
-            value=error.value,
-            note=error.note,
-        ) from error
+        error.args = InputError(f"{location}{what}", fix).args
+        raise
 
 
 def number(value: object, what: str, hint: str = "give a finite number") -> float:
@@ -60,6 +54,14 @@ def number(value: object, what: str, hint: str = "give a finite number") -> floa
     if not math.isfinite(result):
         raise InputError(f"{what} is {result!r}, not a finite number; {hint}")
     return result
+
+
+def float_or_nan(word: str) -> float:
+    """Return the number that a text holds; NaN for any other text."""
+    try:
+        return float(word)
+    except ValueError:
+        return math.nan
 
 
 def positive(value: object, what: str, hint: str = "give a finite number above 0") -> float:

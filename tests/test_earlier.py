@@ -54,7 +54,7 @@ def test_the_command_line_says_so_in_one_line(tmp_path):
 
 
 def test_a_take_that_is_recorded_now_has_the_version_and_the_angle_map(match, football, tmp_path):
-    from overview_dsp.live.takes.recorder import Recorder
+    from overview_dsp.live.takes.takes import Recorder
 
     mapped = football.with_values(surface__angle_map=0.7)
     engine = ov.Engine(mapped, match)

@@ -43,9 +43,9 @@ def python(code: str, folder: Path, path: Path = ROOT, *arguments: str, **variab
 SERVER = {
     f"overview_dsp.{name}"
     for name in (
-        *("web.app", "web.certificate", "web.connections", "web.control"),
+        *("web.app", "web.certificate", "web.control"),
         *("web.data", "web.live_data", "web.media", "web.static_publisher"),
-        *("web.security.middleware", "web.security.threaded_endpoint", "web.server"),
+        *("web.security.middleware", "web.server"),
     )
 }
 """Modules that `overview serve` and its like import once they know that their extra is there."""
@@ -343,8 +343,8 @@ print(json.dumps([[name, load_sensor(name).source] for name in LIBRARY.bundled])
 def test_a_wheel_has_the_firmware_of_the_checkout(installed, tmp_path):
     code = """
 import json
-from overview_dsp.devices.sensors.firmware import firmware_folder, firmware_names
-print(json.dumps([str(firmware_folder()), firmware_names()]))
+from overview_dsp.devices.sensors.firmware import LIBRARY, firmware_names
+print(json.dumps([str(LIBRARY.bundled_folder), firmware_names()]))
 """
     folder, names = json.loads(python(code, tmp_path, installed))
     assert Path(folder).is_relative_to(installed)

@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 
 import overview_dsp as ov
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen import PlayApp
 from overview_dsp.live.screen.timeline_view import TimelineView
 from overview_dsp.live.session.player import Player

@@ -119,18 +119,18 @@ def run(name: str) -> None:
 
 def mark_first_block() -> None:
     """Have the first block that an output without a device plays write `FIRST_SOUND`."""
-    from overview_dsp.live.output import null_stream
+    from overview_dsp.live.output import stream
 
-    play: Callable[..., bool] = null_stream.run_block
+    play: Callable[..., bool] = stream.run_block
 
     def marked(engine: Any, out: Any) -> bool:
         over = play(engine, out)
         if len(out):
-            null_stream.run_block = play
+            stream.run_block = play
             Path(FIRST_SOUND).touch()
         return over
 
-    null_stream.run_block = marked
+    stream.run_block = marked
 
 
 def hear_served(address: str) -> None:

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import overview_dsp as ov
-from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
+from overview_dsp.batch.grid import KEY_DIGITS, preset_digest
 from overview_dsp.offline.rendering.audition import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"

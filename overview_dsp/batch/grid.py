@@ -1,15 +1,25 @@
-"""Render grid: combinations of timelines, presets, gestures, parameters and seeds."""
+"""Render grid: combinations of timelines, presets, gestures, parameters and seeds.
+
+The same inputs give the same cache key of a case on every machine. A changed file, value or program
+version gives another key.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any
 
+import numpy as np
+
+from overview_dsp import __version__
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Value
+from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.offline.rendering.schedule import Tail
 
 
@@ -71,3 +81,80 @@ class RenderGrid:
             options[i] for options, i in zip(self.parameters.values(), chosen, strict=True)
         )
         return Case(index, timeline, preset, gesture, values, self.seeds[seed])
+
+
+KEY_DIGITS = 24
+
+PROGRAM = f"{__version__}+{sources_digest()}"
+"""Version of this program and of its kernels, which determine the samples."""
+
+
+def digest(*values: Any) -> str:
+    """Return the hexadecimal digest of the content of plain values, arrays and dataclasses."""
+    result = hashlib.sha256()
+    for value in values:
+        _update(result, value)
+    return result.hexdigest()
+
+
+def _update(result: Any, value: Any) -> None:
+    if isinstance(value, np.ndarray):
+        result.update(f"array{value.dtype.str}{value.shape}".encode())
+        result.update(np.ascontiguousarray(value).data)
+    elif is_dataclass(value):
+        result.update(type(value).__name__.encode())
+        for part in fields(value):
+            if part.init:
+                _update(result, getattr(value, part.name))
+    elif isinstance(value, Mapping):
+        result.update(f"mapping{len(value)}".encode())
+        for key in value:
+            _update(result, key)
+            _update(result, value[key])
+    elif isinstance(value, tuple | list):
+        result.update(f"list{len(value)}".encode())
+        for item in value:
+            _update(result, item)
+    elif value is None or isinstance(value, bool | int | float | str):
+        text = repr(value).encode()
+        result.update(f"{len(text)}:".encode() + text)
+    else:
+        raise TypeError(f"no digest of a {type(value).__name__}")
+
+
+def preset_digest(preset: Preset) -> str:
+    """Return the digest of a preset without `follow`, which doesn't change a render."""
+    values = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
+    return digest(values, preset.kinds)
+
+
+class Keys:
+    """Cache keys of the cases of a render grid."""
+
+    def __init__(self, grid: RenderGrid) -> None:
+        """Compute the digests of the inputs, once."""
+        self._timelines = [  # without their texts (title, provenance, notes)
+            digest(one.duration_s, one.events, one.details, one.intensity, one.gaps)
+            for one in grid.timelines.values()
+        ]
+        self._presets = [preset_digest(preset) for preset in grid.presets.values()]
+        self._gestures = [digest(gesture) for gesture in grid.gestures.values()]
+        self._ids = tuple(grid.parameters)
+        self._common = digest(PROGRAM, grid.settings)
+        self._before_seed: dict[Any, Any] = {}
+
+    def key(self, case: Case) -> str:
+        """Return the key of a case, `KEY_DIGITS` hexadecimal digits: the name of its file."""
+        parts = (case.timeline, case.preset, case.gesture, case.values)
+        # seeds change fastest: the digest of all other parts is reused
+        if parts not in self._before_seed:
+            result = hashlib.sha256()
+            _update(result, self._common)
+            _update(result, self._timelines[case.timeline])
+            _update(result, self._presets[case.preset])
+            _update(result, self._gestures[case.gesture])
+            _update(result, sorted(zip(self._ids, case.values, strict=True)))
+            self._before_seed = {parts: result}
+        result = self._before_seed[parts].copy()
+        _update(result, case.seed)
+        return str(result.hexdigest())[:KEY_DIGITS]

@@ -167,13 +167,10 @@ class JobsTable:
         except InputError as error:
             raise self.error(f"{name}: {error}", key) from None
         if not found:
-            raise self.error(f"{name} is missing; must be {_allowed(key)}", key)
+            metadata = Jobs.model_fields[key].metadata
+            allowed = next(one.text for one in metadata if isinstance(one, Allowed))
+            raise self.error(f"{name} is missing; must be {allowed}", key)
         return found
-
-
-def _allowed(key: str) -> str:
-    found = [one for one in Jobs.model_fields[key].metadata if isinstance(one, Allowed)]
-    return found[0].text
 
 
 def load_jobs(where: str | os.PathLike[str], out: str | None = None) -> RenderGrid:

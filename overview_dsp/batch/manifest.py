@@ -22,26 +22,15 @@ from overview_dsp.batch.storage import Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.files.toml import load_toml
 from overview_dsp.installation import require_package
 
 SOUNDS = "sounds"
 PARTS = "parts"
 MANIFEST = "manifest.parquet"
 
-MEASURES: Mapping[str, str] = {
-    "file": "path in the output folder",
-    "frames": "length, frames",
-    "duration_s": "length, s",
-    "peak_click_dbfs": "peak of the click, dBFS; none for silence",
-    "peak_tactor_dbfs": "peak of the tactor, dBFS; none for silence",
-    "loudness_lufs": "integrated loudness of the clicks, BS.1770; -70: silence; none below 4000 Hz",
-    "strikes": "events passed and slips",
-    "felt": "each event passed: its number, kind, and highest level over 10 ms of the tactor, dB",
-    "bytes": "size of the file",
-    "sha256": "hash of the file",
-    "samples_sha256": "hash of the samples as little-endian float32, before they are stored",
-    "error": "reason of a failure; none for a finished render",
-}
+_MEASURES = load_toml(__file__, "measures.toml")
+MEASURES: Mapping[str, str] = {name: one["meaning"] for name, one in _MEASURES.items()}
 """Columns of a part beside the key, with their meanings."""
 
 
@@ -54,10 +43,9 @@ def _schema() -> Any:
     felt = arrow.struct(
         [("event", arrow.int32()), ("kind", arrow.string()), ("level_db", arrow.float64())]
     )
-    numbers = {"frames": arrow.int64(), "strikes": arrow.int64(), "bytes": arrow.int64()}
-    texts = ("file", "sha256", "samples_sha256", "error")
-    kinds = {**numbers, **dict.fromkeys(texts, arrow.string()), "felt": arrow.list_(felt)}
-    measures = [(name, kinds.get(name, arrow.float64())) for name in MEASURES]
+    kinds = {name: getattr(arrow, name)() for name in ("string", "int64", "float64")}
+    kinds["events"] = arrow.list_(felt)
+    measures = [(name, kinds[one["type"]]) for name, one in _MEASURES.items()]
     return arrow.schema([("key", arrow.string()), *measures])
 
 

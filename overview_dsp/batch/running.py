@@ -9,11 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
-from overview_dsp.batch.cache_keys import Keys
-from overview_dsp.batch.grid import RenderGrid
-from overview_dsp.batch.local import run_here, run_in_processes
+from overview_dsp.batch.grid import Keys, RenderGrid
 from overview_dsp.batch.storage import Storage, is_url
 from overview_dsp.batch.task import Job, TaskResult
+from overview_dsp.batch.workers import Cluster, run_here, run_in_processes
 from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import pause
 from overview_dsp.design.presets.library import load_preset
@@ -88,7 +87,10 @@ def run_batch(
         jobs = [(index, key) for key, index in missing.items()]
         try:
             with _runner(grid, workers, scheduler) as (run, at_a_time):
-                for done in run(grid, _tasks(jobs, at_a_time)):
+                size = math.ceil(len(jobs) / (at_a_time * TASKS_PER_WORKER))
+                size = min(size, MAX_CASES_PER_TASK)
+                tasks = [jobs[first : first + size] for first in range(0, len(jobs), size)]
+                for done in run(grid, tasks):
                     count += done.finished + len(done.failed)
                     failed += done.failed
                     if progress:
@@ -107,11 +109,6 @@ def run_batch(
     return BatchResult(len(keys), cached, rendered, tuple(sorted(failed)), at)
 
 
-def _tasks(jobs: Sequence[Job], at_a_time: int) -> list[Sequence[Job]]:
-    size = min(max(1, math.ceil(len(jobs) / (at_a_time * TASKS_PER_WORKER))), MAX_CASES_PER_TASK)
-    return [jobs[first : first + size] for first in range(0, len(jobs), size)]
-
-
 Run = Callable[[RenderGrid, Sequence[Sequence[Job]]], Iterator[TaskResult]]
 
 
@@ -121,8 +118,6 @@ def _runner(
 ) -> Iterator[tuple[Run, int]]:
     """Yield the function that runs tasks, and the number of tasks that run at a time."""
     if scheduler is not None:
-        from overview_dsp.batch.cluster import Cluster
-
         cluster = Cluster(scheduler)
         try:
             yield cluster.run, cluster.threads

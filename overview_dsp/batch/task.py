@@ -119,7 +119,10 @@ class Worker:
         def voices() -> Iterator[tuple[int, RenderJob]]:
             for number, (index, _) in enumerate(jobs):
                 try:
-                    voice = self._voice(self.grid.case(index))
+                    case = self.grid.case(index)
+                    timeline = list(self.grid.timelines.values())[case.timeline]
+                    gesture = list(self.grid.gestures.values())[case.gesture]
+                    voice = RenderJob(timeline, self._preset(case), gesture, case.seed)
                 except Exception as error:
                     fail(number, error)
                 else:
@@ -130,7 +133,10 @@ class Worker:
             try:
                 if isinstance(result, Exception):
                     raise result
-                name, data, row = self._measured(result, jobs[number][1])
+                key, settings = jobs[number][1], self.grid.settings
+                name = f"{SOUNDS}/{key[:2]}/{key}.{settings.format}"
+                data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
+                row = {"key": key, "file": name, **measure_render(result, data)}
             except OutputError:
                 raise
             except Exception as error:
@@ -149,19 +155,6 @@ class Worker:
             name = f"{PARTS}/{rows[0]['key']}-{len(rows)}.jsonl"
             self.storage.put(name, encode_part(rows))
             rows.clear()
-
-    def _voice(self, case: Case) -> RenderJob:
-        timeline = list(self.grid.timelines.values())[case.timeline]
-        gesture = list(self.grid.gestures.values())[case.gesture]
-        return RenderJob(timeline, self._preset(case), gesture, case.seed)
-
-    def _measured(
-        self, result: RenderedJob[Trace | None], key: str
-    ) -> tuple[str, bytes, dict[str, Any]]:
-        settings = self.grid.settings
-        name = f"{SOUNDS}/{key[:2]}/{key}.{settings.format}"
-        data = sound_bytes(name, result.samples, result.sample_rate, settings.subtype)
-        return name, data, {"key": key, "file": name, **measure_render(result, data)}
 
     def _preset(self, case: Case) -> Preset:
         at = (case.preset, case.values)

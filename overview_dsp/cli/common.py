@@ -7,7 +7,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -49,26 +49,22 @@ def announce_compile(*kernels: str) -> None:
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
     """Show a bar for work longer than a second; yields the setter of its progress, 0 to 1."""
-    started = time.monotonic()
+    started, shown = time.monotonic(), 0
     bar: Any = None
-    shown = 0
+    with ExitStack() as stack:
 
-    def report(part: float) -> None:
-        nonlocal bar, shown
-        if bar is None:
-            if time.monotonic() - started < BAR_AFTER_S or not sys.stderr.isatty():
-                return
-            bar = click.progressbar(length=1000, label=label, file=sys.stderr)
-            bar.__enter__()
-        now = round(part * 1000)
-        bar.update(now - shown)
-        shown = now
+        def report(part: float) -> None:
+            nonlocal bar, shown
+            if bar is None:
+                if time.monotonic() - started < BAR_AFTER_S or not sys.stderr.isatty():
+                    return
+                bar = click.progressbar(length=1000, label=label, file=sys.stderr)
+                stack.enter_context(bar)
+            now = round(part * 1000)
+            bar.update(now - shown)
+            shown = now
 
-    try:
         yield report
-    finally:
-        if bar is not None:
-            bar.__exit__(None, None, None)
 
 
 def protect_inputs(*paths: str) -> None:

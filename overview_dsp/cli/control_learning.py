@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import click
 
@@ -14,9 +14,12 @@ import overview_dsp as ov
 from overview_dsp.cli.common import show
 from overview_dsp.cli.options.declaring import GENERAL, JSON, option
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import write_file
+from overview_dsp.files.atomic import require_writable, write_file
 from overview_dsp.live.ports.port import WAIT_S, Port
 from overview_dsp.validation import prefix_errors
+
+if TYPE_CHECKING:
+    from overview_dsp.devices.controllers.learning import Learner, OscLearner
 
 Learned = TypeVar("Learned")
 
@@ -39,10 +42,37 @@ class Learning:
     )
     as_json: bool = JSON
 
+    def learn(
+        self,
+        load: Callable[[str], tuple[Any, ...]],
+        port: Callable[[], Port],
+        learner: Learner | OscLearner,
+        decode: Callable[[list[bytes], float], Any],
+        failure: Callable[[], str],
+        replaced: Collection[str],
+    ) -> tuple[Any, str]:
+        """Return the moved control, and the text of the map file with it.
+
+        It replaces the same control and those of the targets `replaced`. Errors as `listen`.
+        """
+        from overview_dsp.devices.controllers.control_map import write_map
+
+        require_writable(self.output)
+        controls = load(self.output) if Path(self.output).exists() else ()
+        moved = listen(port(), lambda: learner.instruction, decode, self.timeout, failure)
+        found = replace(moved, low=self.low, high=self.high)
+        kept = [one for one in controls if one.key != found.key and one.to not in replaced]
+        return found, write_map((*kept, found))
+
+    def save(self, text: str, report: dict[str, Any], summary: str) -> None:
+        """Write the map file, and report the new control."""
+        write_file(self.output, text)
+        show(self.as_json, {**report, "file": self.output}, f"{Path(self.output)}: {summary}")
+
 
 def require_target(target: str, known: tuple[str, ...]) -> None:
     """Check that a target is one of `known` or the id of a parameter; InputError otherwise."""
-    from overview_dsp.devices.controllers.parameters import find_parameter
+    from overview_dsp.devices.controllers.control_messages import find_parameter
 
     if target not in known and not target.startswith("kinds."):
         try:
@@ -81,10 +111,3 @@ def listen(
     finally:
         port.close()
     raise InputError(f"{port.name}: {failure()} within {timeout:g} s")
-
-
-def save_learned(learning: Learning, text: str, report: dict[str, Any], summary: str) -> None:
-    """Write the map file, and report the new control."""
-    write_file(learning.output, text)
-    report["file"] = learning.output
-    show(learning.as_json, report, f"{Path(learning.output)}: {summary}")

@@ -8,15 +8,9 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.files.atomic import make_folder
+from overview_dsp.files.toml import load_toml
 
-LISTEN = {
-    "fast sweep": "the whole match in one second: each goal is a strike above a strong, even hum; "
-    "on release the disk springs back over the match",
-    "slow sweep": "the same match in four seconds: the hum is weaker; the disk sticks at each goal "
-    "and snaps free; fouls are soft bumps",
-    "tap": "one touch at the end: the match up to there unfolds in two seconds; while the disk is "
-    "held still, it is silent; on release the match returns slower, the last goal first",
-}
+LISTEN = load_toml(__file__, "demo.toml")
 
 
 @cli_command("demo -o my-demo", name="demo")

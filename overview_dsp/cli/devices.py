@@ -45,7 +45,8 @@ def command(
     Each serial port is opened to detect its format, which restarts many boards. --set changes
     the settings of --device (or of the default output) first.
     """
-    from overview_dsp.live.output.devices import devices, no_output_hint
+    from overview_dsp.live.output.devices import devices
+    from overview_dsp.live.output.portaudio_library import platform_hint
     from overview_dsp.live.ports.midi import midi_ports
     from overview_dsp.live.ports.pads import pads
     from overview_dsp.live.ports.serial import PortInfo, ports
@@ -84,7 +85,7 @@ def command(
         )
         return
     if not found:
-        why = missing.get("outputs") or f"PortAudio finds none: {no_output_hint()}"
+        why = missing.get("outputs") or f"PortAudio finds none: {platform_hint('output')}"
         click.echo(f"no audio output: {why}; rendering to files works without one")
     for output in found:
         star = "*" if output.default else " "
@@ -115,7 +116,7 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
     """Change the saved settings of a device, except its actuator; InputError."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import SILENT, device_named
-    from overview_dsp.live.output.saved_settings import resolve_output, save_settings
+    from overview_dsp.live.output.settings import resolve_output, save_settings
 
     if not texts:
         raise InputError("--device needs --set KEY=VALUE; add it")
@@ -129,8 +130,7 @@ def _remember(device: str | None, texts: tuple[str, ...]) -> None:
 
 def _plays(output: OutputDevice) -> str | None:
     """Return the channels and actuator of an output if they aren't the default."""
-    from overview_dsp.live.output.saved_settings import load_settings, remembered_actuator
-    from overview_dsp.live.output.settings import OutputSettings
+    from overview_dsp.live.output.settings import OutputSettings, load_settings, remembered_actuator
 
     try:
         settings = load_settings(output.full_name, output.channels)

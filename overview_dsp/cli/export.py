@@ -213,8 +213,7 @@ def _site(
     timelines: list[tuple[Timeline, Preset]], out: str, options: dict[str, Any], as_json: bool
 ) -> None:
     """Write the folder and print how to open it."""
-    from overview_dsp.web.gallery import write_gallery
-    from overview_dsp.web.static_site import write_site
+    from overview_dsp.web.static_site import write_gallery, write_site
 
     with progress_bar("writing the page") as progress:
         options["progress"] = progress

@@ -1,6 +1,6 @@
 """Public names for commands in other distributions, each imported when it is first used."""
 
-from overview_dsp.batch.cache_keys import PROGRAM as PROGRAM, Keys as Keys
+from overview_dsp.batch.grid import PROGRAM as PROGRAM, Keys as Keys
 from overview_dsp.batch.grid import RenderGrid as RenderGrid
 from overview_dsp.batch.jobs_file import (
     KEYS as KEYS,
@@ -45,7 +45,7 @@ from overview_dsp.web.assets import (
     other_page_files as other_page_files,
 )
 from overview_dsp.web.messages import json_object as json_object
-from overview_dsp.web.security.threaded_endpoint import threaded_endpoint as threaded_endpoint
+from overview_dsp.web.security.middleware import threaded_endpoint as threaded_endpoint
 from overview_dsp.web.site_content import RATES as RATES
 from overview_dsp.web.site_data import kind_styles as kind_styles, window_json as window_json
 from overview_dsp.web.sound_data import make_patch as make_patch, whole_bytes as whole_bytes

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
+from overview_dsp.cli.control_learning import Learning, require_target
 from overview_dsp.cli.options.declaring import cli_command
-from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.control_map import Control
@@ -47,8 +45,6 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)
     wanted = replace(stand_in, to=target, low=learning.low, high=learning.high)
     parse_map(write_map((wanted,)), target)  # checks the range
-    require_writable(learning.output)
-    controls = load_map(learning.output) if Path(learning.output).exists() else ()
     learner = Learner(target)
 
     def decode(messages: list[bytes], now_s: float) -> Control | None:
@@ -57,11 +53,10 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     def failure() -> str:
         return f"no control for {target!r} was moved"
 
-    moved = listen(MidiPort(name), lambda: learner.instruction, decode, learning.timeout, failure)
-    found = replace(moved, low=learning.low, high=learning.high)
-    same = (found.name, found.channel)
-    kept = tuple(one for one in controls if (one.name, one.channel) != same and one.to != target)
+    found, text = learning.learn(
+        load_map, lambda: MidiPort(name), learner, decode, failure, (target,)
+    )
     report = {"control": found.name, "channel": found.channel, "to": target}
     steps = f" by steps ({found.relative})" if found.relative else ""
     summary = f"{found.name}, channel {found.channel}, is {target}{steps}"
-    save_learned(learning, write_map((*kept, found)), report, summary)
+    learning.save(text, report, summary)

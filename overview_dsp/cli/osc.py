@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from overview_dsp.cli.control_learning import Learning, listen, require_target, save_learned
+from overview_dsp.cli.control_learning import Learning, require_target
 from overview_dsp.cli.options.declaring import cli_command
-from overview_dsp.files.atomic import require_writable
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.control_map import OscControl
@@ -44,8 +41,6 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     require_target(target, (THETA2, TOUCH, DEVICE))
     to = "acceleration" if target == DEVICE else target
     parse_osc_map(write_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target)
-    require_writable(learning.output)
-    controls = load_osc_map(learning.output) if Path(learning.output).exists() else ()
     learner = OscLearner(target)
 
     def decode(messages: list[bytes], now_s: float) -> OscControl | None:
@@ -58,14 +53,11 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
         reason = f"; {learner.explanation}" if learner.explanation else ""
         return f"no message for {target!r} ({received}{reason})"
 
-    found = listen(OscPort(port), lambda: learner.instruction, decode, learning.timeout, failure)
-    found = replace(found, low=learning.low, high=learning.high)
-    replaced = SENSED if target == DEVICE else (target,)
-    same = (found.address, found.value)
-    kept = tuple(
-        one for one in controls if (one.address, one.value) != same and one.to not in replaced
+    replaced = tuple(SENSED) if target == DEVICE else (target,)
+    found, text = learning.learn(
+        load_osc_map, lambda: OscPort(port), learner, decode, failure, replaced
     )
     sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     summary = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
-    save_learned(learning, write_map((*kept, found)), report, summary)
+    learning.save(text, report, summary)

@@ -99,7 +99,7 @@ def command(
     TIMELINE is any supported file, detected by content, or the bundled match
     (world-cup-final-2018).
     """
-    from overview_dsp.files.cue_points import add_cues
+    from overview_dsp.files.sound import add_cues
     from overview_dsp.offline.rendering.event_log import passed_events
     from overview_dsp.offline.rendering.schedule import tail_of
     from overview_dsp.offline.rendering.stems import stem_paths

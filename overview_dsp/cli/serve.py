@@ -18,6 +18,7 @@ from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
 from overview_dsp.cli.options.server import Server, ServerAddress, open_server, require_server
 from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
 from overview_dsp.errors import InputError
+from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
     from overview_dsp.web.media import Media
@@ -101,10 +102,7 @@ def _film(text: str) -> Media:
     from overview_dsp.web.media import open_media
 
     path, comma, offset = text.rpartition(",offset=")
-    try:
-        offset_s = float(offset) if comma else 0.0
-    except ValueError:
-        offset_s = math.nan
+    offset_s = float_or_nan(offset) if comma else 0.0
     if not math.isfinite(offset_s):
         raise InputError(f"--media is {text}; offset must be a number of seconds, such as 754")
     return open_media(path if comma else text, offset_s)

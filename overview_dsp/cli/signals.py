@@ -19,17 +19,17 @@ LOOK_EVERY_S = 0.1
 _received: list[int] = []
 
 
-def signals_that_end() -> list[int]:
-    """Return the signals of this platform, except ignored ones (nohup)."""
+@contextmanager
+def _handled(receive: Callable[[int, Any], None]) -> Iterator[None]:
     known = [
         getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
     ]
-    return [number for number in known if signal.getsignal(number) is not signal.SIG_IGN]
-
-
-@contextmanager
-def _handled(receive: Callable[[int, Any], None]) -> Iterator[None]:
-    before = {number: signal.signal(number, receive) for number in signals_that_end()}
+    # not those that are ignored (nohup)
+    before = {
+        number: signal.signal(number, receive)
+        for number in known
+        if signal.getsignal(number) is not signal.SIG_IGN
+    }
     try:
         yield
     finally:

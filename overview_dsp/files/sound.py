@@ -1,4 +1,4 @@
-"""Sound files: any libsndfile format, written atomically, with dither for few bits.
+"""Sound files: any libsndfile format, written atomically, with dither for few bits; cue points.
 
 The bytes of short WAV files are packed here, several times faster than by libsndfile, which
 converts one sample at a time. The header comes from libsndfile, so the bytes are identical.
@@ -10,8 +10,9 @@ import contextlib
 import io
 import math
 import os
+import shutil
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, Protocol
@@ -334,3 +335,52 @@ class SavableSound:
         ...     rendered.save(f"tap-{number}.wav")
         """
         save_sound(path, self.samples, self.sample_rate, subtype)
+
+
+MAX_BYTES = 2**32 - 1
+
+
+def cue_chunks(cues: Sequence[tuple[int, str]]) -> bytes:
+    """Return the chunks `cue ` and `LIST` with labels, for pairs of sample and label."""
+    points = struct.pack("<I", len(cues)) + b"".join(
+        struct.pack("<II4sIII", number, sample, b"data", 0, 0, sample)
+        for number, (sample, _) in enumerate(cues, 1)
+    )
+    labels = b"adtl" + b"".join(
+        _chunk(b"labl", struct.pack("<I", number) + label.encode() + b"\0")
+        for number, (_, label) in enumerate(cues, 1)
+    )
+    return _chunk(b"cue ", points) + _chunk(b"LIST", labels)
+
+
+def _chunk(name: bytes, data: bytes) -> bytes:
+    return name + struct.pack("<I", len(data)) + data + bytes(len(data) % 2)
+
+
+def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
+    """Write cue points (samples, labels) into a WAV file, which doesn't change if that fails.
+
+    InputError if the file isn't a WAV file, or is too large.
+    """
+    chunks = cue_chunks(cues)
+    try:
+        with open(path, "rb") as file:
+            head = file.read(12)
+        size = path.stat().st_size
+    except OSError as error:
+        raise output_error(path, error) from None
+    if head[:4] != b"RIFF" or head[8:] != b"WAVE":
+        raise InputError(f"{path}: cue points need a .wav file; use a transcript for other formats")
+    padding = bytes(size % 2)
+    if size + len(padding) + len(chunks) - 8 > MAX_BYTES:
+        raise InputError(f"{path}: cue points make the WAV file larger than 4 GB; use a transcript")
+    with atomic_file(path) as temporary:
+        try:
+            shutil.copyfile(path, temporary)
+            with open(temporary, "r+b") as file:
+                file.seek(0, 2)
+                file.write(padding + chunks)
+                file.seek(4)
+                file.write(struct.pack("<I", size + len(padding) + len(chunks) - 8))
+        except OSError as error:
+            raise output_error(path, error) from None

@@ -47,6 +47,11 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(f"{source}:{place[1]}: not TOML: {reason}") from None
 
 
+def load_toml(module: str, name: str) -> dict[str, Any]:
+    """Return the table in the TOML file `name` of this package, beside the file of a module."""
+    return tomllib.loads(Path(module).with_name(name).read_text(encoding="utf-8"))
+
+
 @contextmanager
 def faults_at_their_line(text: str, source: str) -> Iterator[None]:
     """Prefix an InputError whose message begins with a key with the file and line of that key."""

@@ -5,7 +5,7 @@ from overview_dsp.live.output.devices import (
     devices as devices,
     find_device as find_device,
 )
-from overview_dsp.live.output.null_stream import NullStream as NullStream
+from overview_dsp.live.output.stream import NullStream as NullStream
 from overview_dsp.live.output.portaudio_stream import OutputStream as OutputStream
 from overview_dsp.live.output.settings import (
     OutputSettings as OutputSettings,

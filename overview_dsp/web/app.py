@@ -13,6 +13,7 @@ Thread: the server's.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from typing import TYPE_CHECKING
 
 from starlette.requests import Request
 from starlette.responses import Response
@@ -22,19 +23,21 @@ from starlette.websockets import WebSocket
 
 from overview_dsp.errors import InputError
 from overview_dsp.web.assets import asset, served_paths
-from overview_dsp.web.control import Session, serve_input
+from overview_dsp.web.control import serve_input
 from overview_dsp.web.messages import json_object
 from overview_dsp.web.preset_data import parse_preset
 from overview_dsp.web.security.auth_token import Access
-from overview_dsp.web.security.middleware import Guard, cookie_name
-from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
+from overview_dsp.web.security.middleware import Guard, cookie_name, threaded_endpoint
+
+if TYPE_CHECKING:
+    from overview_dsp.web.session import HostSession
 
 
 def make_app(
     access: Access,
     names: Collection[str],
     report: Callable[[str], None],
-    session: Session | None = None,
+    session: HostSession | None = None,
     data_routes: Collection[BaseRoute] = (),
     public: Collection[str] | None = None,
 ) -> ASGIApp:

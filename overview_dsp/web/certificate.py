@@ -6,9 +6,7 @@ The command line prints its fingerprint for comparison.
 
 from __future__ import annotations
 
-import contextlib
 import datetime
-import ipaddress
 import ssl
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,6 +19,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, write_file
+from overview_dsp.web.security.auth_token import parse_ip
 
 DAYS = 397
 """Some phones reject certificates with a longer validity."""
@@ -113,6 +112,5 @@ def _names(path: Path) -> list[str] | None:
 
 
 def _general_name(name: str) -> x509.GeneralName:
-    with contextlib.suppress(ValueError):
-        return x509.IPAddress(ipaddress.ip_address(name))
-    return x509.DNSName(name)
+    address = parse_ip(name)
+    return x509.DNSName(name) if address is None else x509.IPAddress(address)

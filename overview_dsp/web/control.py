@@ -17,15 +17,16 @@ from __future__ import annotations
 
 import asyncio
 import time
-from typing import Any, Protocol
+from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.units import HALF_TURN
 from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message
-from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput, RemoteInputs
+from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput
+
+if TYPE_CHECKING:
+    from overview_dsp.web.session import HostSession
 
 CHECK_INTERVAL_S = 0.02
 STATUS_INTERVAL_S = 0.04
@@ -35,21 +36,6 @@ MAX_EVENTS_PER_SECOND = 2000.0
 
 MAX_MESSAGES_PER_SECOND = 500.0
 MALFORMED, TOO_MANY = 1007, 1008
-
-
-class Session(Protocol):
-    """Session that plays on this machine."""
-
-    inputs: RemoteInputs
-
-    def show(self, start_s: float, end_s: float) -> None:
-        """Show a window; raise InputError if it is invalid."""
-
-    def use(self, preset: Preset) -> None:
-        """Change the preset; raise InputError if the engine can't play it."""
-
-    def status(self) -> dict[str, Any]:
-        """Return the state of the disk."""
 
 
 class _RateLimit:
@@ -68,7 +54,7 @@ class _RateLimit:
         return self._available >= 0.0
 
 
-async def serve_input(websocket: WebSocket, session: Session) -> None:
+async def serve_input(websocket: WebSocket, session: HostSession) -> None:
     """Serve one page until its connection ends."""
     await websocket.accept()
     remote = session.inputs.join()
@@ -85,7 +71,7 @@ async def serve_input(websocket: WebSocket, session: Session) -> None:
         await asyncio.gather(reporting, return_exceptions=True)
 
 
-async def _listen(websocket: WebSocket, session: Session, remote: RemoteInput) -> None:
+async def _listen(websocket: WebSocket, session: HostSession, remote: RemoteInput) -> None:
     events, messages = _RateLimit(MAX_EVENTS_PER_SECOND), _RateLimit(MAX_MESSAGES_PER_SECOND)
     while True:
         received = await websocket.receive()
@@ -111,7 +97,7 @@ async def _listen(websocket: WebSocket, session: Session, remote: RemoteInput) -
             session.show(message.start_s, message.end_s)
 
 
-async def _report(websocket: WebSocket, session: Session, remote: RemoteInput) -> None:
+async def _report(websocket: WebSocket, session: HostSession, remote: RemoteInput) -> None:
     """Update clocks, release a silent input, and send pings and status."""
     inputs = session.inputs
     next_ping = next_status = 0.0
@@ -128,28 +114,8 @@ async def _report(websocket: WebSocket, session: Session, remote: RemoteInput) -
                 await websocket.send_json({"ping": time.monotonic()})
             if now >= next_status:
                 next_status = now + STATUS_INTERVAL_S
-                status = {**session.status(), **_input_status(inputs, remote)}
+                status = {**session.status(), **inputs.status(remote)}
                 await websocket.send_json({"status": status})
             await asyncio.sleep(CHECK_INTERVAL_S)
     except (WebSocketDisconnect, RuntimeError):  # the connection was closed
         return
-
-
-def _input_status(inputs: RemoteInputs, remote: RemoteInput) -> dict[str, Any]:
-    return {
-        "active": inputs.is_active(remote),
-        "others": [
-            {
-                "name": one.name,
-                "position": round(one.theta2 / HALF_TURN, 4),
-                "active": inputs.is_active(one),
-            }
-            for one in inputs.others_touching(remote)
-        ],
-        "round_trip_ms": _ms(remote.clock.round_trip_s),
-        "event_to_sample_ms": _ms(remote.event_to_sample_s),
-    }
-
-
-def _ms(seconds: float | None) -> float | None:
-    return None if seconds is None else round(seconds * 1e3, 2)

@@ -59,7 +59,7 @@ from overview_dsp.web.preset_data import (
     preset_names,
     save_preset,
 )
-from overview_dsp.web.security.threaded_endpoint import threaded_endpoint
+from overview_dsp.web.security.middleware import threaded_endpoint
 from overview_dsp.web.site_content import SiteContent
 
 BINARY, JSON = "application/octet-stream", "application/json"
@@ -144,9 +144,6 @@ def data_routes(
         with one_at_a_time:
             return JSONResponse(sound_data.window(current_timeline(), content.preset, query))
 
-    def names(request: Request, body: bytes) -> Response:
-        return JSONResponse(preset_names())
-
     def one_preset(request: Request, body: bytes) -> Response:
         name = request.query_params.get("name")
         return JSONResponse(preset_data(content.preset if name is None else preset_by_name(name)))
@@ -181,7 +178,9 @@ def data_routes(
 
     routes: list[BaseRoute] = [
         Route("/preset/changes", changes),
-        Route("/data/presets", threaded_endpoint(names)),
+        Route(
+            "/data/presets", threaded_endpoint(lambda request, body: JSONResponse(preset_names()))
+        ),
         Route("/data/preset", threaded_endpoint(one_preset)),
         Route("/sound/change", threaded_endpoint(change), methods=["POST"]),
         Route("/preset/toml", threaded_endpoint(toml), methods=["POST"]),

@@ -40,9 +40,9 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
 from overview_dsp.web.preset_data import vibration_pattern
-from overview_dsp.web.site_data import kind_styles, window_json
+from overview_dsp.web.site_content import compact_json
+from overview_dsp.web.site_data import kind_styles, series_json, window_json
 from overview_dsp.web.sound_data import make_patch, window_bytes
-from overview_dsp.web.values import series_json
 
 CHECK_INTERVAL_S = 0.05
 NOTICE_INTERVAL_S = 0.25
@@ -238,8 +238,7 @@ class LiveData:
                     base = base[: len(surface_bytes)].ljust(len(surface_bytes), b"\0")
                 patch = make_patch(base or b"", surface_bytes)
                 _cache(self._surfaces, (version, rate), surface_bytes)
-            text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-            header = text.encode()
+            header = compact_json(content)
             header += b" " * (-(len(header) + 4) % 8)
             update = len(header).to_bytes(4, "little") + header + patch
             _cache(self._update_cache, key, update)

@@ -28,7 +28,7 @@ from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, write_file
-from overview_dsp.files.toml import SUFFIX
+from overview_dsp.files.toml import SUFFIX, load_toml
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", re.ASCII)
 WINDOWS_DEVICES = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)")
@@ -91,31 +91,18 @@ def _check_parent(text: str, name: str) -> None:
 
 Pattern = tuple[int, ...]
 
-LONG, SHORT, TICK, REST = 80, 35, 14, 40
+KINDS = load_toml(__file__, "kinds.toml")
+LONG, SHORT, TICK = 80, 35, 14
 
-_PATTERNS: dict[str, Pattern] = {
-    "goal": (LONG, REST, SHORT),
-    "own_goal": (LONG, REST, SHORT, REST, SHORT),
-    "red_card": (SHORT, REST, SHORT),
-    "yellow_card": (SHORT,),
-    "near_miss": (TICK, REST, TICK),
-    "foul": (TICK,),
-    "period": (SHORT, REST, TICK),
-    "highest": (LONG, REST, SHORT),
-    "lowest": (LONG, REST, TICK, REST, TICK),
-    "largest_rise": (SHORT, REST, SHORT),
-    "largest_fall": (SHORT, REST, TICK, REST, TICK),
-    "record_high": (SHORT,),
-    "record_low": (SHORT, REST, TICK),
-}
 # heights of an event profile from which a pulse is long or short
 _HEAVY, _MIDDLE = 100.0, 25.0
 
 
 def vibration_pattern(kind: str, preset: Preset) -> Pattern:
     """Return the pattern of a kind; unknown kinds depend on the height of their friction."""
-    if kind in _PATTERNS:
-        return _PATTERNS[kind]
+    pattern = KINDS["known"].get(kind, {}).get("pattern")
+    if pattern is not None:
+        return tuple(pattern)
     profile = preset.kinds.get(kind, preset.kinds["default"])
     if profile.height >= _HEAVY:
         return (LONG,)

@@ -15,9 +15,15 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.site_data import site_windows, timeline_json, window_json
+from overview_dsp.web.site_data import (
+    fits_one_file,
+    has_values,
+    points_json,
+    site_windows,
+    timeline_json,
+    window_json,
+)
 from overview_dsp.web.sound_data import make_patch, pack, whole_bytes, window_bytes
-from overview_dsp.web.values import fits_one_file, has_values, points_json
 
 RATES = (48_000, 44_100)
 """Common sample rates of browsers, Hz; at others the browser resamples."""
@@ -84,15 +90,15 @@ class SiteContent:
 
     def _timeline_file(self) -> bytes:
         content = timeline_json(self.timeline, self.preset, self.parts, RATES)
-        return _json({**content, "server": self._server, "live": self._live})
+        return compact_json({**content, "server": self._server, "live": self._live})
 
     def _window(self, i: int) -> bytes:
         timeline, surface = self._surface(i)
-        return _json(window_json(timeline, surface, self.parts[i].start_s))
+        return compact_json(window_json(timeline, surface, self.parts[i].start_s))
 
     def _points(self, i: int) -> bytes:
         part = self.parts[i]
-        return _json(points_json(self.timeline, part.start_s, part.end_s))
+        return compact_json(points_json(self.timeline, part.start_s, part.end_s))
 
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]
@@ -108,6 +114,7 @@ class SiteContent:
         return make_patch(self._sound(i), self._at_rate(i, rate))
 
 
-def _json(document: dict[str, Any]) -> bytes:
+def compact_json(document: dict[str, Any]) -> bytes:
+    """Return a JSON object without spaces."""
     text = json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.encode()

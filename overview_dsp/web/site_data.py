@@ -3,7 +3,7 @@
 ``data/timeline.json``::
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
-     "series": {"unit", "decimals", "complete", "has_times"}, null without values (`values`),
+     "series": {"unit", "decimals", "complete", "has_times"}, null without values,
      "reference_torque": N m, "rates": [44100, 48000],
      "kinds": {"goal": {"name": "goal", "shape": "circle", "colour": "blue", "count": 6,
                         "pattern": [on ms, off ms, on ms]}, ...},
@@ -23,6 +23,10 @@
      "scale": [value at level 0, difference to the value at level 1]}
 
 ``data/points-N.json`` of a series: ``{"time_s": [s of the timeline], "value": [...]}``.
+``data/points-0.json`` has all points of the curve, for all windows. A curve with more than
+`MAX_POINTS` is reduced to the points nearest to evenly spaced times and to events, and to the
+lowest and highest point of each of some equal spans, so that no extreme is lost. Its windows then
+have files of their own. The page only shows points of the data, never interpolated values.
 
 The future of a live timeline is drawn as a gap. Columns are evenly spaced and include both ends.
 Each has the mean level of its points. `sound_data` has the sound of the windows.
@@ -34,19 +38,176 @@ of one window per level, so that a zoom shows the time before and after it.
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
+from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.preset_data import vibration_pattern
-from overview_dsp.web.values import drawn_curve, event_values, has_values, series_json
+from overview_dsp.web.preset_data import KINDS, vibration_pattern
+
+MAX_POINTS = 16_384
+DERIVED_UNIT = "0..1"
+"""Part of the unit of a curve that a reader derived from events; such values aren't data."""
+
+_MAX_DIGITS = 4
+_SAMPLE_SIZE = 1000
+_CHUNK = 1 << 20
+
+
+def has_values(timeline: Timeline) -> bool:
+    """Return whether the curve's values are data in a unit."""
+    return timeline.intensity is not None and DERIVED_UNIT not in timeline.intensity.unit
+
+
+def fits_one_file(timeline: Timeline) -> bool:
+    """Return whether one file has all points of the curve."""
+    return timeline.intensity is None or timeline.intensity.count <= MAX_POINTS
+
+
+def series_json(timeline: Timeline) -> dict[str, Any] | None:
+    """Return the format of a series' values; None without values."""
+    if timeline.intensity is None or not has_values(timeline):
+        return None
+    value = timeline.intensity.value
+    sample = np.asarray(value[:: max(1, len(value) // _SAMPLE_SIZE)])
+    return {
+        "unit": timeline.intensity.unit,
+        "decimals": _decimals(sample),
+        "complete": fits_one_file(timeline),
+        "has_times": _has_times(timeline),
+    }
+
+
+def points_json(timeline: Timeline, start_s: float, end_s: float) -> dict[str, Any]:
+    """Return times (s of the timeline) and values of a window; `has_values` must be true."""
+    curve = timeline.intensity
+    assert curve is not None
+    if curve.is_constant:
+        return {"time_s": [start_s], "value": [_number(curve.value[0])]}
+    points = curve.points
+    first = int(points.first_from(np.array([start_s]))[0])
+    last = int(points.first_after(np.array([end_s]))[0])
+    if last <= first:  # between two points: use both
+        first, last = max(0, first - 1), min(curve.count, first + 1)
+    gap_starts, gap_ends = np.array(timeline.gaps, dtype=np.float64).reshape(-1, 2).T
+    firsts = np.append(first, points.first_from(gap_ends).clip(first, last))
+    stops = np.append(points.first_after(gap_starts).clip(first, last), last)
+    if (stops - firsts).sum() > MAX_POINTS:
+        index = _thinned(timeline, first, last, start_s, end_s)
+    else:
+        index = np.concatenate([np.arange(*run) for run in zip(firsts, stops, strict=True)])
+    return {
+        "time_s": [_number(one) for one in points.times_of(index)],
+        "value": [_number(one) for one in np.asarray(curve.value[index])],
+    }
+
+
+def _thinned(timeline: Timeline, first: int, last: int, start_s: float, end_s: float) -> IntArray:
+    """Return about `MAX_POINTS` known points of a window, in which `last` - `first` points lie.
+
+    Points are read in chunks, since a series may be larger than the memory.
+    """
+    curve = timeline.intensity
+    assert curve is not None
+    points = curve.points
+    spans = points.first_from(np.linspace(start_s, end_s, MAX_POINTS // 4 + 1)[1:-1])
+    edges = np.unique([*spans.clip(first, last), *range(first, last, _CHUNK), last])
+    kept = []
+    for start, stop in itertools.pairwise(edges.tolist()):
+        index = np.arange(start, stop)
+        index = index[~in_gap(timeline.gaps, points.times_of(index))]
+        if len(index) > 0:
+            values = np.asarray(curve.value[index])
+            kept += [index[values.argmin()], index[values.argmax()]]
+    at_events = [one.time_s for one in timeline.events if start_s <= one.time_s <= end_s]
+    at = np.concatenate((np.linspace(start_s, end_s, MAX_POINTS // 2), at_events))
+    for gap_start, gap_end in timeline.gaps:  # the nearest points are those at its ends
+        inside = (at > gap_start) & (at < gap_end)
+        at[inside] = np.where(at[inside] - gap_start <= gap_end - at[inside], gap_start, gap_end)
+    after = points.first_from(at).clip(first + 1, last - 1)
+    left, right = points.times_of(after - 1), points.times_of(after)
+    nearest = np.where(at - left <= right - at, after - 1, after)
+    nearest = nearest[~in_gap(timeline.gaps, points.times_of(nearest))]
+    return np.unique([*kept, *nearest])
+
+
+def drawn_curve(timeline: Timeline, angle_map: AngleMap, columns: int) -> dict[str, Any]:
+    """Return the picture's curve at evenly spaced positions.
+
+    ``level`` is 0 to 1, or null without data. ``band`` has minimum and maximum of the points of
+    each column, or is null where each column has one value. ``scale`` has the value at level 0 and
+    the difference to that at level 1. A series reaches from its lowest to its highest value outside
+    of gaps; a curve that a reader derived from events has the levels that are felt.
+    """
+    curve = timeline.intensity
+    if curve is None or not has_values(timeline):
+        felt = angle_map.at_even_positions(timeline.normalised_levels(columns - 1))
+        return {"level": _rounded(felt), "band": None, "scale": list(timeline.scale)}
+    low, high = curve.extremes_outside(timeline.gaps)
+    span = high - low
+    times = angle_map.time_at(np.linspace(0.0, 1.0, columns))
+    lows, level, highs = (
+        _rounded(np.clip((row - low) / (span or 1.0), 0.0, 1.0))
+        for row in curve.band(times, timeline.gaps)
+    )
+    band = None if lows == highs else [lows, highs]
+    return {"level": level, "band": band, "scale": [low, span]}
+
+
+def event_values(timeline: Timeline) -> list[float | int | None]:
+    """Return the value of a series at each event; None without data."""
+    if timeline.intensity is None or not has_values(timeline):
+        return [None] * len(timeline.events)
+    times = np.array([one.time_s for one in timeline.events], dtype=np.float64)
+    values = timeline.intensity.at(times).astype(timeline.intensity.points.value.dtype)
+    known = timeline.has_data(times)
+    return [_number(one) if is_known else None for one, is_known in zip(values, known, strict=True)]
+
+
+def _rounded(row: FloatArray) -> list[float | None]:
+    return [None if math.isnan(one) else round(one, 4) for one in row.tolist()]
+
+
+def _has_times(timeline: Timeline) -> bool:
+    """Return whether some points aren't whole days apart."""
+    curve = timeline.intensity
+    assert curve is not None
+    index = np.unique(np.linspace(0, curve.count - 1, _SAMPLE_SIZE).astype(np.int64))
+    days = np.diff(curve.points.times_of(index)) / 86_400
+    return bool((np.abs(days - np.round(days)) > 1e-3).any())
+
+
+def _decimals(values: NDArray[np.generic]) -> int:
+    """Return the data's decimals, limited to four digits of the range but at least two."""
+    doubles = values.astype(np.float64)
+    span = float(np.ptp(doubles))
+    limit = _MAX_DIGITS - 1 - (math.floor(math.log10(span)) if span > 0 else 0)
+    limit = min(max(limit, 2), 12)
+    exact = (
+        n for n in range(limit) if np.allclose(np.round(doubles, n), doubles, rtol=1e-6, atol=0.0)
+    )
+    return next(exact, limit)
+
+
+def _number(value: Any) -> float | int:
+    """Return a short JSON number; single precision isn't expanded to double."""
+    number = float(str(value)) if isinstance(value, np.float32) else float(value)
+    return int(number) if number == int(number) and abs(number) < 1e15 else number
+
 
 RATIO = 3
 LEAST_CONTENT = 8
@@ -87,42 +248,6 @@ def site_windows(timeline: Timeline, levels: int) -> list[Window]:
 
 COLUMNS = 1025
 
-# shape of each known kind, and colour on the page of a study
-_STYLES = {
-    "goal": ("circle", "blue"),
-    "own_goal": ("hexagon", "sky"),
-    "near_miss": ("triangle", "green"),
-    "yellow_card": ("card", "yellow"),
-    "red_card": ("red", "vermilion"),
-    "foul": ("cross", "grey"),
-    "period": ("bar", "ink"),
-    "shot": ("wedge", "green"),
-    "touch": ("plus", "grey"),
-    "highest": ("triangle", "vermilion"),
-    "lowest": ("fall", "blue"),
-    "record_high": ("square", "vermilion"),
-    "record_low": ("open_square", "blue"),
-    "peak": ("peak", "vermilion"),
-    "trough": ("trough", "blue"),
-    "largest_rise": ("diamond", "vermilion"),
-    "largest_fall": ("open_diamond", "blue"),
-    "crossing_up": ("arrow_up", "vermilion"),
-    "crossing_down": ("arrow_down", "blue"),
-}
-# names of kinds whose identifier isn't plain English
-_NAMES = {
-    "period": "kick-off, half-time, full time",
-    "crossing_up": "rises above a level",
-    "crossing_down": "falls below a level",
-}
-_OTHER_SHAPES = (
-    "star", "diamond", "triangle", "square", "circle", "wedge", "cross", "plus", "fall",
-    "open_diamond", "open_triangle", "open_square", "open_circle", "open_wedge", "open_star",
-    "open_fall", "pentagon", "hexagon", "arrow_up", "arrow_down", "peak", "trough",
-    "open_pentagon", "open_hexagon",
-)  # fmt: skip
-_OTHER_COLOURS = ("vermilion", "blue", "yellow", "sky", "green", "orange", "purple")
-
 
 def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]:
     """Return name, shape, colour, count and vibration pattern of each event kind.
@@ -133,25 +258,23 @@ def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]
     window_kinds = SERIES_KINDS if timeline.rules is not None else TICKS
     for kind in (*(detail.kind for detail in timeline.details), *window_kinds):
         counts.setdefault(kind, 0)
-    fixed = {**_STYLES, **dict.fromkeys(TICKS, ("bar", "grey"))}
+    fixed = KINDS["known"] | {kind: {"shape": "bar", "colour": "grey"} for kind in TICKS}
     others = sorted(set(counts) - set(fixed))
-    taken = {fixed[kind][0] for kind in counts if kind in fixed}
+    taken = {fixed[kind]["shape"] for kind in counts if kind in fixed}
     # goals of the second team are outlines
-    taken |= {f"open_{fixed[kind][0]}" for kind in ("goal", "own_goal") if kind in counts}
-    free = [shape for shape in _OTHER_SHAPES if shape not in taken]
+    taken |= {f"open_{fixed[kind]['shape']}" for kind in ("goal", "own_goal") if kind in counts}
+    free = [shape for shape in KINDS["others"]["shapes"] if shape not in taken]
     styles = {}
     for kind in (*(name for name in fixed if name in counts), *others):
         if kind in fixed:
-            shape, colour = fixed[kind]
+            style = fixed[kind]
         else:
-            i = others.index(kind)
-            shape = free[min(i, len(free) - 1)]
-            colour = _OTHER_COLOURS[i % len(_OTHER_COLOURS)]
-        name = KIND_STYLE[kind][2] if kind in _STYLES else kind.replace("_", " ")
+            i, colours = others.index(kind), KINDS["others"]["colours"]
+            style = {"shape": free[min(i, len(free) - 1)], "colour": colours[i % len(colours)]}
+        name = KIND_STYLE[kind][2] if kind in KINDS["known"] else kind.replace("_", " ")
         styles[kind] = {
-            "name": _NAMES.get(kind, name),
-            "shape": shape,
-            "colour": colour,
+            "name": name,
+            **style,
             "count": counts[kind],
             "pattern": list(vibration_pattern(kind, preset)),
         }

@@ -27,8 +27,8 @@ from overview_dsp.errors import OverviewError
 from overview_dsp.files.atomic import write_file
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.site_content import RATES
+from overview_dsp.web.site_data import has_values, points_json
 from overview_dsp.web.static_site import write_site
-from overview_dsp.web.values import has_values, points_json
 
 INTERVAL_S = 2.0
 """Time between two versions, and between two requests of a page."""

@@ -1,10 +1,10 @@
-"""Static folder with the page, its kernel and a timeline, for any web host.
+"""Static folder with the page, its kernel and a timeline or several, for any web host.
 
 The folder needs no server of this package and, once loaded, no network. `files.js` lists every file
 and a digest. The page's service worker stores these files and renews them when the digest changes.
 
 The start page has the timeline's title, a preview picture for shared links, and preload tags for
-the first data files.
+the first data files. A gallery is an index page, and one subfolder per timeline.
 """
 
 from __future__ import annotations
@@ -12,9 +12,12 @@ from __future__ import annotations
 import hashlib
 import html
 import io
+import itertools
 import json
 import os
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
+from string import Template
 from typing import Any
 
 from overview_dsp.data.timeline import Timeline
@@ -22,7 +25,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.web.assets import START, folder_files
+from overview_dsp.web.assets import START, WEB, folder_files, page_files
 from overview_dsp.web.site_content import SiteContent
 from overview_dsp.web.site_data import default_levels
 
@@ -135,3 +138,65 @@ def write_site(
         files = {"version": digest.hexdigest()[:16], **listed}
         (folder / MARKER_FILE).write_text(f"self.FILES = {json.dumps(files)};\n", encoding="utf-8")
     return size
+
+
+GALLERY_FILE = "gallery.txt"
+"""File that marks a gallery folder; it lists the subfolders, one per line."""
+
+_GALLERY_FILES = ("style.css", "icon.svg", "icon-192.png")
+_GALLERY_TITLE = "Timelines to feel"
+_MAX_NAME = 48
+
+
+def write_gallery(
+    items: Sequence[tuple[Timeline, Preset]],
+    path: str | os.PathLike[str],
+    *,
+    address: str | None = None,
+    progress: Callable[[float], None] | None = None,
+    **options: Any,
+) -> int:
+    """Write the folder completely or not at all; return its size in bytes.
+
+    `items` are timelines in order, each with its preset. Other arguments and errors are those of
+    `write_site`; `path` may be an earlier gallery.
+    """
+    names = _folder_names([timeline.title for timeline, _ in items])
+    files = {name: page_files()[name] for name in _GALLERY_FILES}
+    files[GALLERY_FILE] = "".join(f"{name}\n" for name in names).encode()
+    files[START] = _gallery_page([timeline for timeline, _ in items], names, address).encode()
+    size = sum(map(len, files.values()))
+    with atomic_folder(path, GALLERY_FILE) as folder:
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+        for i, (name, (timeline, preset)) in enumerate(zip(names, items, strict=True)):
+
+            def report(done: float, i: int = i) -> None:
+                if progress is not None:
+                    progress((i + done) / len(items))
+
+            options["address"] = None if address is None else f"{address}{name}/"
+            size += write_site(timeline, preset, folder / name, progress=report, **options)
+    return size
+
+
+def _folder_names(titles: Sequence[str]) -> list[str]:
+    """Return a unique folder name of letters, digits and hyphens for each title."""
+    names: list[str] = []
+    for title in titles:
+        plain = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:_MAX_NAME].strip("-")
+        first = plain or "timeline"
+        numbered = (f"{first}-{number}" for number in itertools.count(2))
+        names.append(next(one for one in itertools.chain([first], numbered) if one not in names))
+    return names
+
+
+def _gallery_page(timelines: Sequence[Timeline], names: Sequence[str], address: str | None) -> str:
+    items = "\n".join(
+        f'    <li><a href="{name}/"><img src="{name}/{PICTURE}" alt="" width="{WIDTH}" '
+        f'height="{HEIGHT}" loading="lazy"><span>{html.escape(timeline.title)}</span></a></li>'
+        for timeline, name in zip(timelines, names, strict=True)
+    )
+    tags = "\n  ".join(link_tags(_GALLERY_TITLE, f"{names[0]}/{PICTURE}", address))
+    page = Template((WEB / "gallery.html").read_text(encoding="utf-8"))
+    return page.substitute(title=_GALLERY_TITLE, tags=tags, items=items)

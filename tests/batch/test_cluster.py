@@ -95,21 +95,21 @@ def test_an_error_of_the_storage_reaches_the_caller(cluster, tmp_path, monkeypat
 
 
 def test_workers_of_another_version_are_refused(cluster, tmp_path, monkeypatch):
-    from overview_dsp.batch import cluster as room
+    from overview_dsp.batch import workers as room
 
-    real = room._run
+    real = room._run_remote
 
     def other(packed, program, jobs):
         return real(packed, "0.0.0+other", jobs)
 
-    monkeypatch.setattr(room, "_run", other)
+    monkeypatch.setattr(room, "_run_remote", other)
     with pytest.raises(ov.OverviewError, match="another version"):
         run_batch(grid_in(tmp_path), scheduler=cluster)
 
 
 def test_an_address_where_nothing_answers_is_an_error_of_one_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("overview_dsp.batch.cluster.CONNECT_S", 0.5)
+    monkeypatch.setattr("overview_dsp.batch.workers.CONNECT_S", 0.5)
     jobs_file(tmp_path)
     refused(overview("batch", "jobs.toml", "--scheduler", "tcp://127.0.0.1:9"), "scheduler", code=1)
 

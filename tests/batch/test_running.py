@@ -18,7 +18,7 @@ import soundfile
 
 import overview_dsp as ov
 from overview_dsp.batch import run_batch, storage, task
-from overview_dsp.batch.cache_keys import Keys
+from overview_dsp.batch.grid import Keys
 from overview_dsp.batch.manifest import PARTS
 from overview_dsp.batch.storage import UNFINISHED, Storage
 from overview_dsp.design.presets.parameters import PARAMETERS
@@ -399,10 +399,10 @@ def test_a_run_killed_at_random_and_resumed_leaves_the_same_files(tmp_path, seed
 
 
 def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
-    from overview_dsp.batch import local
+    from overview_dsp.batch import workers
 
     study = grid_in(tmp_path)
-    real = local._run_once
+    real = workers._run_once
     rounds = []
 
     def killed(study, left, processes):
@@ -411,10 +411,10 @@ def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
         yield next(results)
         if len(rounds) == 1:
             results.close()
-            raise local.BrokenProcessPool
+            raise workers.BrokenProcessPool
         yield from results
 
-    monkeypatch.setattr(local, "_run_once", killed)
+    monkeypatch.setattr(workers, "_run_once", killed)
     outcome = run_batch(study, workers=2)
     assert outcome.failed == ()
     assert rounds[1] == rounds[0] - 1
@@ -422,13 +422,13 @@ def test_a_worker_that_dies_is_replaced(done, tmp_path, monkeypatch):
 
 
 def test_workers_that_die_repeatedly_end_the_run_with_one_line(tmp_path, monkeypatch):
-    from overview_dsp.batch import local
+    from overview_dsp.batch import workers
 
     def dead(study, left, processes):
-        raise local.BrokenProcessPool
+        raise workers.BrokenProcessPool
         yield
 
-    monkeypatch.setattr(local, "_run_once", dead)
+    monkeypatch.setattr(workers, "_run_once", dead)
     with pytest.raises(ov.OverviewError, match="died 3 times"):
         run_batch(grid_in(tmp_path), workers=2)
 

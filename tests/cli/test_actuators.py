@@ -60,7 +60,7 @@ def test_a_carrier_beside_the_resonance_is_a_note(folder):
 
 def test_a_device_keeps_its_actuator_until_another_or_none_is_named(tmp_path, monkeypatch):
     from overview_dsp.cli.options.output import output_changes
-    from overview_dsp.live.output import saved_settings as kept
+    from overview_dsp.live.output import settings as kept
 
     path = tmp_path / "outputs.json"
     monkeypatch.setattr(kept, "settings_file", lambda: path)

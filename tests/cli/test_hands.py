@@ -18,7 +18,8 @@ from overview_dsp.cli.options.output import callback_kind
 from overview_dsp.devices.controllers.control_map import load_osc_map
 from overview_dsp.errors import OverviewError
 from overview_dsp.installation import install_command
-from overview_dsp.live.output import devices, saved_settings
+from overview_dsp.live.output import devices
+from overview_dsp.live.output import settings as output_settings
 from overview_dsp.live.ports import midi, pads
 from tests.cli.running import MATCH, ROOT, overview, refused
 from tests.devices.controllers.osc_bytes import message
@@ -182,10 +183,10 @@ def test_devices_lists_midi_ports_or_says_what_is_missing(monkeypatch):
 @pytest.fixture
 def remembered(tmp_path, monkeypatch):
     """A made-up output device, and the file of settings in a folder of its own."""
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
+    monkeypatch.setattr(output_settings, "settings_file", lambda: tmp_path / "outputs.json")
     card = SimpleNamespace(full_name="Card (ALSA)", channels=4)
     monkeypatch.setattr(devices, "find_device", lambda name: card)
-    return lambda: saved_settings.load_settings(card.full_name, card.channels)
+    return lambda: output_settings.load_settings(card.full_name, card.channels)
 
 
 def test_devices_saves_changed_settings_and_keeps_the_others(remembered):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 
-from overview_dsp.live.inputs import motors, sensors, threaded
+from overview_dsp.live.inputs import sensors, threaded
 from overview_dsp.live.ports.port import PortLostError
 
 
@@ -55,7 +55,7 @@ class SteppedPort:
 
 def use(clock, monkeypatch):
     """Have the inputs opened from now on live in this time."""
-    for module in (motors, sensors, threaded):
+    for module in (sensors, threaded):
         monkeypatch.setattr(module, "time", clock)
     timed = functools.partial(threaded.SourceWriter, now=clock.monotonic)
     monkeypatch.setattr(threaded, "SourceWriter", timed)

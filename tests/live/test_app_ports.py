@@ -19,7 +19,7 @@ from overview_dsp.devices.sensors.pads import framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from overview_dsp.live.inputs.sensors import NamedInput
-from overview_dsp.live.output.null_stream import NullStream
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.ports.bluetooth import UART, WITMOTION, BlePort
 from overview_dsp.live.ports.pads import PadPort, find_pad
 from overview_dsp.live.ports.phones import PhyphoxPort, PostPort

@@ -21,8 +21,8 @@ from overview_dsp.live.inputs.controllers import ControllerInput
 from overview_dsp.live.inputs.input import CombinedInput
 from overview_dsp.live.inputs.takes_and_lines import TextLineInput
 from overview_dsp.live.inputs.threaded import SourceWriter
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.ports import osc as osc_out
 from overview_dsp.live.ports.osc import OscOut, OscPort
 from overview_dsp.live.ports.port import PortLostError

@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live.output import saved_settings
-from overview_dsp.live.output.null_stream import NullStream
-from overview_dsp.live.output.saved_settings import (
+from overview_dsp.live.output import settings as output_settings
+from overview_dsp.live.output.settings import (
+    OutputSettings,
+    SignalSettings,
     load_settings,
     remembered_actuator,
     save_settings,
 )
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings
-from overview_dsp.live.output.stream import compile_python_path, connect, run_block
+from overview_dsp.live.output.stream import NullStream, compile_python_path, connect, run_block
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from tests.profiles import share
@@ -138,7 +138,7 @@ def test_a_muted_tactor_is_braked_to_silence(match, football):
 
 def test_a_devices_actuator_is_remembered_by_what_finds_it_again(tmp_path, monkeypatch):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(output_settings, "settings_file", lambda: path)
     assert remembered_actuator("pad") is None
     save_settings("pad", OutputSettings(actuator=C2))
     assert remembered_actuator("pad") == "c2"

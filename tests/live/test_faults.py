@@ -35,7 +35,7 @@ from overview_dsp.live.inputs.threaded import EventClock
 from overview_dsp.live.output.portaudio_stream import OutputStream
 from overview_dsp.live.inputs.sensors import SensorInput
 from overview_dsp.devices.sensors.profile import Sensor
-from overview_dsp.web.clocks import SampleClock
+from overview_dsp.web.remote_inputs import SampleClock
 
 device, link, seconds, block = sys.argv[1], sys.argv[2], sys.argv[3], int(sys.argv[4])
 events = []

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.session.missed_events import REST_S
+from overview_dsp.live.session.live_updates import REST_S
 from tests.live.stepped_session import Session, event
 
 

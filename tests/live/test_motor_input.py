@@ -14,7 +14,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.devices.sensors.profile import load_sensor
-from overview_dsp.live.inputs.motors import MotorInput
+from overview_dsp.live.inputs.sensors import MotorInput
 from tests.cli.running import overview
 from tests.live import stepped
 from tests.live.priority import urgently

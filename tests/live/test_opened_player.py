@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output import saved_settings
-from overview_dsp.live.output.saved_settings import resolve_output, save_settings
-from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output import settings as output_settings
+from overview_dsp.live.output.settings import OutputSettings, resolve_output, save_settings
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
 
@@ -17,7 +16,7 @@ def kept(tmp_path, monkeypatch):
     """The file of remembered settings, which isn't there yet."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(output_settings, "settings_file", lambda: path)
     return path
 
 

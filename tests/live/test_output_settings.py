@@ -9,15 +9,17 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels import layout
-from overview_dsp.live.output import devices, saved_settings
+from overview_dsp.live.output import devices
 from overview_dsp.live.output import settings as output_settings
 from overview_dsp.live.output.devices import find_device, open_error
-from overview_dsp.live.output.saved_settings import (
+from overview_dsp.live.output.settings import (
+    OutputSettings,
+    SignalSettings,
     load_settings,
+    parse_channels,
     remembered_actuator,
     save_settings,
 )
-from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 from overview_dsp.live.output.stream import compile_python_path, connect, run_block
 
 
@@ -196,7 +198,7 @@ def test_channels_are_typed_as_numbers_joined_by_plus():
 
 @pytest.mark.parametrize("tactor", [4, (4, 6), 0])
 def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
+    monkeypatch.setattr(output_settings, "settings_file", lambda: tmp_path / "a" / "outputs.json")
     pad = OutputSettings(SignalSettings(3), SignalSettings(tactor, -3.0, True, 20.0, -6.0))
     assert load_settings("pad") == OutputSettings()
     save_settings("pad", pad)
@@ -209,7 +211,7 @@ def test_settings_are_remembered_for_each_device(tmp_path, monkeypatch, tactor):
 
 def test_settings_written_by_hand_or_by_an_earlier_version_are_taken(tmp_path, monkeypatch):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(output_settings, "settings_file", lambda: path)
     signal = '"gain_db": 0.0, "mute": false, "delay_ms": 0.0, "ceiling_db": 0.0}'
     path.write_text(
         f'{{"pad": {{"click": {{"channel": 1, {signal}, "tactor": {{"channel": [3, 4], {signal}}}}}'
@@ -230,7 +232,7 @@ def test_settings_written_by_hand_or_by_an_earlier_version_are_taken(tmp_path, m
 def test_a_pad_with_coils_plays_on_them_until_other_settings_are_remembered(
     tmp_path, monkeypatch, name, channels, is_pad
 ):
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: tmp_path / "outputs.json")
+    monkeypatch.setattr(output_settings, "settings_file", lambda: tmp_path / "outputs.json")
     assert output_settings.is_pad(name, channels) == is_pad
     first = load_settings(name, channels)
     assert first.channels_text == (
@@ -277,7 +279,7 @@ def test_an_output_that_has_lost_channels_is_refused_with_where_they_are_remembe
     tmp_path, monkeypatch
 ):
     path = tmp_path / "outputs.json"
-    monkeypatch.setattr(saved_settings, "settings_file", lambda: path)
+    monkeypatch.setattr(output_settings, "settings_file", lambda: path)
     sounddevice = TwoChannels()
 
     def refusal():

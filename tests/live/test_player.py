@@ -12,8 +12,8 @@ import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live.inputs.takes_and_lines import TakeInput, TextLineInput, parse_line
 from overview_dsp.live.output import reconnecting_stream
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import AngleMap

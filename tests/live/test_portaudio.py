@@ -24,7 +24,7 @@ import numpy as np
 import overview_dsp as ov
 from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 from overview_dsp.live.output.portaudio_stream import OutputStream
-from overview_dsp.live.takes.recorder import Recorder
+from overview_dsp.live.takes.takes import Recorder
 
 path, block, kind, seconds = sys.argv[1], int(sys.argv[2]), sys.argv[3], float(sys.argv[4])
 ways = [SignalSettings(parse_channels(one)) for one in sys.argv[5:]]

@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output import devices, reconnecting_stream, stream_opener
+from overview_dsp.live.output import devices, reconnecting_stream
 from overview_dsp.live.output.devices import OutputDevice
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import StreamMeters
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from overview_dsp.live.session.session import Session
-from overview_dsp.live.session.status import STATES
+from overview_dsp.live.session.session import STATES, Session
 
 
 def make_stream(callbacks):
@@ -63,13 +62,15 @@ def test_a_chosen_output_is_opened_again_under_any_number_and_never_another_one(
         opened.append(device)
         return SimpleNamespace(index=1 if isinstance(device, str) else device)
 
-    monkeypatch.setattr(stream_opener, "OutputStream", open_one)
-    monkeypatch.setattr(stream_opener, "rescan", lambda: None)
+    monkeypatch.setattr(reconnecting_stream, "OutputStream", open_one)
+    monkeypatch.setattr(reconnecting_stream, "rescan", lambda: None)
     monkeypatch.setattr(devices, "devices", lambda: present)
     monkeypatch.setattr(
-        stream_opener, "find_device", lambda index: next(o for o in present if o.index == index)
+        reconnecting_stream,
+        "find_device",
+        lambda index: next(o for o in present if o.index == index),
     )
-    opener = stream_opener.StreamOpener(device, 256, "native")
+    opener = reconnecting_stream.StreamOpener(device, 256, "native")
     present[:] = [output(0, "other"), output(1, "Speakers (hw:1,0)"), output(2, "Speakers", "JACK")]
     opener(engine, OutputSettings())
     # ALSA gives the card another number, and there is an output with a longer name
@@ -88,10 +89,10 @@ def test_a_chosen_output_is_opened_again_under_any_number_and_never_another_one(
 def test_the_default_output_is_looked_up_each_time(football, match, monkeypatch):
     opened = []
     monkeypatch.setattr(
-        stream_opener, "OutputStream", lambda engine, device, *_: opened.append(device)
+        reconnecting_stream, "OutputStream", lambda engine, device, *_: opened.append(device)
     )
-    monkeypatch.setattr(stream_opener, "rescan", lambda: None)
-    opener = stream_opener.StreamOpener(None, 256, "native")
+    monkeypatch.setattr(reconnecting_stream, "rescan", lambda: None)
+    opener = reconnecting_stream.StreamOpener(None, 256, "native")
     for _ in range(2):
         opener(ov.Engine(football, match), OutputSettings())
     assert opened == [None, None]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
-from overview_dsp.live.takes.recorder import Recorder
+from overview_dsp.live.takes.takes import Recorder
 from tests.profiles import share
 
 CONTROLS = st.lists(

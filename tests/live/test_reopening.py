@@ -21,7 +21,7 @@ import atexit, gc, json, os, signal, subprocess, sys, tempfile, time
 import jack
 import overview_dsp as ov
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream_opener import StreamOpener
+from overview_dsp.live.output.reconnecting_stream import StreamOpener
 from overview_dsp.live.session.commands import execute, poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch

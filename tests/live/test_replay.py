@@ -12,8 +12,8 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.presets.library import preset_path
 from overview_dsp.live.inputs.takes_and_lines import parse_command
+from overview_dsp.live.output.reconnecting_stream import StreamOpener
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session import loop, presets
 from overview_dsp.live.session.commands import COMMANDS, poll
 from overview_dsp.live.session.player import Player

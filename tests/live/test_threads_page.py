@@ -11,8 +11,8 @@ from pathlib import Path
 import overview_dsp as ov
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.live.inputs.controllers import ControllerInput
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.ports.osc import OscOut, OscPort
 from overview_dsp.live.screen.terminal import TerminalWriter
 from overview_dsp.live.session.player import Player

@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output import sample_player
-from overview_dsp.live.output.sample_player import NullSamplePlayer
+from overview_dsp.live.output import threshold
 from overview_dsp.live.output.settings import SignalSettings
-from overview_dsp.live.output.threshold import RisingTone, find_threshold
+from overview_dsp.live.output.threshold import NullSamplePlayer, RisingTone, find_threshold
 from tests.live import jack_server
 
 RATE = 48_000
@@ -125,12 +124,12 @@ def test_the_played_time_is_that_delivered_less_the_latency(monkeypatch):
             opened.append(self)
 
     monkeypatch.setattr(
-        sample_player,
+        threshold,
         "import_sounddevice",
         lambda: SimpleNamespace(OutputStream=Stream, PortAudioError=ValueError),
     )
-    monkeypatch.setattr(sample_player, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    output = sample_player.SamplePlayer(np.ones((1000, 1), dtype=np.float32), 1000.0)
+    monkeypatch.setattr(threshold, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    output = threshold.SamplePlayer(np.ones((1000, 1), dtype=np.float32), 1000.0)
     assert output.played_s == 0.0
     out = np.empty((500, 1), dtype=np.float32)
     opened[0].callback(out, 500, None, None)
@@ -176,7 +175,7 @@ HEAR = """
 import sys, time
 import jack
 import numpy as np
-from overview_dsp.live.output.sample_player import SamplePlayer
+from overview_dsp.live.output.threshold import SamplePlayer
 
 path, seconds = sys.argv[1], float(sys.argv[2])
 samples = np.zeros((48_000, 2), dtype=np.float32)

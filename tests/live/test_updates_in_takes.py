@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.takes import recorder, recovery
-from overview_dsp.live.takes.recorder import Recorder
+from overview_dsp.live.takes import recovery, takes
+from overview_dsp.live.takes.takes import Recorder
 from tests.cli.running import MATCH, environment, overview
 
 RATE = 8000
@@ -203,7 +203,7 @@ def test_a_read_only_folder_is_refused_before_anything_is_played(disk, engine):
 def test_a_take_stays_in_memory_until_a_folder_is_writable(
     disk, engine, match, football, monkeypatch
 ):
-    monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
+    monkeypatch.setattr(takes, "fallback_paths", lambda path: iter(()))
     (disk / "filler").write_bytes(b"x" * 12_000)
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
@@ -221,7 +221,7 @@ def test_a_take_stays_in_memory_until_a_folder_is_writable(
 
 
 def test_a_take_that_can_never_be_written_is_an_error_at_the_end(disk, engine, monkeypatch):
-    monkeypatch.setattr(recorder, "fallback_paths", lambda path: iter(()))
+    monkeypatch.setattr(takes, "fallback_paths", lambda path: iter(()))
     said = []
     take = Recorder(engine, disk / "take.csv", {}, say=said.append)
     until_it_moves(engine, take, said)

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import httpx
 from websockets.sync.client import ClientConnection, connect
 
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.web.app import make_app

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.web import connections
+from overview_dsp.web import server as web_server
 from overview_dsp.web.assets import served_paths
 from overview_dsp.web.media import open_media
 from overview_dsp.web.security import middleware
@@ -270,8 +270,8 @@ def test_invalid_http_is_refused(server, request_bytes):
 
 
 def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
-    monkeypatch.setattr(connections, "REQUEST_TIMEOUT_S", 0.3)
-    monkeypatch.setattr(connections, "BODY_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(web_server, "REQUEST_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(web_server, "BODY_TIMEOUT_S", 0.3)
     monkeypatch.setattr(middleware, "BODY_TIMEOUT_S", 0.3)
     with served(match, plays=False) as server:
         head = (
@@ -297,7 +297,7 @@ def test_slow_requests_and_bodies_are_closed(match, monkeypatch):
 
 
 def test_a_connection_that_sends_slowly_after_the_answer_is_closed(match, monkeypatch):
-    monkeypatch.setattr(connections, "BODY_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(web_server, "BODY_TIMEOUT_S", 0.3)
     with served(match, plays=False) as server:
         head = f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nContent-Length: 99\r\n\r\n"
         with socket.create_connection(("127.0.0.1", server.port), timeout=3) as line:
@@ -311,15 +311,15 @@ def test_a_connection_that_sends_slowly_after_the_answer_is_closed(match, monkey
 
 
 def test_a_connection_that_never_reads_an_answer_is_closed(match, monkeypatch, tmp_path):
-    monkeypatch.setattr(connections, "READ_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(web_server, "READ_TIMEOUT_S", 0.3)
     closed = threading.Event()
-    lost = connections.HttpConnection.connection_lost
+    lost = web_server.HttpConnection.connection_lost
 
     def connection_lost(self, exc):
         lost(self, exc)
         closed.set()
 
-    monkeypatch.setattr(connections.HttpConnection, "connection_lost", connection_lost)
+    monkeypatch.setattr(web_server.HttpConnection, "connection_lost", connection_lost)
     film = tmp_path / "film.mp4"
     film.write_bytes(bytes(20_000_000))
     with served(match, plays=False, media=open_media(str(film), 0.0)) as server:
@@ -354,7 +354,7 @@ def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
     lines = [socket.create_connection(("127.0.0.1", fresh.port)) for _ in range(200)]
     try:
         end = time.monotonic() + 30.0
-        while sum(map(is_open, lines)) > connections.MAX_PER_ADDRESS:
+        while sum(map(is_open, lines)) > web_server.MAX_PER_ADDRESS:
             assert time.monotonic() < end
             time.sleep(0.05)
         transport = httpx.HTTPTransport(local_address="127.0.0.2")
@@ -368,7 +368,7 @@ def test_two_hundred_connections_leave_capacity_for_another_address(fresh):
 def test_a_new_connection_replaces_the_one_idle_for_longest(fresh):
     with contextlib.ExitStack() as stack:
         lines = []
-        for _ in range(connections.MAX_PER_ADDRESS):
+        for _ in range(web_server.MAX_PER_ADDRESS):
             lines.append(stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port))))
             time.sleep(0.01)
         with fresh.client() as client:
@@ -385,7 +385,7 @@ def test_connections_with_a_started_request_are_not_replaced(fresh):
     head = f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{fresh.port}\r\nContent-Length: 99\r\n"
     head += f"Authorization: Bearer {fresh.access.token}\r\nOrigin: {fresh.origin}\r\n\r\n"
     with contextlib.ExitStack() as stack:
-        for _ in range(connections.MAX_PER_ADDRESS):
+        for _ in range(web_server.MAX_PER_ADDRESS):
             line = stack.enter_context(socket.create_connection(("127.0.0.1", fresh.port)))
             line.sendall(head.encode())
         time.sleep(0.3)

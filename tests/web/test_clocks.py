@@ -10,9 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.web.clocks import MAX_DELAY_S, Delay, PageClock, SampleClock
 from overview_dsp.web.messages import RemoteEvent
-from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInputs
+from overview_dsp.web.remote_inputs import (
+    MAX_DELAY_S,
+    SILENCE_TIMEOUT_S,
+    Delay,
+    PageClock,
+    RemoteInputs,
+    SampleClock,
+)
 from tests.profiles import share
 
 RATE, BLOCK = 48_000, 256

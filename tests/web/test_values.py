@@ -16,7 +16,7 @@ from overview_dsp.data.timeline.curve_builder import CurveBuilder
 from overview_dsp.data.timeline.curve_points import RegularTimes
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.web import values
+from overview_dsp.web import site_data as values
 from tests.web.driving import until
 from tests.web.exported import opened_page
 

@@ -97,8 +97,13 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
-    from overview_dsp.live.output.sample_player import NullSamplePlayer, SamplePlayer
-    from overview_dsp.live.output.threshold import SILENCE_S, RisingTone, find_threshold
+    from overview_dsp.live.output.threshold import (
+        SILENCE_S,
+        NullSamplePlayer,
+        RisingTone,
+        SamplePlayer,
+        find_threshold,
+    )
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels
@@ -144,8 +149,12 @@ def _output(
     """Return the output of the tactor, and name, rate (Hz) and index of the device."""
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import device_named
-    from overview_dsp.live.output.saved_settings import load_settings
-    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
+    from overview_dsp.live.output.settings import (
+        OutputSettings,
+        SignalSettings,
+        load_settings,
+        parse_channels,
+    )
 
     if device == SILENT:
         settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None

@@ -7,7 +7,7 @@ import re
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -15,6 +15,7 @@ import overview_dsp as ov
 from overview_dsp.cli.options.declaring import option, refuse_options
 from overview_dsp.cli.options.reading import Reading, Window, open_timeline, preset_for
 from overview_dsp.errors import InputError
+from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -36,9 +37,8 @@ def _settings_of(text: str) -> tuple[str, dict[str, float]]:
     found: dict[str, float] = {}
     while match := _SETTING.fullmatch(text):
         text, name, value = match.groups()
-        with suppress(ValueError):
-            found[name] = float(value)
-        if not MINIMUM_S[name] <= found.get(name, math.nan) < math.inf:
+        found[name] = float_or_nan(value)
+        if not MINIMUM_S[name] <= found[name] < math.inf:
             raise InputError(f"--follow: {name}={value}; must be {MINIMUM_S[name]:g} s or more")
     return text, found
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from collections.abc import Callable
@@ -14,6 +13,7 @@ import click
 from overview_dsp.cli.common import read_gesture
 from overview_dsp.cli.options.declaring import option
 from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
     from overview_dsp.live.inputs.input import Input
@@ -176,8 +176,7 @@ def _take(source: str) -> Callable[[Player], Input]:
 def _serial(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.force_feedback.motor_loop import require_motor
     from overview_dsp.devices.sensors.profile import Sensor, load_sensor
-    from overview_dsp.live.inputs.motors import MotorInput
-    from overview_dsp.live.inputs.sensors import SensorInput
+    from overview_dsp.live.inputs.sensors import MotorInput, SensorInput
 
     baud = None
     if "baud" in parts:
@@ -198,26 +197,21 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
     """Return the opener of a game pad, a phone app or a Bluetooth sensor."""
     from overview_dsp.devices.sensors.profile import load_sensor
     from overview_dsp.live.inputs.sensors import SILENT_S, NamedInput
+    from overview_dsp.live.ports.bluetooth import BlePort
+    from overview_dsp.live.ports.pads import PadPort, find_pad
+    from overview_dsp.live.ports.phones import PhyphoxPort, PostPort
     from overview_dsp.live.ports.port import Port
 
-    silent_s, default = SILENT_S, "phone"
-    open_port: Callable[[str], Port]
-    if kind == "pad":
-        from overview_dsp.live.ports.pads import PadPort as open_port  # noqa: N813
-        from overview_dsp.live.ports.pads import find_pad
-
-        default = find_pad(where).kind
-    elif kind == "ble":
-        from overview_dsp.live.ports.bluetooth import BlePort as open_port  # noqa: N813
-
-        default = "imu"
-    elif kind == "post":
-        from overview_dsp.live.ports.phones import PostPort as open_port  # noqa: N813
-
-        silent_s = SILENT_BATCHES_S
-    else:
-        from overview_dsp.live.ports.phones import PhyphoxPort as open_port  # noqa: N813
-
+    ports: dict[str, tuple[Callable[[str], Port], str]] = {
+        "pad": (PadPort, ""),
+        "ble": (BlePort, "imu"),
+        "post": (PostPort, "phone"),
+        "http": (PhyphoxPort, "phone"),
+    }
+    open_port, default = ports[kind]
+    default = default or find_pad(where).kind
+    silent_s = SILENT_BATCHES_S if kind == "post" else SILENT_S
+    if kind == "http":
         kind, where = "phyphox", f"http:{where}"
     profile = load_sensor(parts.get("sensor", default))
     return lambda player: NamedInput(player.engine, kind, where, profile, open_port, silent_s)
@@ -226,10 +220,7 @@ def _named(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], I
 def _smooth_s(source: str, parts: dict[str, str]) -> float:
     """Return the delay that makes movements more even, s; 0: they apply in the next block."""
     text = parts.get("smooth", "0")
-    try:
-        smooth_ms = float(text)
-    except ValueError:
-        smooth_ms = math.nan
+    smooth_ms = float_or_nan(text)
     if not 0.0 <= smooth_ms <= MAX_SMOOTH_MS:
         raise InputError(f"--input {source}: smooth={text}; must be 0 to {MAX_SMOOTH_MS:g} (ms)")
     return 1e-3 * smooth_ms
@@ -258,8 +249,8 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
 
 def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import DEFAULT, load_map
+    from overview_dsp.devices.controllers.control_messages import require_parameters
     from overview_dsp.devices.controllers.midi_messages import MidiReader
-    from overview_dsp.devices.controllers.parameters import require_parameters
     from overview_dsp.live.inputs.controllers import ControllerInput
     from overview_dsp.live.ports.midi import MidiPort
 

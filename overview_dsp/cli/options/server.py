@@ -20,7 +20,7 @@ from overview_dsp.installation import install_command
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
 
-    from overview_dsp.web.control import Session
+    from overview_dsp.web.session import HostSession
 
 NEEDED = ("starlette", "uvicorn", "websockets", "cryptography", "segno")
 HOST, PORT = "127.0.0.1", 8765
@@ -82,7 +82,7 @@ class ServerAddress:
 @contextmanager
 def open_server(
     server: Server,
-    session: Session | None = None,
+    session: HostSession | None = None,
     more: Collection[BaseRoute] = (),
     crowd: bool = False,
     public: Collection[str] | None = None,

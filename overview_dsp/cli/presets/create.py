@@ -14,7 +14,7 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import protect_inputs, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.presets.group import command
+from overview_dsp.cli.presets.inspect import command
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import make_folder, write_file
 from overview_dsp.files.toml import SUFFIX

@@ -8,8 +8,12 @@ import overview_dsp as ov
 from overview_dsp.cli.common import list_profiles, print_json
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option
-from overview_dsp.cli.presets.group import command
 from overview_dsp.errors import InputError
+
+
+@click.group(name="presets", epilog="Example: overview presets show football")
+def command() -> None:
+    """List, make, compare and measure presets."""
 
 
 @cli_command("presets list --for football --tag energy=1", group=command)

@@ -13,7 +13,7 @@ from overview_dsp.cli.common import announce_compile, progress_bar, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
 from overview_dsp.cli.options.reading import Reading, Window, open_window
-from overview_dsp.cli.presets.group import command
+from overview_dsp.cli.presets.inspect import command
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:

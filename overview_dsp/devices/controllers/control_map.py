@@ -48,7 +48,7 @@ from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGLES, ANGULAR_VELOCITY, QUATERNION
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.schema import Allowed, Strict, checked
-from overview_dsp.files.toml import parse_toml, read_text, require_known
+from overview_dsp.files.toml import load_toml, parse_toml, read_text, require_known
 from overview_dsp.validation import prefix_errors
 
 SCHEMA = 1
@@ -161,22 +161,6 @@ class OscControl:
 
 DEFAULT = (Control("bend"), Control("cc", 1), Control("keys", *KEYS, to=TAPS))
 """Pitch bend and modulation wheel set theta2; keys tap."""
-
-_GRAVITY = "acceleration"
-
-APPS: Mapping[str, tuple[OscControl, ...]] = MappingProxyType(
-    {
-        # the accelerometer messages of these apps lack gravity, so they aren't used
-        "gyrosc": (OscControl("/gyrosc/grav", _GRAVITY, axes=PHONE),),
-        "zigsim": (OscControl("*/gravity", _GRAVITY, axes=PHONE),),
-        "touchosc": (
-            OscControl("/accxyz", _GRAVITY, axes=PHONE),
-            OscControl("*/fader1"),
-            OscControl("*/push1", TOUCH),
-        ),
-    }
-)
-"""Maps of well-known apps, by name."""
 
 
 class _Entry(Strict):
@@ -338,6 +322,13 @@ def sensor_of(control: OscControl) -> Sensor:
         raise InputError(f"axes = {quoted(list(control.axes))}; must be three: x, y and z, or -x …")
     values = {f"axes.{name}": axis for name, axis in zip("xyz", control.axes, strict=True)}
     return Sensor(values={**values, "angular_velocity.unit": "rad/s"})
+
+
+APPS: Mapping[str, tuple[OscControl, ...]] = {
+    name: tuple(_osc_control(_OscEntry(**entry)) for entry in entries)
+    for name, entries in load_toml(__file__, "apps.toml").items()
+}
+"""Maps of well-known apps, by name."""
 
 
 def write_map(controls: Iterable[Control | OscControl]) -> str:

@@ -1,12 +1,16 @@
-"""Messages that MIDI and OSC controllers have in common."""
+"""Messages that MIDI and OSC controllers have in common, and the parameters that they set."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
-from overview_dsp.design.presets.parameter import Value
-from overview_dsp.devices.controllers.control_map import THETA2, TOUCH, Control, OscControl
+from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.parameter import Parameter, Value
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS, PARAMETERS
+from overview_dsp.devices.controllers.control_map import TAPS, THETA2, TOUCH, Control, OscControl
+from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.units import HALF_TURN
 
 
@@ -155,3 +159,109 @@ class AssignedControls:
             positions = self._positions.values()
             return [message for one in positions for message in one.set_touching(touching)]
         return [ScaleParameter(control.to, position, control.low, control.high)]
+
+
+NEAR = 1.0 / 64.0
+"""Distance, as a share of the range, at which a control has reached the parameter's value."""
+
+
+def find_parameter(preset: Preset, id: str) -> tuple[Parameter, Value | None]:
+    """Return the parameter of an id, and its value in a preset; InputError for an unknown id."""
+    if id in PARAMETERS:
+        return PARAMETERS[id], preset.values[id]
+    section, _, rest = id.partition(".")
+    kind, _, key = rest.partition(".")
+    if section == "kinds" and kind in preset.kinds and key in KIND_PARAMETERS:
+        return KIND_PARAMETERS[key], getattr(preset.kinds[kind], key, None)
+    of_kinds = (f"kinds.{one}.{key}" for one in preset.kinds for key in KIND_PARAMETERS)
+    raise InputError(f"no parameter is called {id!r}{did_you_mean(id, (*PARAMETERS, *of_kinds))}")
+
+
+def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
+    """Raise InputError unless the controls' parameters exist and their ends are in range."""
+    for one in controls:
+        if one.to not in (THETA2, TOUCH, TAPS):
+            try:
+                known, _ = find_parameter(preset, one.to)
+                for end in (one.low, one.high):
+                    if end is not None:
+                        known.check(end)
+            except InputError as error:
+                raise InputError(f"MIDI {one.name!r}: {error}") from None
+
+
+def coerce_value(known: Parameter, value: Value) -> Value:
+    """Return a value from another program, which may be 0 or 1 instead of false or true."""
+    if known.choices and isinstance(known.choices[0], bool) and value in (0, 1):
+        return bool(value)
+    return value
+
+
+def _ends(known: Parameter, scale: ScaleParameter) -> tuple[float, float]:
+    return (
+        known.low if scale.low is None else scale.low,
+        known.high if scale.high is None else scale.high,
+    )
+
+
+def scaled_value(known: Parameter, scale: ScaleParameter) -> Value:
+    """Return the value at a position in the range, which is logarithmic for such a parameter."""
+    if known.choices:
+        index = int(scale.position * len(known.choices))
+        return known.choices[min(index, len(known.choices) - 1)]
+    low, high = _ends(known, scale)
+    if known.scale == "log" and low > 0.0 and high > 0.0:
+        value = low * math.exp(scale.position * math.log(high / low))
+    else:
+        value = low + (high - low) * scale.position
+    return min(max(value, min(low, high)), max(low, high))
+
+
+def position_of_value(known: Parameter, scale: ScaleParameter, value: Value | None) -> float | None:
+    """Return the position of a value in the control's range; None for a value without one."""
+    if known.choices or value is None or isinstance(value, str):
+        return None
+    low, high = _ends(known, scale)
+    if low == high:
+        return None
+    if known.scale == "log" and min(low, high, value) > 0.0:
+        return math.log(value / low) / math.log(high / low)
+    return (float(value) - low) / (high - low)
+
+
+def stepped_value(known: Parameter, by: StepParameter, value: Value | None) -> Value:
+    """Return the value one step further in the control's range, up to its end."""
+    if known.choices:
+        at = known.choices.index(value) + (1 if by.step > 0.0 else -1)
+        return known.choices[min(max(at, 0), len(known.choices) - 1)]
+    scale = ScaleParameter(by.id, 0.0, by.low, by.high)
+    position = (position_of_value(known, scale, value) or 0.0) + by.step
+    return scaled_value(known, replace(scale, position=min(max(position, 0.0), 1.0)))
+
+
+class SoftTakeover:
+    """Soft takeover: a control acts only after it has reached the parameter's value.
+
+    A change of the parameter by another source (a file, another controller) requires that again.
+    """
+
+    def __init__(self) -> None:
+        self._before: float | None = None
+        self._set: Value | None = None
+
+    def value(self, preset: Preset, scale: ScaleParameter) -> Value | None:
+        """Return the value to set, None before the control has reached it; InputError."""
+        known, present = find_parameter(preset, scale.id)
+        target = position_of_value(known, scale, present)
+        before, self._before = self._before, scale.position
+        value = known.check(scaled_value(known, scale))
+        reached = (
+            target is None
+            or present == self._set
+            or abs(scale.position - target) <= NEAR
+            or (before is not None and (before - target) * (scale.position - target) <= 0.0)
+        )
+        if not reached:
+            return None
+        self._set = value
+        return value

@@ -71,11 +71,9 @@ class Learner:
         kind, channel = data[0] & 0xF0, (data[0] & 0x0F) + 1
         if kind == 0x90 and len(data) == 3 and data[2] > 0:
             return self._note(data[1], channel)
-        if self._to == TAPS:
-            return None
-        if kind == 0xB0 and len(data) == 3 and data[1] < 120:
+        if kind == 0xB0 and len(data) == 3 and data[1] < 120 and self._to != TAPS:
             return self._changed(Control("cc", data[1], channel=channel), data[2])
-        if self._to == TOUCH:
+        if self._to in (TAPS, TOUCH):
             return None
         if kind == 0xE0 and len(data) == 3:
             return self._changed(Control("bend", channel=channel), data[2])
@@ -90,9 +88,7 @@ class Learner:
             return Control("note", number, channel=channel, to=self._to)
         self._keys.append(number)
         low, high = min(self._keys), max(self._keys)
-        if low == high:
-            return None
-        return Control("keys", low, high, channel=channel, to=TAPS)
+        return Control("keys", low, high, channel=channel, to=TAPS) if low < high else None
 
     def _changed(self, control: Control, value: int) -> Control | None:
         if self._to == TOUCH:

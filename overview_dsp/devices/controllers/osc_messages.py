@@ -1,4 +1,4 @@
-"""OSC messages to this program, and datagrams to messages and back.
+"""OSC messages to this program and about the disk, and datagrams to messages and back.
 
 /overview/theta2 1.57        the angle (rad, 0 to pi)
 /overview/theta2 1.57 1      the angle, and whether the disk is touched
@@ -9,7 +9,14 @@
 /overview/preset football    change to a preset by name; 1 or 2: to one of two
 /overview/window 0 2700      show a window of the timeline, s
 
-The meaning of other addresses is defined by a map (`control_map`).
+The meaning of other addresses is defined by a map (`control_map`). About the disk it sends:
+
+/overview/cursor 0.41                    position on the timeline, 0 to 1
+/overview/torque 0.0123                  N m, of the last block
+/overview/touching 1
+/overview/state running "by osc" ""      the session's state, its reason, and the last stop
+/overview/event goal "1-0 Parris" 5340.0 0.8     a passed event: its kind, label, time (s) in the
+                                         visible window, and the level of its strike (0 to 1)
 
 A device whose app sends its orientation, message by message, is a control that sets theta2.
 
@@ -20,9 +27,10 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
+from overview_dsp.data.timeline.event import Event
 from overview_dsp.devices.controllers.control_map import SENSED, OscControl, sensor_of
 from overview_dsp.devices.controllers.control_messages import (
     AngleChanged,
@@ -258,3 +266,44 @@ def _flag(value: object) -> bool:
     if isinstance(value, bool | int | float) and value in (0, 1):
         return bool(value)
     raise InputError("a touch must be 0 or 1")
+
+
+REPEAT_S = 0.5  # time between messages without a change
+
+
+class OscReport:
+    """Sends changes of the disk as OSC datagrams."""
+
+    def __init__(self) -> None:
+        self._sent: tuple[object, ...] | None = None
+        self._sent_at = 0.0
+
+    def messages(
+        self,
+        now_s: float,
+        cursor: float,
+        torque: float,
+        touching: bool,
+        passed_events: Iterable[tuple[Event, float]],
+        session_state: tuple[str, ...] = (),
+    ) -> list[bytes]:
+        """Return the datagrams to send at `now_s` (of any clock).
+
+        `passed_events` are the events passed since the last call, each with its level.
+        `session_state` has name, reason and last stop.
+        """
+        datagrams = [
+            encode_message("/overview/event", [event.kind, event.label, event.time_s, level])
+            for event, level in passed_events
+        ]
+        state = (cursor, torque, touching, session_state)
+        if state != self._sent or now_s - self._sent_at >= REPEAT_S:
+            self._sent, self._sent_at = state, now_s
+            datagrams += [
+                encode_message("/overview/cursor", [cursor]),
+                encode_message("/overview/torque", [torque]),
+                encode_message("/overview/touching", [int(touching)]),
+            ]
+            if session_state:
+                datagrams.append(encode_message("/overview/state", [*session_state]))
+        return datagrams

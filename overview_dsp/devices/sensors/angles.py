@@ -15,11 +15,14 @@ import statistics
 from collections import deque
 from dataclasses import replace
 
-from overview_dsp.devices.sensors.calibration import CALIBRATING, Calibration, RawSample, calibrate
-from overview_dsp.devices.sensors.orientation import (
+from overview_dsp.devices.sensors.calibration import (
+    CALIBRATING,
     LONGEST_GAP_S,
+    Calibration,
     GravityTilt,
     GyroTilt,
+    RawSample,
+    calibrate,
 )
 from overview_dsp.devices.sensors.orientation_angles import QuaternionAngle, Roll, ThreeAngles
 from overview_dsp.devices.sensors.profile import Sensor

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from overview_dsp.devices.sensors.app_json import LONGEST, parse_app_batch, parse_json_line
+from overview_dsp.devices.sensors.calibration import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.frames import FrameDecoder
 from overview_dsp.devices.sensors.labelled_lines import (
     LabelledReader,
@@ -21,9 +22,15 @@ from overview_dsp.devices.sensors.labelled_lines import (
     line_shape,
     name_slots,
 )
-from overview_dsp.devices.sensors.lines import LineDecoder, LineSplitter
+from overview_dsp.devices.sensors.lines import (
+    LineDecoder,
+    LineSplitter,
+    parse_header,
+    parse_numbers,
+    parse_row,
+    split_cells,
+)
 from overview_dsp.devices.sensors.number_meaning import order_at_rest
-from overview_dsp.devices.sensors.orientation import HIGHEST_BIAS_DEG_S
 from overview_dsp.devices.sensors.packets import TeapotDecoder, WitDecoder, has_teapots, wit_columns
 from overview_dsp.devices.sensors.pads import DualSenseDecoder, JoyConDecoder
 from overview_dsp.devices.sensors.profile import DETECT
@@ -36,12 +43,6 @@ from overview_dsp.devices.sensors.reading import (
     Counters,
     Decoder,
     has,
-)
-from overview_dsp.devices.sensors.text_lines import (
-    parse_header,
-    parse_numbers,
-    parse_row,
-    split_cells,
 )
 from overview_dsp.devices.sensors.units import is_gravity
 

@@ -7,20 +7,15 @@ import shutil
 from pathlib import Path
 
 from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.files.library import Library
 
-_PACKAGE = Path(__file__).resolve().parents[2]
+LIBRARY = Library("firmware", "a firmware")
 _HEAD = re.compile(r"/\* ?(.*?)\*/|((?:#[^\n]*\n)+)", re.S)
-
-
-def firmware_folder() -> Path:
-    """Return the folder of the firmware, in the installed package or in the checkout."""
-    installed = _PACKAGE / "bundled" / "firmware"
-    return installed if installed.is_dir() else _PACKAGE.parent / "firmware"
 
 
 def firmware_names() -> tuple[str, ...]:
     """Return the names of all firmware, sorted."""
-    return tuple(sorted(path.name for path in firmware_folder().iterdir() if path.is_dir()))
+    return tuple(sorted(path.name for path in LIBRARY.bundled_folder.iterdir() if path.is_dir()))
 
 
 def firmware_head(name: str) -> str:
@@ -47,5 +42,5 @@ def _program(name: str) -> Path:
     names = firmware_names()
     if name not in names:
         raise InputError(f"no firmware is called {name!r}{did_you_mean(name, names)}")
-    folder = firmware_folder() / name
+    folder = LIBRARY.bundled_folder / name
     return next(path for path in (folder / f"{name}.ino", folder / "main.py") if path.is_file())

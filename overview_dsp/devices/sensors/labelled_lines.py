@@ -22,6 +22,7 @@ from overview_dsp.devices.sensors.reading import (
     QUATERNION,
     Reading,
 )
+from overview_dsp.files.toml import load_toml
 
 REPETITIONS = 3
 MAX_LINES = 12  # maximum number of lines in a cycle
@@ -32,47 +33,14 @@ _TOKEN = re.compile(
 )
 _NUMBER = "#"
 
-_QUANTITIES: Mapping[str, str] = {
-    name: quantity
-    for quantity, names in {
-        "acceleration": "a ac acc accl accel acceleration accelerometer",
-        "angular velocity": "g gy gyr gyro gyroscope",
-        "rotation": "rot rotation rate rrate angular",
-        "gravity": "grav gravity",
-        "linear": "linear lin areal aworld aaworld aareal user useraccel linacc lacc",
-        "angles": "ypr rpy hpr euler orient orientation attitude angle angles ori",
-        "quaternion": "quat quaternion q vector",
-        "raw": "raw",
-        "uniform": "uni",
-        "counts": "a/g",
-    }.items()
-    for name in names.split()
-}
-"""Words in lines, to the quantities that they name."""
-
+_LABELS = load_toml(__file__, "labels.toml")
+_QUANTITIES = {name: of for of, names in _LABELS["quantities"].items() for name in names}
+_UNITS, _OF_UNIT = _LABELS["units"], _LABELS["quantity_of_unit"]
+_AXES, _COUNTS, _OTHER = _LABELS["axes"], _LABELS["values"], _LABELS["other"]
 ROLL = {"roll", "roll:"}
-_ONE_ANGLE = ("yaw", "pitch", "roll", "heading")
-_NOT_MEASURED = ("calibration", "calib", "cal", "sys")
-"""Words after which a line holds grades of calibration, not measurements."""
-
-_QUATERNION_PARTS = {"r": "w", "real": "w", "i": "x", "j": "y", "k": "z"}
-"""Other names of a quaternion's parts."""
-
-_UNITS = {
-    "m/s^2": "m/s²", "m/s2": "m/s²", "m/s/s": "m/s²", "g": "g", "mg": "mg",
-    "rad/s": "rad/s", "deg/s": "deg/s", "dps": "deg/s", "degrees/s": "deg/s",
-    "radians/s": "rad/s", "deg/sec": "deg/s", "rad/sec": "rad/s", "o/s": "deg/s",
-}  # fmt: skip
-_OF_UNIT = {"m/s²": "acceleration", "g": "acceleration", "mg": "acceleration",
-            "rad/s": "angular velocity", "deg/s": "angular velocity"}  # fmt: skip
-_FILLERS = ("in", "s", "data", "values", "sensor")  # words that say nothing about the quantity
 _PART = re.compile(r"q_?([0-3]|[wxyzrijk])")
 _AXIS = re.compile(r"([wxyz])1?")
 _COMPOUND = re.compile(r"(?P<of>[a-z]+?)_?(?P<axis>[wxyz])$")
-_AXES = {"acceleration": "xyz", "angular velocity": "xyz", "rotation": "xyz", "gravity": "xyz",
-         "linear": "xyz", "angles": "xyz", "quaternion": "wxyz", "bare": "xyz"}  # fmt: skip
-_COUNTS = {"counts": 6, "raw": 6, "uniform": 6, "quaternion": 4}
-"""Number of values of a quantity where it isn't three."""
 
 Slot = tuple[str, int]  # a quantity, and the index of one of its numbers
 
@@ -121,7 +89,7 @@ def name_slots(shape: Sequence[str], quantity: str = "") -> tuple[list[Slot], di
             quantity, word = "quaternion", "wxyz"[int(part[1])] if part[1].isdecimal() else part[1]
         elif of_axis:
             word = of_axis[1]
-        word = _QUATERNION_PARTS.get(word, word) if quantity == "quaternion" else word
+        word = _LABELS["quaternion_parts"].get(word, word) if quantity == "quaternion" else word
         compound = _COMPOUND.fullmatch(word)
         is_unit = after_number and word in _UNITS and token == word
         if is_unit and not (word == "g" and before_number):
@@ -131,15 +99,15 @@ def name_slots(shape: Sequence[str], quantity: str = "") -> tuple[list[Slot], di
             units[quantity or "bare"] = _UNITS[word]
         elif quantity in _OF_UNIT.values() and word in _UNITS and token == word:
             units[quantity] = _UNITS[word]
-        elif word in _FILLERS:
+        elif word in _OTHER["fillers"]:
             pass
-        elif word in _NOT_MEASURED:
+        elif word in _OTHER["not_measured"]:
             ignored = True
         elif word in ("w", "x", "y", "z"):
             quantity, axis = ("" if quantity == "other" else quantity), word
         elif compound and compound["of"] in _QUANTITIES:
             quantity, axis = _QUANTITIES[compound["of"]], compound["axis"]
-        elif word in _ONE_ANGLE:
+        elif word in _OTHER["one_angle"]:
             nth = nth if quantity == "angles" else 0
             quantity, axis = "angles", ""
         else:

@@ -13,8 +13,8 @@ from types import MappingProxyType
 from typing import Any
 
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
+from overview_dsp.devices.sensors.lines import WORD
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
-from overview_dsp.devices.sensors.text_lines import WORD
 from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import (

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
-COLUMNS: Mapping[str, str] = tomllib.loads(
-    Path(__file__).with_name("quantities.toml").read_text(encoding="utf-8")
-)
+from overview_dsp.files.toml import load_toml
+
+COLUMNS: Mapping[str, str] = load_toml(__file__, "quantities.toml")
 """Names of the quantities that a sensor can send, each in the sensor's own unit."""
 
 ACCELERATION = ("ax", "ay", "az")

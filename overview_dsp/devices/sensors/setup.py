@@ -8,12 +8,12 @@ import math
 import numpy as np
 
 from overview_dsp.devices.sensors.decoders import AMBIGUOUS
-from overview_dsp.devices.sensors.lines import LineSplitter
-from overview_dsp.devices.sensors.number_learner import NumberLearner
+from overview_dsp.devices.sensors.lines import LineSplitter, parse_header
 from overview_dsp.devices.sensors.number_meaning import (
     AWAY_DEG,
     REST_ROWS,
     Meaning,
+    NumberLearner,
     Table,
     are_turns,
     axes_in_turn,
@@ -34,7 +34,6 @@ from overview_dsp.devices.sensors.reading import (
     has,
 )
 from overview_dsp.devices.sensors.stream import Sample, Stream
-from overview_dsp.devices.sensors.text_lines import parse_header
 from overview_dsp.devices.sensors.units import counts_per_g, is_unit_of_gravity
 
 REST_S = 1.0

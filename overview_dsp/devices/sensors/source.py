@@ -21,6 +21,7 @@ from overview_dsp.devices.sensors.touch_detection import (
     TwistTouch,
 )
 from overview_dsp.errors import InputError
+from overview_dsp.files.toml import load_toml
 from overview_dsp.units import HALF_TURN
 
 FOLLOW_GAIN = 6.0
@@ -146,13 +147,5 @@ class SensorSource(Messages):
                          "is held until the device is flatter")  # fmt: skip
 
 
-FAULTS = {
-    "damaged": "damaged frames or lines: check the cable and the speed (baud=)",
-    "lost": "samples are missing by their numbers: the device or its port is overloaded",
-    "implausible": "samples beyond a hand's movement were dropped",
-    "disordered": "samples out of order were dropped",
-    "repeated": "repeated samples were dropped",
-    "clock_restarts": "the device's clock has restarted",
-    "overrun_bytes": "data arrive faster than they are read; the oldest are dropped",
-}
+FAULTS: dict[str, str] = load_toml(__file__, "faults.toml")
 """Messages by counter; the other counters need no action."""

@@ -14,16 +14,14 @@ from overview_dsp.devices.controllers.control_messages import (
     Counters,
     ScaleParameter,
     SetParameter,
-    StepParameter,
-)
-from overview_dsp.devices.controllers.midi_messages import MidiReader
-from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.parameters import (
     SoftTakeover,
+    StepParameter,
     coerce_value,
     find_parameter,
     stepped_value,
 )
+from overview_dsp.devices.controllers.midi_messages import MidiReader
+from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.devices.controllers.source import ControllerSource
 from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.errors import InputError, OverviewError

@@ -17,6 +17,7 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.session.command_forms import parse_command
 from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.engine.replay import apply_change
+from overview_dsp.validation import float_or_nan
 
 AHEAD_S = 0.5
 """Time before its sample at which an event of a take is sent to the engine."""
@@ -152,8 +153,5 @@ def parse_line(line: str) -> tuple[float, bool] | None:
     fields = line.replace(",", " ").split()
     if len(fields) != 2 or fields[1] not in ("0", "1"):
         return None
-    try:
-        theta2 = float(fields[0])
-    except ValueError:
-        return None
+    theta2 = float_or_nan(fields[0])
     return (theta2, fields[1] == "1") if math.isfinite(theta2) else None

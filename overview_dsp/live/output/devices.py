@@ -3,27 +3,14 @@
 from __future__ import annotations
 
 import re
-import sys
 from dataclasses import dataclass
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice
-from overview_dsp.live.output.saved_settings import file_requiring
-from overview_dsp.live.output.settings import is_pad
+from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice, platform_hint
+from overview_dsp.live.output.settings import file_requiring, is_pad
 
 _CARD = re.compile(r"\(hw:\d+(,\d+)*\)")
-_OUTPUT_HINTS = {
-    "linux": "plug in a sound card, or start a sound server (PipeWire, PulseAudio with "
-    "libasound2-plugins, or JACK: apt install jackd2)",
-    "darwin": "plug in an output and choose it in System Settings, Sound",
-    "win32": "plug in an output and enable it in Settings, System, Sound",
-}
-
-
-def no_output_hint() -> str:
-    """Return what to do on this platform if there is no output."""
-    return _OUTPUT_HINTS.get(sys.platform, _OUTPUT_HINTS["linux"])
 
 
 @dataclass(frozen=True)
@@ -179,8 +166,9 @@ def open_error(
         found = sounddevice.query_devices(device, "output")
     except (sounddevice.PortAudioError, ValueError):
         if not devices():
+            hint = platform_hint("output")
             return InputError(
-                f"no audio output found: {no_output_hint()}; or play without sound (--device none)"
+                f"no audio output found: {hint}; or play without sound (--device none)"
             )
         return InputError(f"{what}: {first_line(error)}; `overview devices` lists all outputs")
     if channels > found["max_output_channels"]:

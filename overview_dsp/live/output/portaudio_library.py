@@ -15,9 +15,10 @@ import sys
 import tempfile
 from ctypes.util import find_library
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 from overview_dsp.errors import OverviewError, require_internals
+from overview_dsp.files.toml import load_toml
 from overview_dsp.live.output import jack
 
 SOUNDDEVICE = "sounddevice>=0.4.6,<0.6"
@@ -49,12 +50,13 @@ _with_jack: list[ctypes.CDLL] = []
 OPEN_STREAMS: set[Any] = set()
 """Open streams. They must outlive every other reference, because PortAudio calls them."""
 
-_LIBRARY_HINTS = {
-    "linux": "install it (Debian, Ubuntu: apt install libportaudio2; Fedora: dnf install "
-    "portaudio; Arch: pacman -S portaudio)",
-    "darwin": "install it (pip install --force-reinstall sounddevice, or brew install portaudio)",
-    "win32": "install it (pip install --force-reinstall sounddevice)",
-}
+_HINTS = load_toml(__file__, "hints.toml")
+
+
+def platform_hint(missing: Literal["output", "library"]) -> str:
+    """Return what to do on this platform without an output, or without the PortAudio library."""
+    hints: dict[str, str] = _HINTS[missing]
+    return hints.get(sys.platform, hints["linux"])
 
 
 def device_named(device: str | None) -> int | str | None:
@@ -72,7 +74,7 @@ def import_sounddevice() -> Any:
         _prepare()
         import sounddevice
     except OSError as error:
-        hint = _LIBRARY_HINTS.get(sys.platform, _LIBRARY_HINTS["linux"])
+        hint = platform_hint("library")
         raise OverviewError(f"PortAudio library not found ({error}): {hint}") from None
     require_internals(sounddevice, _INTERNALS, SOUNDDEVICE)
     return sounddevice
@@ -164,7 +166,7 @@ def _loaded_file(name: str) -> str:
             found = [line.split(None, 5)[5].strip() for line in maps if name in line]
     except OSError:
         found = []
-    for path in found:
-        if os.path.isfile(path):
-            return path
-    raise OverviewError("the JACK server has stopped; start it, then start overview play again")
+    path = next(filter(os.path.isfile, found), None)
+    if path is None:
+        raise OverviewError("the JACK server has stopped; start it, then start overview play again")
+    return path

@@ -83,16 +83,15 @@ class BlePort(QueuedPort):
             if which is None:
                 self._fault = "it has no supported service; must be Nordic UART or WitMotion"
                 return
-            await client.start_notify(which, self._notified)
+            await client.start_notify(
+                which, lambda _, data: self.put(packets_from_notification(data) or bytes(data))
+            )
             self._opened.set()
             await self._over.wait()
 
     def _end(self) -> None:
         self._lost.set()
         self._loop.call_soon_threadsafe(self._over.set)
-
-    def _notified(self, sender: Any, data: bytearray) -> None:
-        self.put(packets_from_notification(bytes(data)) or bytes(data))
 
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new notifications, as `Port.receive`."""

@@ -10,8 +10,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from overview_dsp.devices.controllers.osc_messages import require_osc
-from overview_dsp.devices.controllers.osc_report import OscReport
+from overview_dsp.devices.controllers.osc_messages import OscReport, require_osc
 from overview_dsp.errors import InputError
 from overview_dsp.live.ports.port import Port
 from overview_dsp.signal.engine.engine import Engine

@@ -31,7 +31,7 @@ from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.session import Status
 from overview_dsp.signal.surface.model import Surface
 
 
@@ -96,13 +96,6 @@ class CommandProvider(Provider):
 class TextScreen(ModalScreen[None]):
     """Text that covers the screen until any key or click."""
 
-    CSS = """
-    TextScreen { align: center middle; }
-    TextScreen ScrollableContainer { width: auto; height: auto; max-width: 100%; max-height: 100%; }
-    TextScreen Static { width: auto; height: auto; max-width: 100%; border: round $accent;
-        padding: 0 1; background: black; color: white; }
-    """
-
     def __init__(self, text: str) -> None:
         super().__init__()
         self._text, self._dismissed = text, False
@@ -138,16 +131,7 @@ HINT = "Drag with the mouse, or hold → to move"
 class PlayApp(App[None]):
     """Application that plays a timeline by mouse and keys."""
 
-    CSS = """
-    Screen { overflow: hidden; }
-    #invitation { height: 1; }
-    #title { height: 1; text-style: bold; }
-    #legend, #state { height: 1; }
-    #state.lost { background: $error; text-style: bold; }
-    #messages { height: 2; color: $warning; }
-    .-short TraceView, .-short #legend { display: none; }
-    .-short MetersView { height: 2; min-height: 2; }
-    """
+    CSS_PATH = "app.tcss"
     VERTICAL_BREAKPOINTS = [(0, "-short"), (20, "-tall")]  # noqa: RUF012
     COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"

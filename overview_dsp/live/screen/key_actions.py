@@ -4,39 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from overview_dsp.files.toml import load_toml
 from overview_dsp.live.screen.timeline_view import STRETCHED, marks
 from overview_dsp.live.session.player import Player
 
 STEP = 0.01
 ZOOM = 1.5
 
-HELP = """\
-drag         touch the disk and pull it over the surface
-click        tap: the disk moves to that position, then recoils
-release      the disk recoils
-
-left right   move the input (with shift, ten times as far)
-Home End     touch the start, the end
-space        release; without a touch, tap
-Enter        tap at the last position
-Escape       release
-[ ]          touch the previous, the next event
-+ -  0       zoom in, zoom out; show the whole timeline
-n            visit the new events since the last release (--follow)
-R            start a take, end it
-P            replay the last take in a loop, or stop
-1 2          use the first, the second preset; during a loop,
-             press again to change at once
-c            change preset, window, gains, device, block size, rate,
-             channels, actuator
-m t          mute the clicks, the tactor
-r            show the address for a phone (with --remote)
-q            quit
-
-MARKS
-▼ input  ~ shaft  ◉ disk, which sticks where friction is high
-
-Any key closes this help."""
+HELP: dict[str, str] = load_toml(__file__, "help.toml")
+"""Help on the keys: of the full screen, and of plain mode."""
 
 
 class KeyActions:
@@ -101,4 +77,4 @@ def help_text(player: Player) -> str:
     shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player)) or "no events"
     if not player.active_window.angle_map.is_linear:
         shown += f"\n{STRETCHED} time is stretched, because events are close together"
-    return HELP.replace("MARKS", shown)
+    return HELP["full"].replace("MARKS", shown)

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.screen.key_actions import KeyActions
+from overview_dsp.live.screen.key_actions import HELP, KeyActions
 from overview_dsp.live.screen.position_report import PositionReport, finger_position
 from overview_dsp.live.session import blind
 from overview_dsp.live.session.command_forms import FORMS
@@ -26,20 +26,6 @@ from overview_dsp.live.session.player import Player
 POLL_EVERY_S = 0.03
 LINE_EVERY_S = 0.25
 """Shortest time between two lines on the position."""
-
-HELP = """\
-Left and Right: move the finger. With Shift: ten times as far.
-Home, End: touch the start, the end.
-[ and ]: touch the previous event, the next event.
-Space: release; without a touch, tap. Enter: tap. Escape: release.
-w: where the finger is, and which input holds the disk.
-Plus, minus, 0: zoom in, zoom out, whole timeline.
-R: start a take, or end it. P: replay the last take, or stop.
-1, 2: use the first preset, the second preset.
-c: type a command, then Enter: preset, window, gain, device, block size, rate and others.
-m, t: mute the clicks, the tactor.
-r: the address for a phone.
-q: quit."""
 
 ESCAPES = {
     "[C": "right", "[D": "left", "[H": "home", "[F": "end", "OC": "right", "OD": "left",
@@ -94,7 +80,7 @@ class LineSession:
         if self._command is not None:
             self._type(key)
         elif key == "?":
-            self.say(HELP if player.blind is None else f"{blind.HELP}\n{HELP}")
+            self.say(HELP["plain"] if player.blind is None else HELP["blind"] + HELP["plain"])
         elif player.blind is not None and key in blind.KEYS:
             player.queue_command(*blind.KEYS[key])
         elif key == "c":

@@ -18,7 +18,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.session import Status
 from overview_dsp.units import clock_text
 
 BLOCKS = " ▁▂▃▄▅▆▇█"

@@ -13,7 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from overview_dsp.live.screen.timeline_view import BLOCKS
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.session import Status
 from overview_dsp.units import gain_to_db
 
 COLUMN_S = 0.1

@@ -23,11 +23,6 @@ KEYS = {"a": ("blind", "a"), "b": ("blind", "b"), "x": ("blind", "x"),
         "A": ("blind", "is-a"), "B": ("blind", "is-b")}  # fmt: skip
 """Commands that are one key during a blind comparison."""
 
-HELP = """\
-a, b, x: feel preset A, preset B, or X, which is one of them.
-A, B (with Shift): X is A, X is B. Then X is drawn again.
-q: end, with the result."""
-
 
 def abx_p(hits: int, trials: int) -> float:
     """Return the probability of at least so many hits by guessing (exact binomial test)."""

@@ -1,24 +1,10 @@
-"""Names and syntax of a session's commands, which `commands` executes; this imports nothing."""
+"""Names and syntax of a session's commands, which `commands` executes."""
 
 from __future__ import annotations
 
-FORMS = {
-    "record": "record [0|1]",
-    "replay": "replay [0|1]",
-    "preset": "preset 1|2|NAME",
-    "window": "window START END",
-    "device": "device NAME|NUMBER|none",
-    "block-size": "block-size FRAMES",
-    "rate": "rate HZ",
-    "channels": "channels CLICK TACTOR",
-    "actuator": "actuator NAME|none",
-    "gain": "gain click|tactor DB",
-    "mute": "mute click|tactor [0|1]",
-    "layout": "layout whole|so-far",
-    "expected-duration": "expected-duration LENGTH",
-    "missed": "missed [SINCE]",
-    "blind": "blind a|b|x|is-a|is-b",
-}
+from overview_dsp.files.toml import load_toml
+
+FORMS: dict[str, str] = load_toml(__file__, "command_forms.toml")
 KEYS = {
     "R": ("record",), "P": ("replay",), "N": ("missed",),
     "1": ("preset", "1"), "2": ("preset", "2"),

@@ -15,9 +15,10 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.output.settings import parse_channels
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.session import Status
 from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.stage import warn_of_carrier
+from overview_dsp.validation import float_or_nan
 
 
 def poll(player: Player, source: Input | None = None) -> Status:
@@ -86,10 +87,7 @@ def _window(player: Player, start: str, end: str) -> None:
 
 
 def _number(word: str, quantity: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
+    value = float_or_nan(word)
     if not math.isfinite(value):
         raise InputError(f"{quantity} {word!r} must be a number")
     return value
@@ -167,19 +165,6 @@ def _blind(player: Player, word: str) -> None:
 
 
 COMMANDS: dict[str, Callable[..., None]] = {
-    "record": _record,
-    "replay": _replay,
-    "preset": _preset,
-    "window": _window,
-    "device": _device,
-    "block-size": _block_size,
-    "rate": _rate,
-    "channels": _channels,
-    "actuator": _actuator,
-    "gain": _gain,
-    "mute": _mute,
-    "layout": _layout,
-    "expected-duration": _expected_duration,
-    "missed": _missed,
-    "blind": _blind,
+    name: globals()[f"_{name.replace('-', '_')}"] for name in FORMS
 }
+"""Functions of this module, by the names of their commands."""

@@ -10,7 +10,7 @@ from overview_dsp.data.timeline import Event
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.status import Status
+from overview_dsp.live.session.session import Status
 from overview_dsp.signal.actuators.stage import protection_json
 from overview_dsp.units import gain_to_db
 

@@ -12,9 +12,8 @@ from overview_dsp.files.atomic import require_writable
 from overview_dsp.live.output.devices import find_device
 from overview_dsp.live.output.portaudio_library import SILENT, device_named
 from overview_dsp.live.output.portaudio_stream import CallbackKind
-from overview_dsp.live.output.saved_settings import resolve_output, save_settings
-from overview_dsp.live.output.settings import is_pad
-from overview_dsp.live.output.stream_opener import MAX_BLOCK, StreamOpener
+from overview_dsp.live.output.reconnecting_stream import MAX_BLOCK, StreamOpener
+from overview_dsp.live.output.settings import is_pad, resolve_output, save_settings
 from overview_dsp.live.session.live_updates import FollowSettings
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch

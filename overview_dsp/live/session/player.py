@@ -22,19 +22,15 @@ from overview_dsp.design.gestures import load_gesture
 from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
+from overview_dsp.live.output.reconnecting_stream import ReconnectingStream, StreamOpener
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import take_peaks
-from overview_dsp.live.output.stream_opener import StreamOpener
 from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.blind import BlindComparison
-from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates
+from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates, MissedEvents
 from overview_dsp.live.session.loop import Loop
-from overview_dsp.live.session.missed_events import MissedEvents
-from overview_dsp.live.session.pointer import Pointer
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
-from overview_dsp.live.session.session import Session
-from overview_dsp.live.session.status import SessionState, Status
+from overview_dsp.live.session.session import Pointer, Session, SessionState, Status
 from overview_dsp.live.takes.takes import Takes, timeline_path
 from overview_dsp.signal.actuators.stage import read_protection
 from overview_dsp.signal.engine.engine import Engine
@@ -100,6 +96,7 @@ class Player:
         self.say, self.take_messages = session.say, session.take_messages
         self._presets = PresetPair(watch, other)
         window = self.active_window = ActiveWindow(session, timeline, self._presets)
+        self.show, self.time_at = window.show, window.time_at
         self.takes = Takes(session, record)
         self.live_updates = None if follow is None else LiveUpdates(session, follow, window)
         self.state = SessionState("starting", "opening the output")
@@ -114,7 +111,10 @@ class Player:
             session, self.output, window, self._end_before_restart, self.pointer.force_release
         )
         try:
-            self.output.open((lambda: None) if record is None else self._start_first_take)
+            if record is None:
+                self.output.open()
+            else:
+                self.output.open(lambda: self.takes.start_first(*self._take_header))
         except BaseException:
             self.takes.end()
             raise
@@ -146,14 +146,6 @@ class Player:
     def window(self) -> tuple[float, float]:
         """Start and end of the window, s."""
         return self.active_window.window
-
-    def time_at(self, position: float) -> float:
-        """Return the time in the whole timeline, s, at a position of the window (0 to 1)."""
-        return self.active_window.time_at(position)
-
-    def show(self, start_s: float, end_s: float) -> None:
-        """Change the window; InputError if it isn't part of the timeline."""
-        self.active_window.show(start_s, end_s)
 
     def zoom(self, factor: float, about: float) -> None:
         """Show `factor` times as much detail about the time at position `about` (0 to 1).
@@ -343,9 +335,6 @@ class Player:
             "angle_map": preset.number(SHARE),
         }
         return header, None if self.live_updates is None else self.timeline
-
-    def _start_first_take(self) -> None:
-        self.takes.start_first(*self._take_header)
 
     def toggle_take(self) -> None:
         """Start a take, or end the present one."""

@@ -112,12 +112,17 @@ def _same(value: str, expected: str) -> bool:
     return secrets.compare_digest(value.encode("utf-8", "surrogatepass"), expected.encode())
 
 
+def parse_ip(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return an IP address, without its zone; None for any other text."""
+    try:
+        return ipaddress.ip_address(text.partition("%")[0])
+    except ValueError:
+        return None
+
+
 def _subnet(address: str) -> str:
     """Return an IPv4 address, or the /64 network of an IPv6 address (one household)."""
-    try:
-        parsed = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if parsed.version == 6:
+    parsed = parse_ip(address)
+    if parsed is not None and parsed.version == 6:
         return str(ipaddress.ip_network((parsed, 64), strict=False))
-    return str(parsed)
+    return address if parsed is None else str(parsed)

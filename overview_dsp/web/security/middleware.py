@@ -1,4 +1,4 @@
-"""Access checks and security headers of every request.
+"""Access checks and security headers of every request, and endpoints that run in a thread.
 
 The checks are, in order: the Host header, the Origin, the size, the token, and the time to receive
 the body. Every response has the security headers. An exception in the application is reported to
@@ -15,43 +15,23 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from http.cookies import CookieError, SimpleCookie
 
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.middleware.body_limit import RequestBodyLimitMiddleware
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict
+from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.files.toml import load_toml
+from overview_dsp.web.security.auth_token import WRONG_TOKEN_WINDOW_S, Access, Verdict, parse_ip
 
-POLICY = "; ".join(
-    (
-        "default-src 'none'",
-        "script-src 'self' 'wasm-unsafe-eval'",  # WebAssembly, and no inline script
-        "style-src 'self'",
-        "img-src 'self'",
-        "media-src 'self'",
-        "connect-src 'self'",
-        "worker-src 'self'",
-        "manifest-src 'self'",
-        "base-uri 'none'",
-        "form-action 'none'",
-        "frame-ancestors 'none'",
-    )
-)
-
-SECURITY_HEADERS = {
-    "content-security-policy": POLICY,
-    # both isolate the page, which enables precise clocks and shared memory
-    "cross-origin-opener-policy": "same-origin",
-    "cross-origin-embedder-policy": "require-corp",
-    "cross-origin-resource-policy": "same-origin",
-    "x-content-type-options": "nosniff",
-    "referrer-policy": "no-referrer",
-    "permissions-policy": "accelerometer=(self), gyroscope=(self), magnetometer=(self), "
-    "camera=(), microphone=(), geolocation=(), usb=(), payment=()",
-    "cache-control": "no-store",
-}
+_HEADERS = load_toml(__file__, "headers.toml")
+POLICY = "; ".join(f"{name} {source}" for name, source in _HEADERS["policy"].items())
+SECURITY_HEADERS: dict[str, str] = {"content-security-policy": POLICY, **_HEADERS["headers"]}
 """Defaults; a response may set its own `cache-control`."""
 
 PORTS = {"http": 80, "ws": 80, "https": 443, "wss": 443}
@@ -101,10 +81,7 @@ def _parts(host: str, default: int) -> tuple[str | None, int]:
 
 
 def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    try:
-        parsed = ipaddress.ip_address(text.partition("%")[0])
-    except ValueError:
-        return None
+    parsed = parse_ip(text)
     mapped = parsed.ipv4_mapped if isinstance(parsed, ipaddress.IPv6Address) else None
     return mapped or parsed
 
@@ -254,3 +231,21 @@ def _with_timeout(receive: Receive) -> Receive:
         return message
 
     return receive_in_time
+
+
+Answer = Callable[[Request, bytes], Response]
+
+
+def threaded_endpoint(answer: Answer) -> Callable[[Request], Awaitable[Response]]:
+    """Return an endpoint that runs `answer` in a thread; invalid input is status 400."""
+
+    async def endpoint(request: Request) -> Response:
+        body = await request.body()
+        try:
+            return await run_in_threadpool(answer, request, body)
+        except InputError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        except OverviewError as error:
+            return PlainTextResponse(f"{error}\n", 503)
+
+    return endpoint

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.batch.cache_keys import KEY_DIGITS, preset_digest
+from overview_dsp.batch.grid import KEY_DIGITS, preset_digest
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets import library
 from overview_dsp.design.presets.parameters import PARAMETERS

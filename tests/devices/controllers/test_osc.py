@@ -16,8 +16,12 @@ from overview_dsp.devices.controllers.control_messages import (
     TouchEnded,
     TouchStarted,
 )
-from overview_dsp.devices.controllers.osc_messages import OscReader, encode_message, require_osc
-from overview_dsp.devices.controllers.osc_report import OscReport
+from overview_dsp.devices.controllers.osc_messages import (
+    OscReader,
+    OscReport,
+    encode_message,
+    require_osc,
+)
 from tests.devices.controllers.osc_bytes import bundle, message
 
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 import overview_dsp as ov
 from overview_dsp.devices.controllers.control_map import Control
-from overview_dsp.devices.controllers.control_messages import ScaleParameter
-from overview_dsp.devices.controllers.parameters import (
+from overview_dsp.devices.controllers.control_messages import (
+    ScaleParameter,
     SoftTakeover,
     find_parameter,
     require_parameters,

@@ -14,8 +14,7 @@ import pytest
 
 from overview_dsp.data.timeline import Event
 from overview_dsp.devices.controllers.control_messages import SetParameter, TouchEnded, TouchStarted
-from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.controllers.osc_report import OscReport
+from overview_dsp.devices.controllers.osc_messages import OscReader, OscReport
 
 PATCHES = Path(__file__).resolve().parents[3] / "examples" / "osc"
 PATIENCE_S = 120.0

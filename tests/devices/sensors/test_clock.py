@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from overview_dsp.devices.sensors.clock import WRAP, ArrivalClock, StampClock
 from overview_dsp.devices.sensors.reading import Counters
+from overview_dsp.devices.sensors.stream import WRAP, ArrivalClock, StampClock
 
 
 def stamped(stamps, name="t_us"):

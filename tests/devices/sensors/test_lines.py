@@ -8,9 +8,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from overview_dsp.devices.sensors.app_json import parse_json_line
-from overview_dsp.devices.sensors.lines import LONGEST, LineDecoder, LineSplitter
+from overview_dsp.devices.sensors.lines import (
+    LONGEST,
+    LineDecoder,
+    LineSplitter,
+    parse_header,
+    parse_numbers,
+    parse_row,
+)
 from overview_dsp.devices.sensors.reading import Counters
-from overview_dsp.devices.sensors.text_lines import parse_header, parse_numbers, parse_row
 from tests.devices.sensors.streams import cut, damages, harm, places
 
 AXES = ("ax", "ay", "az")

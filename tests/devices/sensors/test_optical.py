@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors import orientation
-from overview_dsp.devices.sensors.orientation import GravityTilt
+from overview_dsp.devices.sensors import calibration
+from overview_dsp.devices.sensors.calibration import GravityTilt
 from tests.devices.sensors.moving import frames, hand
 from tests.devices.sensors.optical import TRIALS, load_trial, needs_data
 
@@ -54,7 +54,7 @@ def test_half_a_sample_less_of_lag_is_no_gain(name, monkeypatch):
     trial = load_trial(name)
     found = []
     for part in (0.5, 0.0):
-        monkeypatch.setattr(orientation, "HALF_WAY", part)
+        monkeypatch.setattr(calibration, "HALF_WAY", part)
         one = hand(calibration__level_deg=0.0)
         roll = np.full(len(trial.roll), math.nan)
         for n, frame in enumerate(frames(trial.acceleration, trial.turning, trial.rate)):

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
-from overview_dsp.devices.sensors.clock import WRAP
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.source import SensorSource
+from overview_dsp.devices.sensors.stream import WRAP
 from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules
 from overview_dsp.installation import install_command
 from tests.devices.sensors.encoding import encode_frame

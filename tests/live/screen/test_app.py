@@ -17,9 +17,9 @@ from textual.widgets import Static
 
 import overview_dsp as ov
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.output import null_stream
-from overview_dsp.live.output.null_stream import NullStream
+from overview_dsp.live.output import stream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen import PlayApp, plain_mode
 from overview_dsp.live.screen import app as app_module
 from overview_dsp.live.screen.terminal import TerminalWriter
@@ -104,8 +104,8 @@ def test_a_click_is_a_tap_that_goes_all_the_way(player, monkeypatch):
         cursors.append(cursor(player))
         return over
 
-    run_one = null_stream.run_block
-    monkeypatch.setattr(null_stream, "run_block", run_block)
+    run_one = stream.run_block
+    monkeypatch.setattr(stream, "run_block", run_block)
 
     async def script(app, pilot):
         await pilot.click(TimelineView, offset=(50, 5))

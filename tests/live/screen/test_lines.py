@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen import plain_mode
 from overview_dsp.live.screen.position_report import PositionReport
 from overview_dsp.live.session.player import Player

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import overview_dsp as ov
-from overview_dsp.live.output.null_stream import NullStream
 from overview_dsp.live.output.settings import OutputSettings
+from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen.app import PlayApp
 from overview_dsp.live.session.live_updates import FollowSettings
 from overview_dsp.live.session.player import Player

@@ -15,7 +15,7 @@ from scipy.signal import resample_poly
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.files.cue_points import add_cues
+from overview_dsp.files.sound import add_cues
 from overview_dsp.offline.rendering.event_log import of_events, passed_events, save_transcript
 from overview_dsp.offline.rendering.limiter import Limiter, TruePeaks
 from tests.cli.running import MATCH, overview
