@@ -27,7 +27,7 @@ from overview_dsp.measure.perceived_level import (
     strokes as strokes,
     window_db as window_db,
 )
-from overview_dsp.measure.random_movements import random_movement as random_movement
+from overview_dsp.measure.observer.strokes import random_movement as random_movement
 from overview_dsp.measure.report import (
     FeelReport as FeelReport,
     KindFeel as KindFeel,

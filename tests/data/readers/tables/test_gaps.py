@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.data.analysis.series_gaps import find_holes
+from overview_dsp.data.readers.series.sample_scan import find_holes
 from overview_dsp.data.readers.tables.cells import TOKENS
 from tests.data.readers.tables.made import load, noted, times, values
 
