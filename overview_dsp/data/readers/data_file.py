@@ -475,13 +475,15 @@ class Format:
     sniff
         Function that detects the format from the content, never from the name of the file.
     read
-        Function that returns the Timeline; errors begin with the path of the file.
+        Function that returns the Timeline.
     options
         Names of the `LoadOptions` that the format takes.
     matches
         Function that returns one line per match, in order, for files of several matches.
     open_table
         Function that returns the table of a file, for tables whose columns may distinguish series.
+
+    Errors of these functions may begin with the path of the file; otherwise, it is added.
     """
 
     name: str

@@ -69,9 +69,7 @@ def sniff(source: DataFile) -> bool:
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a native file (without options); InputError names the file and the location."""
-    document = source.json  # its errors include the file
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(document, source.stem)
+    return decode(source.json, source.stem)
 
 
 def decode(document: object, default_title: str = "") -> Timeline:

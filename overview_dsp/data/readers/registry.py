@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -162,7 +163,8 @@ def load_timeline(
         candidate, options = _format_of(source), source.options
         taken = candidate.options | LIMITS
         _refuse_options(options, f"{source.where}: {candidate.name}", taken)
-        timeline = candidate.read(source, options)
+        with _located(source):
+            timeline = candidate.read(source, options)
         notes = (*source.notes, *([READ_AS_WINDOWS] if source.encoding == WINDOWS else []))
         return replace(timeline, notes=(*notes, *timeline.notes)) if notes else timeline
 
@@ -212,10 +214,26 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
             raise InputError(
                 f"{source.where}: {candidate.name}: has no columns for group (--group)"
             )
-        with validation.prefix_errors(f"{source.where}: "):
+        with _located(source):
             table = candidate.open_table(source)
         _refuse_options(chosen, f"{source.where}: {candidate.name}", candidate.options | LIMITS)
-        return _each(table, group, lambda one: candidate.read(source, one), chosen)
+
+        def read(one: LoadOptions) -> Timeline:
+            with _located(source):
+                return candidate.read(source, one)
+
+        return _each(table, group, read, chosen)
+
+
+@contextlib.contextmanager
+def _located(source: DataFile) -> Iterator[None]:
+    """Let errors begin with the file, or with another one of the same data."""
+    try:
+        yield
+    except InputError as error:
+        begins = (source.where, f"{source.path.with_suffix('')}.")
+        with validation.prefix_errors("" if str(error).startswith(begins) else f"{source.where}: "):
+            raise
 
 
 def _each(
@@ -324,7 +342,8 @@ def list_matches(
         return ()
     with opened(path, _checked(options or LoadOptions()), _or_bundled()) as source:
         candidate = _format_of(source)
-        return tuple(candidate.matches(source)) if candidate.matches is not None else ()
+        with _located(source):
+            return tuple(candidate.matches(source)) if candidate.matches is not None else ()
 
 
 def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis import cheers
 from overview_dsp.data.analysis.loudness import (
@@ -62,14 +61,12 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     map_name = options.map if options.map is not None else MAPS[0]
     if map_name not in MAPS:
         raise InputError(
-            f"{source.where}: map is {quoted(map_name)}; must be one of {', '.join(MAPS)} for a "
-            "recording"
+            f"map is {quoted(map_name)}; must be one of {', '.join(MAPS)} for a recording"
         )
     with open_recording(source, options.max_mb) as recording:
         steps = _measure(recording, options)
         kind, notes = recording.kind, recording.notes
-    with validation.prefix_errors(f"{source.where}: "):
-        return timeline_of(steps, map_name, source.stem, kind, notes)
+    return timeline_of(steps, map_name, source.stem, kind, notes)
 
 
 def _measure(recording: Recording, options: LoadOptions) -> Steps:

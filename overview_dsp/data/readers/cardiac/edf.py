@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from overview_dsp import validation
 from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import find_beats
 from overview_dsp.data.readers.cardiac.build import (
@@ -41,7 +40,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a signal (takes `value`, `map`); InputError for a damaged file or an unknown signal."""
     edfio = require_package("edfio", "reading an EDF file", "edf")
-    with validation.prefix_errors(f"{source.where}: "), warnings.catch_warnings():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # its damage is an error here
         if source.head[192:197] == b"EDF+D":
             raise InputError("an EDF+D recording with gaps; convert it to EDF+C")

@@ -16,7 +16,6 @@ import html
 import itertools
 import re
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import (
     ListDescription,
@@ -51,10 +50,9 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read cues (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.prefix_errors(f"{source.where}: "):
-        name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
-        description = ListDescription(source.stem, f"events: {name} cues", (), options.duration_s)
-        return timeline_of(_listed(text.splitlines()), description)
+    name = "WebVTT" if text.lstrip("\ufeff").startswith("WEBVTT") else "SubRip"
+    description = ListDescription(source.stem, f"events: {name} cues", (), options.duration_s)
+    return timeline_of(_listed(text.splitlines()), description)
 
 
 def _listed(lines: list[str]) -> list[ListEntry]:
@@ -92,21 +90,20 @@ def sniff_labels(source: DataFile) -> bool:
 def read_labels(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a label track (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.prefix_errors(f"{source.where}: "):
-        listed = []
-        for number, line in _lines(text):
-            match = _LABEL.fullmatch(line)
-            if match is None:
-                raise InputError(
-                    f"line {number}: {quoted(line)} is not a label; must be start, end and label, "
-                    "separated by tabs"
-                )
-            begin, end, label = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()
-            listed.append(ListEntry(begin, label, "", f"line {number}", end))
-        description = ListDescription(
-            source.stem, "events: an Audacity label track", (), options.duration_s
-        )
-        return timeline_of(with_kinds(listed, "label"), description)
+    listed = []
+    for number, line in _lines(text):
+        match = _LABEL.fullmatch(line)
+        if match is None:
+            raise InputError(
+                f"line {number}: {quoted(line)} is not a label; must be start, end and label, "
+                "separated by tabs"
+            )
+        begin, end, label = _seconds(match[1]), _seconds(match[2]), (match[3] or "").strip()
+        listed.append(ListEntry(begin, label, "", f"line {number}", end))
+    description = ListDescription(
+        source.stem, "events: an Audacity label track", (), options.duration_s
+    )
+    return timeline_of(with_kinds(listed, "label"), description)
 
 
 def _lines(text: str) -> list[tuple[int, str]]:

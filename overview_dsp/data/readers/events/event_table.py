@@ -118,8 +118,7 @@ def sniff_lines(source: DataFile) -> bool:
 
 def read_lines(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one JSON object per line, as `read`."""
-    with validation.prefix_errors(f"{source.where}: "):
-        return _read(json.JsonLinesTable(source), source.stem, options)
+    return _read(json.JsonLinesTable(source), source.stem, options)
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
@@ -127,10 +126,9 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
     Takes the options `duration_s`, and the columns `time`, `kind` and `label`.
     """
-    with validation.prefix_errors(f"{source.where}: "):
-        table = open_table(source)
-        if table is not None:
-            return _read(table, source.stem, options)
+    table = open_table(source)
+    if table is not None:
+        return _read(table, source.stem, options)
     return _read_chapters(source, options)
 
 
@@ -302,8 +300,7 @@ def sniff_list(source: DataFile) -> bool:
 def read_list(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event list; the option `duration_s` replaces the duration in the file."""
     text = source.text  # its errors contain the path
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(text, source.stem, options.duration_s)
+    return decode(text, source.stem, options.duration_s)
 
 
 def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
@@ -466,15 +463,12 @@ def _chapters(text: str) -> list[tuple[int, str, str]]:
 
 def _read_chapters(source: DataFile, options: LoadOptions) -> Timeline:
     found = _chapters(source.text)
-    with validation.prefix_errors(f"{source.where}: "):
-        times = TimeColumn(Format("clock"))
-        seconds = times.seconds(
-            [clock for _, clock, _ in found], lambda i: CellLocation(found[i][0])
-        )
-        listed = [
-            ListEntry(second, text, location=f"line {line}")
-            for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
-        ]
-        origin = "events: lines of a clock time and a text"
-        description = ListDescription(source.stem, origin, (), options.duration_s)
-        return timeline_of(with_kinds(listed), description)
+    times = TimeColumn(Format("clock"))
+    seconds = times.seconds([clock for _, clock, _ in found], lambda i: CellLocation(found[i][0]))
+    listed = [
+        ListEntry(second, text, location=f"line {line}")
+        for second, (line, _, text) in zip(seconds.tolist(), found, strict=True)
+    ]
+    origin = "events: lines of a clock time and a text"
+    description = ListDescription(source.stem, origin, (), options.duration_s)
+    return timeline_of(with_kinds(listed), description)

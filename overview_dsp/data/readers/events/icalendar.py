@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import (
     DEFAULT_KIND,
@@ -40,26 +39,25 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    with validation.prefix_errors(f"{source.where}: "):
-        entries = list(_entries(text))
-        if not entries:
-            raise InputError("the calendar has no events; must contain a VEVENT")
-        moments = [_moment(entry, "DTSTART") for entry in entries]
-        zones = {moment.tzinfo is not None for moment in moments}
-        notes = []
-        if len(zones) > 1:
-            notes.append("entries without a time zone were read as UTC, because others have one")
-        if recurring := sum("RRULE" in entry for entry in entries):
-            notes.append(f"{recurring} entries recur; only the first time of each was read")
-        listed = [_entry(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
-        first = min(moments, key=_seconds)
-        if len(zones) > 1 and first.tzinfo is None:
-            first = first.replace(tzinfo=UTC)
-        if first.tzinfo is not None:  # UTC has no daylight saving time
-            first = first.astimezone(UTC)
-        provenance, length = "events: a calendar (iCalendar)", options.duration_s
-        description = ListDescription(source.stem, provenance, tuple(notes), length, first, True)
-        return timeline_of(listed, description)
+    entries = list(_entries(text))
+    if not entries:
+        raise InputError("the calendar has no events; must contain a VEVENT")
+    moments = [_moment(entry, "DTSTART") for entry in entries]
+    zones = {moment.tzinfo is not None for moment in moments}
+    notes = []
+    if len(zones) > 1:
+        notes.append("entries without a time zone were read as UTC, because others have one")
+    if recurring := sum("RRULE" in entry for entry in entries):
+        notes.append(f"{recurring} entries recur; only the first time of each was read")
+    listed = [_entry(entry, moment) for entry, moment in zip(entries, moments, strict=True)]
+    first = min(moments, key=_seconds)
+    if len(zones) > 1 and first.tzinfo is None:
+        first = first.replace(tzinfo=UTC)
+    if first.tzinfo is not None:  # UTC has no daylight saving time
+        first = first.astimezone(UTC)
+    provenance, length = "events: a calendar (iCalendar)", options.duration_s
+    description = ListDescription(source.stem, provenance, tuple(notes), length, first, True)
+    return timeline_of(listed, description)
 
 
 def _entry(entry: Entry, moment: datetime) -> ListEntry:

@@ -20,7 +20,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
@@ -167,22 +166,21 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     format_ = _format_of(source)
     assert format_ is not None  # checked by `sniff`
     files = [_bytes(source)]
-    with validation.prefix_errors(f"{source.where}: "):
-        module, function, *arguments = format_.load
-        kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
-        if format_.companion is not None:
-            files.append(_bytes(_companion(source, format_.name, *format_.companion)))
-        streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                dataset = getattr(kloppy, function)(**streams)
-        except Exception as error:  # the exceptions of kloppy are not documented
-            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
-            raise InputError(
-                f"kloppy cannot read these {format_.name} ({reason}); the file may be incomplete"
-            ) from error
-        return _timeline(dataset, format_.name, source.stem)
+    module, function, *arguments = format_.load
+    kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
+    if format_.companion is not None:
+        files.append(_bytes(_companion(source, format_.name, *format_.companion)))
+    streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            dataset = getattr(kloppy, function)(**streams)
+    except Exception as error:  # the exceptions of kloppy are not documented
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        raise InputError(
+            f"kloppy cannot read these {format_.name} ({reason}); the file may be incomplete"
+        ) from error
+    return _timeline(dataset, format_.name, source.stem)
 
 
 def _format_of(source: DataFile) -> _Format | None:

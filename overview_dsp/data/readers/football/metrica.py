@@ -22,7 +22,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     SHOOT_OUT,
@@ -76,9 +75,7 @@ def sniff(source: DataFile) -> bool:
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes no options); the InputError contains file, line and column."""
-    text = source.text  # its errors contain the path
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(text, source.stem)
+    return decode(source.text, source.stem)
 
 
 def decode(text: str, default_title: str = "") -> Timeline:

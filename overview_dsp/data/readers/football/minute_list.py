@@ -35,7 +35,6 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
@@ -148,16 +147,12 @@ def sniff(source: DataFile) -> bool:
 
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
-    text = source.text
-    with validation.prefix_errors(f"{source.where}: "):
-        return _lines(_grouped(_rows(text)))
+    return _lines(_grouped(_rows(source.text)))
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and line."""
-    text = source.text  # its errors contain the path
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(text, options.match, source.stem)
+    return decode(source.text, options.match, source.stem)
 
 
 def decode(text: str, match: str | None = None, default_title: str = "") -> Timeline:

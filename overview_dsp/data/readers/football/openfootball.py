@@ -155,9 +155,7 @@ def sniff_text(source: DataFile) -> bool:
 
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
-    document = _document(source)
-    with validation.prefix_errors(f"{source.where}: "):
-        return [match.line for match in _matches(document)]
+    return [match.line for match in _matches(_document(source))]
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
@@ -168,9 +166,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     InputError
         The file is invalid or has scores only. The message contains file, match and goal.
     """
-    document = _document(source)
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(document, options.match, source.stem)
+    return decode(_document(source), options.match, source.stem)
 
 
 def _document(source: DataFile) -> object:
@@ -180,8 +176,7 @@ def _document(source: DataFile) -> object:
     document = document_of(source.text)
     if not _has_goals(document) and any(sum(_final(match)) for match in document["matches"]):
         raise InputError(
-            f"{source.where}: the openfootball file has scores of matches, but no goals with "
-            "minutes",
+            "the openfootball file has scores of matches, but no goals with minutes",
             "write the goals below their match, as in (Berg 7', 45+2' Lund 60'(pen.); Firefly "
             "88'), or use a list of minutes (minute,type,player,team)",
         )

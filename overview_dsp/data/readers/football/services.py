@@ -20,7 +20,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
@@ -175,8 +174,7 @@ def sniff(source: DataFile) -> bool:
 
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
-    with validation.prefix_errors(f"{source.where}: "):
-        return [match.line for match in _matches(source.json)]
+    return [match.line for match in _matches(source.json)]
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
@@ -187,10 +185,9 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     InputError
         The document is invalid, reports an error, has scores only, or its match has not begun.
     """
-    with validation.prefix_errors(f"{source.where}: "):
-        listed = _matches(source.json)
-        ids = [match.id for match in listed]
-        return _timeline(listed[select_match([one.line for one in listed], options.match, ids)])
+    listed = _matches(source.json)
+    ids = [match.id for match in listed]
+    return _timeline(listed[select_match([one.line for one in listed], options.match, ids)])
 
 
 def _timeline(match: _Match) -> Timeline:

@@ -94,9 +94,7 @@ def sniff(source: DataFile) -> bool:
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event file (takes no options); the InputError contains file and record."""
-    document = source.json  # its errors contain the path
-    with validation.prefix_errors(f"{source.where}: "):
-        return decode(document, source.stem)
+    return decode(source.json, source.stem)
 
 
 _SIGNS = ("index", "possession", "play_pattern", "related_events", "shot_outcome", "outcome_name")
@@ -115,18 +113,17 @@ def sniff_table(source: DataFile) -> bool:
 def read_table(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a table of events (takes no options); the InputError contains file and event."""
     text = source.text
-    with validation.prefix_errors(f"{source.where}: "):
-        rows = [{Column.of(k).name: v for k, v in row.items()} for _, row in records(text)]
-        matches = list(dict.fromkeys(filter(None, (row.get("match_id") for row in rows))))
-        if len(matches) > 1:
-            raise InputError(
-                f"events of {len(matches)} matches (match_id {', '.join(matches[:3])} ...); keep "
-                "the rows of one"
-            )
-        places = [as_number(row.get("index")) for row in rows]
-        if None not in places:
-            rows = [row for _, _, row in sorted(zip(places, itertools.count(), rows, strict=False))]
-        return decode([_nested(row) for row in rows], source.stem)
+    rows = [{Column.of(k).name: v for k, v in row.items()} for _, row in records(text)]
+    matches = list(dict.fromkeys(filter(None, (row.get("match_id") for row in rows))))
+    if len(matches) > 1:
+        raise InputError(
+            f"events of {len(matches)} matches (match_id {', '.join(matches[:3])} ...); keep "
+            "the rows of one"
+        )
+    places = [as_number(row.get("index")) for row in rows]
+    if None not in places:
+        rows = [row for _, _, row in sorted(zip(places, itertools.count(), rows, strict=False))]
+    return decode([_nested(row) for row in rows], source.stem)
 
 
 def _nested(row: dict[str, str]) -> dict[str, object]:

@@ -118,21 +118,19 @@ def sniff(source: DataFile) -> bool:
 def matches(source: DataFile) -> list[str]:
     """Return a description of each match in the file."""
     document = source.json
-    with validation.prefix_errors(f"{source.where}: "):
-        grouped = _grouped(document)
-        found, _ = companions(source, frozenset(grouped))
-        return _lines(list(grouped), found)
+    grouped = _grouped(document)
+    found, _ = companions(source, frozenset(grouped))
+    return _lines(list(grouped), found)
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and event."""
     document = source.json  # its errors contain the path
-    with validation.prefix_errors(f"{source.where}: "):
-        grouped = _grouped(document)
-        ids = list(grouped)
-        found, notes = companions(source, frozenset(ids))
-        id_ = ids[select_match(_lines(ids, found), options.match, ids)]
-        return _timeline(document, grouped[id_], found.get(id_), notes, source.stem)
+    grouped = _grouped(document)
+    ids = list(grouped)
+    found, notes = companions(source, frozenset(ids))
+    id_ = ids[select_match(_lines(ids, found), options.match, ids)]
+    return _timeline(document, grouped[id_], found.get(id_), notes, source.stem)
 
 
 def decode(

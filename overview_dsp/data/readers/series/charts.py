@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.series.series_reader import series_timeline
 from overview_dsp.data.readers.tables.memory import table_of
@@ -42,29 +41,28 @@ def matches(source: DataFile) -> list[str]:
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a line of a chart (takes `match`, `map`); InputError lists them, or names a value."""
-    with validation.prefix_errors(f"{source.where}: "):
-        lines = _lines(source.json)
-        chosen = [n for n in lines if options.match in (None, n)]
-        if len(chosen) != 1:
-            listed = ", ".join(map(quoted, list(lines)[:8])) or "none has points"
-            raise InputError(f"{len(lines)} lines; choose one with match (--select): {listed}")
-        x_name, y_name, points = lines[chosen[0]]
-        if y_name == x_name:
-            x_name, y_name = "x", y_name if y_name != "x" else "y"
-        places = [as_number(x) for x, _ in points]
-        if None not in places:
-            points.sort(key=lambda point: as_number(point[0]) or 0.0)
-        only = replace(options, match=None, value=y_name)
-        values = {y_name: [y for _, y in points]}
-        if not all(isinstance(x, str) and not _is_moment(x) for x, _ in points):
-            table = table_of({x_name: [x for x, _ in points], **values})
-            only = replace(only, time=x_name)
-            return series_timeline(replace(table, kind="chart"), only, chosen[0])
-        table = replace(table_of(values), kind="chart")
-        found = series_timeline(table, replace(only, rate=1.0), chosen[0])
-        bars = (Event(float(i), KIND, f"{x}: {y}") for i, (x, y) in enumerate(points))
-        note = f"the names of {quoted(x_name)} stand one second apart"
-        return replace(found, events=tuple(bars), notes=(note, *found.notes))
+    lines = _lines(source.json)
+    chosen = [n for n in lines if options.match in (None, n)]
+    if len(chosen) != 1:
+        listed = ", ".join(map(quoted, list(lines)[:8])) or "none has points"
+        raise InputError(f"{len(lines)} lines; choose one with match (--select): {listed}")
+    x_name, y_name, points = lines[chosen[0]]
+    if y_name == x_name:
+        x_name, y_name = "x", y_name if y_name != "x" else "y"
+    places = [as_number(x) for x, _ in points]
+    if None not in places:
+        points.sort(key=lambda point: as_number(point[0]) or 0.0)
+    only = replace(options, match=None, value=y_name)
+    values = {y_name: [y for _, y in points]}
+    if not all(isinstance(x, str) and not _is_moment(x) for x, _ in points):
+        table = table_of({x_name: [x for x, _ in points], **values})
+        only = replace(only, time=x_name)
+        return series_timeline(replace(table, kind="chart"), only, chosen[0])
+    table = replace(table_of(values), kind="chart")
+    found = series_timeline(table, replace(only, rate=1.0), chosen[0])
+    bars = (Event(float(i), KIND, f"{x}: {y}") for i, (x, y) in enumerate(points))
+    note = f"the names of {quoted(x_name)} stand one second apart"
+    return replace(found, events=tuple(bars), notes=(note, *found.notes))
 
 
 def _is_moment(text: str) -> bool:
