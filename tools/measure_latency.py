@@ -39,10 +39,9 @@ from overview_dsp.live.ports.port import QueuedPort
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.units import HALF_TURN
-from overview_dsp.web.app import make_app
 from overview_dsp.web.data import data_routes
 from overview_dsp.web.security.auth_token import Access
-from overview_dsp.web.server import WebServer, listen
+from overview_dsp.web.server import WebServer, listen, make_app
 from overview_dsp.web.session import HostSession
 
 DOCS = Path(__file__).resolve().parents[1] / "docs" / "explanation"

@@ -7,9 +7,8 @@ import json
 import uuid
 from contextlib import contextmanager
 
-from overview_dsp.web.app import make_app
 from overview_dsp.web.security.auth_token import Access
-from overview_dsp.web.server import WebServer, listen
+from overview_dsp.web.server import WebServer, listen, make_app
 from overview_studies.routes import SESSIONS, study_routes
 from overview_studies.store import Store
 

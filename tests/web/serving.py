@@ -15,10 +15,9 @@ from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from overview_dsp.web.app import make_app
 from overview_dsp.web.data import data_routes
 from overview_dsp.web.security.auth_token import Access
-from overview_dsp.web.server import WebServer, listen
+from overview_dsp.web.server import WebServer, listen, make_app
 from overview_dsp.web.session import HostSession
 
 

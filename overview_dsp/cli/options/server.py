@@ -94,10 +94,9 @@ def open_server(
     certificate can't be used.
     """
     from overview_dsp.web import server as address
-    from overview_dsp.web.app import make_app
     from overview_dsp.web.certificate import fingerprint, secure_context, user_certificate
     from overview_dsp.web.security.auth_token import Access, load_token
-    from overview_dsp.web.server import WebServer, listen
+    from overview_dsp.web.server import WebServer, listen, make_app
 
     host = server.host
     is_local = address.is_loopback(host)

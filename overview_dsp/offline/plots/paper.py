@@ -1,17 +1,39 @@
-"""Figures 4, 5 and 6 of the paper."""
+"""Figures 4, 5 and 6 of the paper, and plots of any sweeps and taps."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.design.gestures import sweep, tap
+from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import make_folder
 from overview_dsp.offline.plots.saving import save_figure
-from overview_dsp.offline.plots.strokes import plot_strokes
+from overview_dsp.offline.plots.style import (
+    BLACK,
+    BLUE,
+    GAP_STYLE,
+    GREEN,
+    GREY,
+    VERMILION,
+    extremes,
+    has_face,
+    mark_events,
+    new_figure,
+    styles_of,
+    tidy,
+)
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.offline.rendering.offline import RenderResult, render
+from overview_dsp.units import HALF_TURN
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 FAST_S, SLOW_S = 1.0, 4.0
 TAP_AT, HOLD_S = 1.0, 3.0
@@ -44,3 +66,90 @@ def draw(timeline: Timeline, results: dict[str, RenderResult], folder: str | Pat
         *save_figure(sweeps, out / "figure-5"),
         *save_figure(taps, out / "figure-6"),
     ]
+
+
+def plot_strokes(
+    results: list[tuple[str, RenderResult]],
+    timeline: Timeline,
+    title: str,
+    gestures: Sequence[Gesture] = (),
+) -> Figure:
+    """Plot torque, friction, disk 1 and disk 2 over time, one column per gesture.
+
+    Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position of
+    the clutch, not the input angle. With `gestures`, the input angle is plotted, too.
+    """
+    figure = new_figure(5.2 * len(results) + 0.6, 9.0)
+    grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results):
+        trace = result.trace
+        # the last part of the recoil is uniform
+        away = np.flatnonzero(trace.cursor > 0.01)
+        shown = trace.time <= (trace.time[away[-1]] + 0.3 if len(away) else trace.time[-1])
+        time, touching = trace.time[shown], trace.touching[shown] > 0.5
+        axes: list[Axes] = list(grid[:, column])
+        rows = (
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", BLUE),
+            (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
+            (trace.theta2[shown] * trace.engaged[shown], "(d) disk 2\nrad", GREEN),
+        )
+        for ax, (values, label, colour) in zip(axes, rows, strict=True):
+            ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
+            if column == 0:
+                ax.set_ylabel(label)
+            tidy(ax)
+            if touching.any() and not touching.all():
+                release = float(time[np.flatnonzero(touching)[-1]])
+                ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+        if gestures:
+            gesture = gestures[column]
+            latest = np.searchsorted(gesture.time_s, time, side="right") - 1
+            inside = touching & (latest >= 0)
+            angle = np.where(inside, gesture.theta2[np.maximum(latest, 0)], 0.0)
+            axes[4].plot(
+                *extremes(time, angle), color=GREY, linewidth=0.9, label="input angle", zorder=1.5
+            )
+        _mark_strikes(axes[0], result, timeline, float(time[-1]))
+        for gap in timeline.gaps:
+            start, end = result.engine.surface.position_of(gap) * HALF_TURN
+            axes[3].axhspan(start, end, **GAP_STYLE)
+        axes[0].set_title(name, fontsize=10, pad=14)
+        # logarithmic beyond 1 mN·m to show the base surface and goals together; the linear
+        # panel shows their distance
+        axes[0].set_yscale("symlog", linthresh=1.0)
+        # plain numbers, since powers of ten need slow typesetting of formulas
+        axes[0].yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes[-1].set_xlabel("time, s (dashed: release)")
+    # fixed margins, since automatic layout takes longer than drawing
+    inch = 1.0 / (5.2 * len(results) + 0.6)
+    figure.subplots_adjust(
+        left=0.95 * inch, right=1.0 - 0.15 * inch, top=0.89, bottom=0.1, wspace=0.06, hspace=0.12
+    )
+    figure.align_ylabels(grid[:, 0])
+    figure.suptitle(title, x=0.1 * inch, ha="left", fontsize=11)
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    if gestures:
+        inputs, names = grid[4, 0].get_legend_handles_labels()
+        handles, labels = handles + inputs, labels + names
+    if handles:
+        figure.legend(handles, labels, loc="lower center", ncols=6, frameon=False, fontsize=8)
+    return figure
+
+
+def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: float) -> None:
+    # a row of marks just above the axes
+    above = axes.get_xaxis_transform()
+    strikes = result.strikes.of_events()
+    for kind, style in styles_of(timeline).items():
+        at = [
+            time
+            for time, event in zip(strikes.time_s, strikes.event, strict=True)
+            if timeline.events[event].kind == kind and time <= end
+        ]
+        if not at or kind in ("foul", "period", "touch", "shot"):
+            continue
+        width = 0.5 if has_face(style[0]) else 1.2
+        options = {"transform": above, "clip_on": False, "zorder": 4, "linewidths": width}
+        mark_events(axes, at, np.full(len(at), 1.03), style, 26, **options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.data.timeline.describe import describe, describe_json
+from overview_dsp.cli.timeline import describe, describe_json
 from overview_dsp.offline.rendering.event_log import as_records, as_text, passed_events, transcript
 from overview_dsp.web.site_data import window_json
 
