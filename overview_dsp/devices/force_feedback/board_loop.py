@@ -2,9 +2,9 @@
 
 | frame (COBS and CRC as `sensors/frames.py`) | payload, little-endian |
 |---|---|
-| disk | 16, its number, 1 = theta2 is 0 here, twelve float32 (`pack_disk`) |
-| part | 17, the table's number, uint16 index of the part, 32 uint16 |
-| use | 18, the table's number, uint16 ms of crossfade, two float32 (unit, hard) |
+| disk | 16, its number, 1 = theta2 is 0 here, eleven float32 (`pack_disk`) |
+| part | 17, the table's number, uint16 index of the part, 32 uint16: points, then ten events each |
+| use | 18, the table's number, uint16 ms of crossfade, float32 unit |
 | alive | 19, 1 = there may be torque |
 
 Frames may be lost. The board reports its state twice per hundredth of a second, and missing frames
@@ -33,15 +33,17 @@ from overview_dsp.units import HALF_TURN
 
 HIGHEST = 65535
 
-HARD = 1.0 / 3.0
-"""Friction with half of its impact, on a logarithmic scale from the median friction (0) to the
-highest (1): above the flanks of a card and below a goal."""
-
-DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "clutch.max_speed_ratio",
-             "clutch.tap_duration_s", "input.smoothing_ms")  # fmt: skip
+DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "clutch.tap_duration_s",
+             "input.smoothing_ms")  # fmt: skip
 """Keys of a preset that define a board's disk."""
 
-_DISK = struct.Struct("<12f")
+_DISK = struct.Struct("<11f")
+PART_POINTS = 32
+PART_EVENTS = 10  # in a part after those of the points
+
+PUSH_UNIT = 1e-8  # N m s
+PUSH, PUSH_EXPONENT = 8e-7, 0.65
+"""Push of an event as strong as the bare surface, N m s, and how it grows with the height."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,19 +52,30 @@ class BoardTable:
 
     `points`: friction at equal steps along the surface, each the mean of its cell.
     `unit`: friction of 1 count, N m s/rad.
-    `hard`: friction that gives half of its impact, N m s/rad.
+    `events`: first and last point of an event's span, and the push of its knock in `PUSH_UNIT`.
     """
 
     points: NDArray[np.uint16]
     unit: float
-    hard: float
+    events: NDArray[np.uint16]
+
+    @property
+    def parts(self) -> list[NDArray[np.uint16]]:
+        """The numbers of each `part` frame."""
+        rows = self.events.reshape(-1, PART_EVENTS * 3)
+        padded = np.pad(self.points, (0, -len(self.points) % PART_POINTS))
+        return [
+            *padded.reshape(-1, PART_POINTS),
+            *np.pad(rows, ((0, 0), (0, PART_POINTS - 3 * PART_EVENTS))),
+        ]
 
 
-def board_table(surface: Surface, count: int) -> BoardTable:
-    """Return a surface's friction in `count` points.
+def board_table(surface: Surface, count: int, bare: float) -> BoardTable:
+    """Return a surface's friction in `count` points, and its events.
 
     The energy of a crossing is the integral of the friction. So each point is the mean of the
-    friction nearest to it, and even narrow events keep their energy.
+    friction nearest to it, and even narrow events keep their energy. `bare` is the friction of the
+    surface without events.
     """
     friction = surface.resistance
     cells = len(friction) - 1
@@ -77,8 +90,20 @@ def board_table(surface: Surface, count: int) -> BoardTable:
     means = np.diff(integral) / np.diff(edges)
     unit = float(means.max()) / HIGHEST
     points = np.clip(np.rint(means / unit), 1, HIGHEST).astype(np.uint16)
-    median = float(np.median(means))
-    return BoardTable(points, unit, median * (float(means.max()) / median) ** HARD)
+    return BoardTable(points, unit, _board_events(surface, count, bare))
+
+
+def _board_events(surface: Surface, count: int, bare: float) -> NDArray[np.uint16]:
+    # as many as a board with so many points holds: the strongest, in order; the rest has no push
+    parts = -(-count // PART_POINTS)
+    events = np.zeros((-(-parts // PART_EVENTS) * PART_EVENTS, 3), dtype=np.uint16)
+    push = PUSH / PUSH_UNIT * (surface.release / bare) ** PUSH_EXPONENT
+    kept = np.sort(np.argsort(-push, kind="stable")[: len(events)])
+    # the table's points smear an edge by one cell
+    first, last = surface.span[kept].T * (count - 1)
+    rows = np.rint([np.floor(first) - 1.0, np.floor(last) + 2.0, np.maximum(push[kept], 1.0)])
+    events[: len(kept)] = np.clip(rows.T, 0, (count - 1, count - 1, HIGHEST))
+    return events
 
 
 def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
@@ -86,13 +111,12 @@ def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
 
     `sensor` has the scale of the knob's torque and its turn for the whole timeline.
     """
-    inertia, k1, k2, ratio, tap_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
+    inertia, k1, k2, tap_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
     per_rad = HALF_TURN / math.radians(sensor.number("motor.turn_deg"))
     return _DISK.pack(
-        inertia, k1, k2, ratio, tap_s * (ratio or 1.0), smoothing_ms * 1e-3,
-        sensor.number("motor.board_scale"), sensor.number("motor.impact_gain"),
-        sensor.number("motor.recoil_gain"), sensor.number("motor.ceiling_nm"),
-        sensor.number("motor.end_nm_per_rad"),
+        inertia, k1, k2, tap_s, smoothing_ms * 1e-3,
+        *(sensor.number(f"motor.{key}")
+          for key in ("board_scale", "knock", "home", "ceiling_nm", "end_nm_per_rad")),
         -per_rad if sensor.values["motor.reverse"] else per_rad,
     )  # fmt: skip
 
@@ -101,7 +125,6 @@ PERIOD_S = 0.002  # time between frames to the board
 RESEND_S = 0.02  # time after which a frame that the board doesn't confirm is sent again
 FADE_MS = 30
 DISK, PART, USE, ALIVE = 16, 17, 18, 19
-PART_POINTS = 32
 SHARE = 0.6  # largest share of the wire's capacity for a table
 BURST = 400  # largest number of bytes of a table at once
 
@@ -124,6 +147,7 @@ class BoardLoop:
         self._due = -1e300
         self._surface: Surface | None = None
         self._packed = b""
+        self._bare = 1.0
         self._at_start = True
         self._forget()
 
@@ -140,6 +164,7 @@ class BoardLoop:
         """Let the board run a surface, with the disk of a preset's `values`."""
         if surface is not self._surface:
             self._surface, self._table = surface, None
+            self._bare = float(values["surface.friction"])
         packed = pack_disk({key: values[key] for key in DISK_KEYS}, self._sensor)
         if packed != self._packed:
             self._packed, self._disk_id = packed, 0
@@ -177,13 +202,14 @@ class BoardLoop:
             self._sent_at = now_s
             sent += self._disk()
         if self._table is None and self._surface is not None:
-            self._table = board_table(self._surface, state["knob_points"])
+            self._table = board_table(self._surface, state["knob_points"], self._bare)
             known = (0, state["knob_table"], state["knob_filling"])
             self._table_id = next(n for n in range(1, 5) if n not in known)
+            self._parts = self._table.parts
             self._part, self._space = 0, 0.0
         if self._table is None or state["knob_table"] == self._table_id:
             return sent
-        parts = -(-len(self._table.points) // PART_POINTS)
+        parts = len(self._parts)
         filling = state["knob_filling"] == self._table_id
         if filling and state["knob_missing"] >= parts:
             if resend:
@@ -206,13 +232,11 @@ class BoardLoop:
     def _use(self) -> bytes:
         assert self._table is not None
         head = struct.pack("<BBH", USE, self._table_id, FADE_MS)
-        return framed(head + struct.pack("<2f", self._table.unit, self._table.hard))
+        return framed(head + struct.pack("<f", self._table.unit))
 
     def _part_of(self, part: int) -> bytes:
-        assert self._table is not None
-        points = self._table.points[PART_POINTS * part :][:PART_POINTS].tolist()
-        points += [0] * (PART_POINTS - len(points))
-        return framed(struct.pack(f"<BBH{PART_POINTS}H", PART, self._table_id, part, *points))
+        head = struct.pack("<BBH", PART, self._table_id, part)
+        return framed(head + self._parts[part].astype("<u2").tobytes())
 
     def end(self) -> bytes:
         """Return the last frame."""
