@@ -82,7 +82,8 @@ enum {
 #define STIFFER 8.0f   /* spring of the disk, relative to the preset's */
 #define CATCH_UP 2.0f  /* highest speed of the disk, relative to the hand's, */
 #define CATCH_S 0.06f  /* and time in which it makes up for what friction didn't hold back */
-#define WIND 2.0f      /* growth of the stretch, relative to the hand's speed */
+#define CALM_S 0.01f   /* in which the disk slows down where the hand rests */
+#define WIND 1.0f      /* growth of the stretch, relative to the hand's speed */
 #define BRUSH_STEPS 1.5f
 #define BRUSH_S 0.0005f /* low-pass of its angle: noise would unload it */
 #define BRUSH_J 3e-5f    /* most of its brake times its width: a coarse encoder gets weaker knocks */
@@ -123,7 +124,7 @@ typedef struct {
     uint8_t frame[KNOB_LONGEST];
     uint8_t length;
     /* derived from it */
-    float inertia, spring, denominator, hold, unfold, smoothing, pacing, gain, home, end, sign;
+    float inertia, spring, denominator, hold, calm, unfold, smoothing, pacing, gain, home, end, sign;
     /* the knob and its disk */
     float origin, shaft, u, latest[KNOB_MEAN], ahead, brush, trail, fastest;
     float x, v, stretch, y1, y2, pace;
@@ -179,6 +180,7 @@ static void knob_derive(Knob *k) {
     k->spring = STIFFER * sum / d->inertia * KNOB_DT * KNOB_DT;
     k->denominator = k->inertia * (2.0f + 0.5f * k->spring);
     k->hold = 1.0f / (STIFFER * sum * KNOB_DT);
+    k->calm = d->inertia / CALM_S;
     k->unfold = d->unfold_s > 0.0f ? KNOB_DT / d->unfold_s : PACE_MOST * KNOB_DT;
     k->smoothing = KNOB_DT / (d->smoothing_s + KNOB_DT);
     k->pacing = KNOB_DT / (PACE_S + KNOB_DT);
@@ -222,15 +224,17 @@ static float knob_stretched(Knob *k, float stretch, float friction) {
 
 /* Step the disk, with the hand at `u` in the middle of the step; return the mean stretch. */
 static float knob_move(Knob *k, float u) {
-    float moved, friction, middle, y2 = k->y2;
+    const float least = PACE_LEAST * (KNOB_POINTS - 1) * KNOB_DT, y2 = k->y2;
+    float moved, friction, middle;
     int cell;
     k->y1 += k->smoothing * (u - k->y1);
     k->y2 += k->smoothing * (k->y1 - k->y2);
     moved = knob_abs(k->y2 - y2);
-    if (moved > PACE_LEAST * (KNOB_POINTS - 1) * KNOB_DT && moved < PACE_MOST * (KNOB_POINTS - 1) * KNOB_DT &&
-        (moved > k->pace || !k->slips))
+    if (moved > least && moved < PACE_MOST * (KNOB_POINTS - 1) * KNOB_DT && (moved > k->pace || !k->slips))
         k->pace += k->pacing * (moved - k->pace);
     friction = knob_friction(k, k->x + 0.5f * k->v);
+    /* a disk that still moves while the hand rests would swing about it */
+    if (moved <= least && knob_abs(k->v) > least && friction < k->calm) friction = k->calm;
     k->stretch = knob_stretched(k, u - k->x, friction);
     middle = k->inertia * (2.0f * k->v + k->spring * k->stretch) / (k->denominator + friction);
     k->x += middle;
