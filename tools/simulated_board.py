@@ -33,7 +33,8 @@ class Rig(ctypes.Structure):
     _fields_ = [
         *((name, ctypes.c_double) for name in (
             "inertia", "friction", "damping", "stiffness", "hand_damping", "step", "noise",
-            "late_s", "winding_s", "cogging", "cogs", "angle", "speed", "applied", "given", "target")),
+            "late_s", "winding_s", "cogging", "cogs", "angle", "speed", "applied", "given",
+            "target")),
         ("latest", ctypes.c_double * RIG_LATEST),
         ("ticks", ctypes.c_uint32),
         ("dice", ctypes.c_uint32),
