@@ -50,60 +50,40 @@ PUSH, PUSH_EXPONENT = 8e-7, 0.65
 class BoardTable:
     """A surface in the form of a board.
 
-    `points`: friction at equal steps along the surface, each the mean of its cell.
     `unit`: friction of 1 count, N m s/rad.
-    `events`: first and last point of an event's span, and the push of its knock in `PUSH_UNIT`.
+    `parts`: the numbers of each `part` frame: friction at equal steps along the surface, then the
+    first and last step of each event and the push of its knock in `PUSH_UNIT`.
     """
 
-    points: NDArray[np.uint16]
     unit: float
-    events: NDArray[np.uint16]
-
-    @property
-    def parts(self) -> list[NDArray[np.uint16]]:
-        """The numbers of each `part` frame."""
-        rows = self.events.reshape(-1, PART_EVENTS * 3)
-        padded = np.pad(self.points, (0, -len(self.points) % PART_POINTS))
-        return [
-            *padded.reshape(-1, PART_POINTS),
-            *np.pad(rows, ((0, 0), (0, PART_POINTS - 3 * PART_EVENTS))),
-        ]
+    parts: NDArray[np.uint16]
 
 
 def board_table(surface: Surface, count: int, bare: float) -> BoardTable:
-    """Return a surface's friction in `count` points, and its events.
+    """Return a surface for a board with `count` points; `bare` is its friction without events.
 
     The energy of a crossing is the integral of the friction. So each point is the mean of the
-    friction nearest to it, and even narrow events keep their energy. `bare` is the friction of the
-    surface without events.
+    friction nearest to it, and even narrow events keep their energy. Of the events, the strongest
+    are sent, as many as such a board holds.
     """
     friction = surface.resistance
     cells = len(friction) - 1
-    summed = np.concatenate([[0.0], np.cumsum(0.5 * (friction[1:] + friction[:-1]))])
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (friction[1:] + friction[:-1]))])
     edges = np.clip((np.arange(count + 1) - 0.5) * (cells / (count - 1)), 0.0, cells)
-    # the integral of friction that is linear between the cells
-    cell = np.minimum(edges.astype(np.int64), cells - 1)
-    share = edges - cell
-    integral = summed[cell] + share * (
-        friction[cell] + 0.5 * share * (friction[cell + 1] - friction[cell])
-    )
-    means = np.diff(integral) / np.diff(edges)
+    means = np.diff(np.interp(edges, np.arange(cells + 1), integral)) / np.diff(edges)
     unit = float(means.max()) / HIGHEST
-    points = np.clip(np.rint(means / unit), 1, HIGHEST).astype(np.uint16)
-    return BoardTable(points, unit, _board_events(surface, count, bare))
-
-
-def _board_events(surface: Surface, count: int, bare: float) -> NDArray[np.uint16]:
-    # as many as a board with so many points holds: the strongest, in order; the rest has no push
-    parts = -(-count // PART_POINTS)
-    events = np.zeros((-(-parts // PART_EVENTS) * PART_EVENTS, 3), dtype=np.uint16)
+    rows = -(-count // PART_POINTS)
+    parts = np.zeros((rows - (-rows // PART_EVENTS), PART_POINTS), dtype=np.uint16)
+    parts[:rows].reshape(-1)[:count] = np.clip(np.rint(means / unit), 1, HIGHEST)
+    events = np.zeros(((len(parts) - rows) * PART_EVENTS, 3))
     push = PUSH / PUSH_UNIT * (surface.release / bare) ** PUSH_EXPONENT
     kept = np.sort(np.argsort(-push, kind="stable")[: len(events)])
-    # the table's points smear an edge by one cell
     first, last = surface.span[kept].T * (count - 1)
-    rows = np.rint([np.floor(first) - 1.0, np.floor(last) + 2.0, np.maximum(push[kept], 1.0)])
-    events[: len(kept)] = np.clip(rows.T, 0, (count - 1, count - 1, HIGHEST))
-    return events
+    # the means smear an edge by one cell
+    found = np.stack([np.floor(first) - 1.0, np.floor(last) + 2.0, np.rint(push[kept])], axis=1)
+    events[: len(kept)] = np.clip(found, (0, 0, 1), (count - 1, count - 1, HIGHEST))
+    parts[rows:, : 3 * PART_EVENTS] = events.reshape(-1, 3 * PART_EVENTS)
+    return BoardTable(unit, parts)
 
 
 def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
@@ -205,11 +185,10 @@ class BoardLoop:
             self._table = board_table(self._surface, state["knob_points"], self._bare)
             known = (0, state["knob_table"], state["knob_filling"])
             self._table_id = next(n for n in range(1, 5) if n not in known)
-            self._parts = self._table.parts
             self._part, self._space = 0, 0.0
         if self._table is None or state["knob_table"] == self._table_id:
             return sent
-        parts = len(self._parts)
+        parts = len(self._table.parts)
         filling = state["knob_filling"] == self._table_id
         if filling and state["knob_missing"] >= parts:
             if resend:
@@ -235,8 +214,9 @@ class BoardLoop:
         return framed(head + struct.pack("<f", self._table.unit))
 
     def _part_of(self, part: int) -> bytes:
+        assert self._table is not None
         head = struct.pack("<BBH", PART, self._table_id, part)
-        return framed(head + self._parts[part].astype("<u2").tobytes())
+        return framed(head + self._table.parts[part].astype("<u2").tobytes())
 
     def end(self) -> bytes:
         """Return the last frame."""
