@@ -136,8 +136,8 @@ def simulate(
             torque = motor.torque
             motor.step(fingers.torque(motor))
             returned += torque * (motor.angle - before)
-            if motor.ends_step and motor.time >= begins[0]:
-                since = motor.time - begins[0]
+            since = motor.time - begins[0]
+            if motor.ends_step and since > motor.dt:
                 rows.append((since, motor.angle, torque, returned, motor.stored, motor.disk))
         received = to_host.take(now)
         if listener is not None:

@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.design.presets.parameter import Value
-from overview_dsp.devices.force_feedback.motion import Rate
 from overview_dsp.devices.force_feedback.watchdog import Watchdog
 from overview_dsp.devices.sensors.frames import KNOB_MOTION, KNOB_STATE, framed
 from overview_dsp.devices.sensors.profile import Sensor
@@ -122,8 +121,7 @@ class BoardLoop:
         self.alive = False
         self._sensor = sensor
         self._per_period = SHARE * 0.1 * baud * PERIOD_S
-        self._watchdog = Watchdog()
-        self._rate = Rate()
+        self.watchdog = Watchdog()
         self._due = -1e300
         self._surface: Surface | None = None
         self._packed = b""
@@ -145,7 +143,7 @@ class BoardLoop:
         if surface is not self._surface:
             self._surface, self._table = surface, None
             self._bare = float(values["surface.friction"])
-        packed = pack_disk({key: values[key] for key in DISK_KEYS}, self._sensor)
+        packed = pack_disk(values, self._sensor)
         if packed != self._packed:
             self._packed, self._disk_id = packed, 0
 
@@ -156,12 +154,11 @@ class BoardLoop:
                 self._state = reading
             elif KNOB_MOTION[0] in reading:
                 self.torque = reading["torque_nm"]
-                self._rate.add(now_s)
-            self._watchdog.message_received(now_s)
+            self.watchdog.message_received(now_s)
 
     def step(self, playing: bool, now_s: float) -> bytes:
         """Return the frames to send, at most every 2 ms; `playing`: there may be torque."""
-        self.alive = self._watchdog.alive(now_s)
+        self.alive = self.watchdog.alive(now_s)
         if now_s < self._due:
             return b""
         self._due = max(self._due + PERIOD_S, now_s)
@@ -225,14 +222,9 @@ class BoardLoop:
 
     def disconnected(self) -> None:
         """Forget the board's state, because its port is closed."""
-        self._watchdog.reset()
+        self.watchdog.reset()
         self._forget()
         self.alive = False
-
-    @property
-    def reports_per_s(self) -> float | None:
-        """Rate of the device's reports; None while it isn't known."""
-        return self._rate.hz if self.alive else None
 
     @property
     def ready(self) -> bool:
@@ -254,7 +246,7 @@ class BoardLoop:
             return f"no force yet: its board receives the surface (part {missing})"
         return (
             f"force {1e3 * self.torque:+.2f} mN·m, computed on its board, "
-            f"{self._watchdog.silences} silences"
+            f"{self.watchdog.silences} silences"
         )
 
     def report(self, now_s: float) -> dict[str, Any]:
@@ -268,6 +260,6 @@ class BoardLoop:
             "steps_per_s": int(state.get("knob_hz", 0)),
             "points": int(state.get("knob_points", 0)),
             "rejected": int(state.get("knob_rejected", 0)),
-            "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
-            "silences": self._watchdog.silences,
+            "reports_per_s": self.watchdog.hz,
+            "silences": self.watchdog.silences,
         }
