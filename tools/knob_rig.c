@@ -23,7 +23,9 @@ double board_stored(const Knob *k, double shaft) {
     double bent = most / k->end;
     if (k->level <= 0.0f) return 0.0;
     beyond = beyond < bent ? beyond * beyond : bent * (2.0 * beyond - bent);
-    return joule * (home * inside * (inside + 2.0 * (u > 0.0 ? fabs(u - inside) : 0.0)) + k->end * beyond);
+    if (u > end) home *= inside * (2.0 * u - inside);
+    else home *= inside * inside;
+    return joule * (home + k->end * beyond);
 }
 
 enum { RIG_TICKS = 32000 / KNOB_HZ, RIG_LATEST = 64 };
@@ -41,7 +43,10 @@ typedef struct {
 static double rig_noise(Rig *r) { /* about normal */
     double sum = -6.0;
     int n;
-    for (n = 0; n < 12; n++) sum += (double)((r->dice = r->dice * 1664525u + 1013904223u) >> 8) / (1 << 24);
+    for (n = 0; n < 12; n++) {
+        r->dice = r->dice * 1664525u + 1013904223u;
+        sum += r->dice / 4294967296.0;
+    }
     return sum;
 }
 

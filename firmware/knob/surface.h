@@ -26,9 +26,10 @@ because the hand only meets
     torque = pull - brush * brake
 
 where the pull (to the start, and back from the two ends) depends on the hand's angle alone, and the
-brake is the spring's torque where it opposes the hand, and the knocks of events. The brush, -1 to 1,
-bends with the hand: a hand that turns meets the whole brake, one that turns back loses it within
-BRUSH_STEPS steps of the encoder, and one that rests is pushed no further than that.
+brake is the spring's torque where it opposes the hand, and the knocks of events. A knock begins
+where the disk enters an event, lasts KNOCK_S, and is a parabola whose area is the event's push. The
+brush, -1 to 1, bends with the hand: a hand that turns meets the whole brake, one that turns back
+loses it within BRUSH_STEPS steps of the encoder, and one that rests is pushed no further than that.
 
 Encoder and winding are late. Pull and brush therefore use the angle that the hand will have when
 the torque acts, KNOB_LATE_S later. A value that is too small gives energy at the ends, one that is
@@ -55,7 +56,7 @@ too large costs nothing. */
 #define KNOB_RESOLUTION 3.835e-4f /* rad: a step of the encoder, here of 14 bits */
 #endif
 #ifndef KNOB_LATE_S
-#define KNOB_LATE_S 0.0016f /* from an angle to its torque: encoder, winding, half the mean speed's time, a margin */
+#define KNOB_LATE_S 0.0016f /* from an angle to its torque: encoder 0.3, winding 0.4, and a margin */
 #endif
 
 enum {
@@ -224,13 +225,13 @@ static float knob_stretched(Knob *k, float stretch, float friction) {
 
 /* Step the disk, with the hand at `u` in the middle of the step; return the mean stretch. */
 static float knob_move(Knob *k, float u) {
-    const float least = PACE_LEAST * (KNOB_POINTS - 1) * KNOB_DT, y2 = k->y2;
+    const float cells = (KNOB_POINTS - 1) * KNOB_DT, least = PACE_LEAST * cells, y2 = k->y2;
     float moved, friction, middle;
     int cell;
     k->y1 += k->smoothing * (u - k->y1);
     k->y2 += k->smoothing * (k->y1 - k->y2);
     moved = knob_abs(k->y2 - y2);
-    if (moved > least && moved < PACE_MOST * (KNOB_POINTS - 1) * KNOB_DT && (moved > k->pace || !k->slips))
+    if (moved > least && moved < PACE_MOST * cells && (moved > k->pace || !k->slips))
         k->pace += k->pacing * (moved - k->pace);
     friction = knob_friction(k, k->x + 0.5f * k->v);
     /* a disk that still moves while the hand rests would swing about it */
@@ -246,18 +247,20 @@ static float knob_move(Knob *k, float u) {
 
 /* The brake, N m, with `stretch` of the spring. */
 static float knob_brake(Knob *k, float stretch) {
-    const float left = k->disk.ceiling - knob_abs(k->pull), most = BRUSH_J / (BRUSH_STEPS * KNOB_RESOLUTION);
-    const float room = left < most ? left : most;
-    float drag = k->brush * stretch > 0.0f ? k->gain * knob_abs(stretch) : 0.0f, slower;
-    const float knee = 0.5f * room, step = 1.0f / (KNOCK_S * KNOB_HZ);
+    const float left = k->disk.ceiling - knob_abs(k->pull);
+    const float most = BRUSH_J / (BRUSH_STEPS * KNOB_RESOLUTION);
+    const float room = left < most ? left : most, knee = 0.5f * room;
+    const float step = 1.0f / (KNOCK_S * KNOB_HZ), slower = k->fastest / BRAKE_SPEED;
+    float drag = k->brush * stretch > 0.0f ? k->gain * knob_abs(stretch) : 0.0f;
     if (drag > knee) drag = room - knee * knee / drag;
     if (k->push > 0.0f) { /* a parabola, whose area is the push */
-        const float t = k->knocking + 0.5f * step, part = knob_abs(k->u - k->trail) / (KNOCK_SPEED * TRAIL_S * KNOB_PER_RAD);
-        drag += 6.0f / KNOCK_S * k->push * t * (1.0f - t) * (part < 1.0f ? part : 1.0f);
+        const float t = k->knocking + 0.5f * step;
+        const float speed = knob_abs(k->u - k->trail) / (TRAIL_S * KNOB_PER_RAD);
+        const float part = speed < KNOCK_SPEED ? speed / KNOCK_SPEED : 1.0f;
+        drag += 6.0f / KNOCK_S * k->push * t * (1.0f - t) * part;
         k->knocking += step;
         if (k->knocking > 1.0f - 0.5f * step) k->push = 0.0f;
     }
-    slower = k->fastest / BRAKE_SPEED;
     return (drag < room ? drag : room) / (1.0f + slower * slower);
 }
 
