@@ -171,8 +171,8 @@ SETTLE_S = 0.7  # the torque towards the start rises for half a second
 class Stroke:
     """Values at the end of each step of the board: rad, N m, J.
 
-    `disk`: its position, 0 to 1. `felt`: torque at the fingers, against the hand. `given`: energy
-    that the motor gave. `stored`: energy of its pull. `knocks`: starts of knocks.
+    `disk`: its position, 0 to 1. `felt`: torque at the fingers, against the hand. `returned`:
+    energy that the motor gave. `stored`: energy of its pull. `knocks`: starts of knocks.
     """
 
     hertz: int
@@ -180,7 +180,7 @@ class Stroke:
     disk: np.ndarray
     torque: np.ndarray
     felt: np.ndarray
-    given: np.ndarray
+    returned: np.ndarray
     stored: np.ndarray
     knocks: np.ndarray
 
@@ -190,8 +190,8 @@ class Stroke:
         return np.arange(1, len(self.angle) + 1) / self.hertz
 
     def greatest_rise(self, since: float = 0.0) -> float:
-        """Return the greatest rise of given plus stored energy after `since` (s), J."""
-        total = (self.given + self.stored)[round(since * self.hertz) :]
+        """Return the greatest rise of returned plus stored energy after `since` (s), J."""
+        total = (self.returned + self.stored)[round(since * self.hertz) :]
         return float((total - np.minimum.accumulate(total)).max())
 
 
@@ -221,7 +221,7 @@ def stroke(
     counts: int = 16384,
     stiffness: float = 0.1,
 ) -> Stroke:
-    """Simulate a hand that follows `path` (rad at times) on a board that has its `frames`."""
+    """Simulate a user whose target is `path` (rad at times), on a board that has its `frames`."""
     library = simulated_board.library(hertz, 8193, counts)
     board = ctypes.create_string_buffer(library.board_size())
     rig = simulated_board.Rig(friction=3e-4, damping=1e-5, stiffness=stiffness, hand_damping=4e-3,

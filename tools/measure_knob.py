@@ -1,4 +1,4 @@
-"""Measurement of a motor knob whose own board runs the surface: what is felt, and what is given.
+"""Measurement of a motor knob whose own board runs the surface: events, torques and energy.
 
     python tools/measure_knob.py                         # with the matches of $OVERVIEW_TEST_DATA
     python tools/measure_knob.py --data FOLDER           # matches, `*.json` anywhere in it
@@ -16,9 +16,9 @@ after the disk has left the event, or until the next goal or card, above the mea
 before. A knock is the motor's torque above that before it; its length is the time above half of its
 peak.
 
-The energy given is the greatest rise, between any two moments, of the motor's work plus the energy
-that the pull to the start and the ends store; the knob's own friction isn't credited. A figure
-beyond its limit is marked, and the exit code is their number.
+The energy returned is the greatest rise, between any two moments, of the motor's work plus the
+energy that the pull to the start and the ends store; the knob's own friction isn't credited. A
+figure beyond its limit is marked, and the exit code is their number.
 """
 
 from __future__ import annotations
@@ -102,29 +102,29 @@ def matches(folder: Path | None, count: int) -> Iterator[tuple[str, ov.Timeline]
 # --- the hand ------------------------------------------------------------------------------------
 
 
-class Hand:
-    """Paths of a hand that leans against the pull, so that the knob goes where the path does."""
+class User:
+    """Paths of a user who balances the pull, so that the knob goes where the path does."""
 
     def __init__(self, sensor: Sensor, preset: ov.Preset) -> None:
         k1, k2 = (float(preset.values[f"disk.{name}"]) for name in ("k1", "k2"))
         gain = sensor.number("motor.board_scale") * sensor.number("motor.home")
         self._pull = gain * k1 * k2 / (k1 + k2) / STIFFNESS
 
-    def leaning(self, angle: np.ndarray) -> np.ndarray:
-        """Return the targets of a hand whose knob is to be at `angle`."""
+    def balanced(self, angle: np.ndarray) -> np.ndarray:
+        """Return the targets of a user whose knob should be at `angle`."""
         return angle + self._pull * np.clip(angle, 0.0, TURN)
 
     def over(self, seconds: float, arm: bool) -> HandPath:
         """Return a path over the whole timeline and half a percent more."""
         shape = minimum_jerk if arm else even
-        return lambda time: self.leaning(1.005 * TURN * shape(np.minimum(time / seconds, 1.0)))
+        return lambda time: self.balanced(1.005 * TURN * shape(np.minimum(time / seconds, 1.0)))
 
     def stopping(self, at: float, seconds: float, arm: bool) -> HandPath:
         """Return a path that stops at the position `at`, at once unless it is an arm."""
 
         def path(time: np.ndarray) -> np.ndarray:
             part = np.minimum(time / (seconds * at), 1.0)
-            return self.leaning(TURN * at * (minimum_jerk(part) if arm else part))
+            return self.balanced(TURN * at * (minimum_jerk(part) if arm else part))
 
         return path
 
@@ -135,7 +135,7 @@ class Hand:
         def path(time: np.ndarray) -> np.ndarray:
             middle = about * np.minimum(time, 1.0)
             swing = reach * np.sin(turning * np.maximum(time - 1.2, 0.0))
-            return self.leaning(middle) + swing
+            return self.balanced(middle) + swing
 
         return path
 
@@ -238,13 +238,13 @@ class Table:
 
 @dataclass(frozen=True)
 class Run:
-    """What all measurements need."""
+    """Options, data and result of all measurements."""
 
     table: Table
     matches: list[Match]
     sensor: Sensor
     preset: ov.Preset
-    hand: Hand
+    user: User
     delays: list[float]
 
 
@@ -262,13 +262,13 @@ def measure_events(run: Run) -> None:
 
 def measure_speed(run: Run, seconds: float, arm: bool, name: str, knob: dict[str, float]) -> None:
     """Measure one speed on one knob."""
-    table, hand = run.table, run.hand
+    table, user = run.table, run.user
     print(f"--- {'arm' if arm else 'sweep'} of {seconds:g} s, {name} knob")
     never, silent, late, weak, pairs = 0, 0, 0.0, [], 0
     rises: dict[str, list[float]] = {}
     struck: list[tuple[float, float]] = []
     for match in run.matches:
-        course = stroke(match.frames, hand.over(seconds, arm), seconds + 0.5, knob)
+        course = stroke(match.frames, user.over(seconds, arm), seconds + 0.5, knob)
         never += never_passed(match, course)
         found: dict[str, list[float]] = {}
         for kind, rise in zip(match.kinds, felt_rises(match, course), strict=True):
@@ -284,7 +284,7 @@ def measure_speed(run: Run, seconds: float, arm: bool, name: str, knob: dict[str
         silent += max(0, match.kinds.count("goal") - len(goals))
         struck += goals
         for at in STOPS:
-            path = hand.stopping(float(at), seconds, arm)
+            path = user.stopping(float(at), seconds, arm)
             course = stroke(match.frames, path, seconds * at + 0.7, knob)
             late = max(late, late_by(course, seconds * at))
     table.line("events never passed", never, "", None, 0.0)
@@ -314,7 +314,7 @@ def scrubbed(run: Run) -> None:
         missed = 0
         for match, knob in itertools.product(run.matches, KNOBS.values()):
             for goal in match.positions("goal"):
-                path = run.hand.jiggling(TURN * float(goal), hertz, 12.0)
+                path = run.user.jiggling(TURN * float(goal), hertz, 12.0)
                 course = stroke(match.frames, path, 5.2, knob)
                 hand, disk = (
                     int(np.count_nonzero(np.diff(where[4800:] > goal)))
@@ -332,7 +332,7 @@ LIMITS_UJ = {16384: 10.0, 4096: 16.0}
 
 
 def measure_energy(run: Run) -> None:
-    """Measure the energy that a hand is given."""
+    """Measure the energy that the motor returns to the user."""
     grid = [(hertz, degrees) for hertz, degrees in itertools.product(HERTZ, DEGREES)
             if 2.0 * math.pi * hertz * math.radians(degrees) <= FASTEST]  # fmt: skip
     for counts, hertz, (name, knob) in itertools.product(LIMITS_UJ, (4000, 1000), KNOBS.items()):
@@ -341,7 +341,7 @@ def measure_energy(run: Run) -> None:
             places = [("start", 0.0), ("middle", 1.5), ("end", TURN)]
             places += [("goal", TURN * float(one)) for one in match.positions("goal")]
             for (place, about), (often, degrees) in itertools.product(places, grid):
-                path = run.hand.jiggling(about, often, degrees)
+                path = run.user.jiggling(about, often, degrees)
                 course = stroke(match.frames, path, 2.7, knob, hertz, counts)
                 what = f"{match.name}, {place}, {often:g} Hz, {degrees:g} deg"
                 worst = max(worst, (1e6 * course.greatest_rise(1.2), what))
@@ -351,17 +351,17 @@ def measure_energy(run: Run) -> None:
     sweep = thrown = held = 0.0
     for match, knob in itertools.product(run.matches, KNOBS.values()):
         for seconds in SWEEPS_S:
-            course = stroke(match.frames, run.hand.over(seconds, False), seconds, knob)
+            course = stroke(match.frames, run.user.over(seconds, False), seconds, knob)
             sweep = max(sweep, course.greatest_rise())
         thrown = max(thrown, stroke(match.frames, flung(0.8, 0.3), 4.0, knob).greatest_rise())
-        course = stroke(match.frames, run.hand.stopping(0.5, 1.0, False), 4.0, knob)
+        course = stroke(match.frames, run.user.stopping(0.5, 1.0, False), 4.0, knob)
         held = max(held, course.greatest_rise(1.5))
-    for what, given in (("sweeps", sweep), ("thrown and released", thrown), ("held", held)):
-        run.table.line(what, 1e6 * given, "uJ", None, 10.0)
+    for what, energy in (("sweeps", sweep), ("thrown and released", thrown), ("held", held)):
+        run.table.line(what, 1e6 * energy, "uJ", None, 10.0)
 
 
 def flung(reach: float, rest: float) -> HandPath:
-    """Return a path that throws the knob by `reach` (rad) in 0.2 s after a rest, and lets go."""
+    """Return a path that throws the knob by `reach` (rad) in 0.2 s after a rest and releases it."""
     return lambda time: np.where(
         time <= rest + 0.2, reach * (np.maximum(time - rest, 0.0) / 0.2) ** 2, math.nan
     )
@@ -454,9 +454,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    given = os.environ.get("OVERVIEW_TEST_DATA")
+    folder = os.environ.get("OVERVIEW_TEST_DATA")
     parser.add_argument("--data", type=Path, help="folder of matches",
-                        default=Path(given) / "football" if given else None)  # fmt: skip
+                        default=Path(folder) / "football" if folder else None)  # fmt: skip
     parser.add_argument("--matches", type=int, default=11, help="number of matches")
     parser.add_argument("--preset", default="football")
     parser.add_argument("--sensor", default="simplefoc", help="profile of the knob")
@@ -470,7 +470,7 @@ def main() -> None:
     for name, timeline in itertools.islice(matches(options.data, options.matches), options.matches):
         surface = ov.build_surface(timeline, preset)
         played.append(Match(name, timeline, surface, frames_for(surface, preset, sensor)))
-    run = Run(Table(), played, sensor, preset, Hand(sensor, preset), options.delays)
+    run = Run(Table(), played, sensor, preset, User(sensor, preset), options.delays)
     for name, measure in MEASURED.items():
         if options.only in (None, name):
             measure(run)

@@ -48,7 +48,7 @@ def played(match, football, surface):
 
 @pytest.fixture(scope="module")
 def hand(football):
-    return measure_knob.Hand(SENSOR, football)
+    return measure_knob.User(SENSOR, football)
 
 
 BARE = 1.4e-4
