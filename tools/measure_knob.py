@@ -56,6 +56,7 @@ SWEEPS_S = (1.0, 2.0, 3.0, 4.0, 6.0)
 ARMS_S = (2.0, 4.0)
 DELAYS_MS = (0.0, 2.0, 5.0, 10.0, 20.0)
 STIFFNESS = 0.1  # of the hand, N m/rad
+HOME = 0.55  # of the ceiling, most of the pull to the start
 BEFORE_S = AFTER_S = 0.05
 CARDS = ("yellow_card", "red_card")
 LOUD = ("goal", "own_goal", *CARDS)
@@ -108,7 +109,8 @@ class User:
     def __init__(self, sensor: Sensor, preset: ov.Preset) -> None:
         k1, k2 = (float(preset.values[f"disk.{name}"]) for name in ("k1", "k2"))
         gain = sensor.number("motor.board_scale") * sensor.number("motor.home")
-        self._pull = gain * k1 * k2 / (k1 + k2) / STIFFNESS
+        most = HOME * sensor.number("motor.ceiling_nm") / TURN
+        self._pull = min(gain * k1 * k2 / (k1 + k2), most) / STIFFNESS
 
     def balanced(self, angle: np.ndarray) -> np.ndarray:
         """Return the targets of a user whose knob should be at `angle`."""

@@ -79,7 +79,8 @@ enum {
 #define KNOB_FALL (100.0f / KNOB_HZ) /* change of the level in one step: to 0 within 10 ms, */
 #define KNOB_RISE (33.0f / KNOB_HZ)  /* to 1 within 30 ms, */
 #define KNOB_HOME_RISE (2.0f / KNOB_HZ) /* and the pull to the start within 0.5 s */
-#define KNOB_PULL 0.8f /* of the ceiling, for the ends and the pull to the start */
+#define KNOB_HOME 0.55f /* of the ceiling, most of the pull to the start, */
+#define KNOB_PULL 0.8f  /* and of that and the ends together */
 #define STIFFER 8.0f   /* spring of the disk, relative to the preset's */
 #define CATCH_UP 2.0f  /* highest speed of the disk, relative to the hand's, */
 #define CATCH_S 0.06f  /* and time in which it makes up for what friction didn't hold back */
@@ -175,7 +176,7 @@ static void knob_rest(Knob *k) {
 
 static void knob_derive(Knob *k) {
     const KnobDisk *d = &k->disk;
-    float sum = d->k1 + d->k2, cell = 1.0f / KNOB_PER_RAD, theta1 = d->k2 / sum * cell;
+    float sum = d->k1 + d->k2, cell = 1.0f / KNOB_PER_RAD, theta1 = d->k2 / sum * cell, most;
     k->sign = d->per_rad < 0.0f ? -1.0f : 1.0f;
     k->inertia = d->inertia / KNOB_DT;
     k->spring = STIFFER * sum / d->inertia * KNOB_DT * KNOB_DT;
@@ -187,6 +188,8 @@ static void knob_derive(Knob *k) {
     k->pacing = KNOB_DT / (PACE_S + KNOB_DT);
     k->gain = STIFFER * d->gain * d->k2 * theta1; /* N m per cell */
     k->home = d->home * d->gain * d->k1 * theta1; /* the same */
+    most = KNOB_HOME * d->ceiling / (float)(KNOB_POINTS - 1);
+    if (k->home > most) k->home = most;
     k->end = d->end * cell;                       /* the same */
 }
 
@@ -349,6 +352,7 @@ static inline float knob_step(Knob *k, float shaft) {
         stretch += knob_move(k, k->u + speed * ((float)n + 0.5f) / KNOB_SUBSTEPS) / KNOB_SUBSTEPS;
     k->used = STIFFER * stretch;
     torque = k->pull - k->brush * knob_brake(k, stretch);
+    torque = knob_clamped(torque, -k->disk.ceiling, k->disk.ceiling);
     k->torque = k->sign * k->level * torque;
     return k->torque;
 }

@@ -260,6 +260,24 @@ def test_a_goal_is_more_than_a_card_and_a_card_more_than_a_foul_at_the_fingers(
     assert card > foul > 2e-4
 
 
+@pytest.mark.filterwarnings("ignore::overview_dsp.OverviewWarning")
+@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("presets/*.toml")))
+def test_every_preset_is_passed_below_the_ceiling(match, name):
+    """Also those whose pull to the start would be many times the ceiling."""
+    preset = ov.load_preset(name)
+    surface = ov.build_surface(match, preset)
+    frames = knob_session.frames_for(surface, preset, SENSOR)
+    played, user = (
+        measure_knob.Match(name, match, surface, frames),
+        measure_knob.User(SENSOR, preset),
+    )
+    for seconds in (1.0, 4.0):
+        course = knob_session.stroke(frames, user.over(seconds, False), seconds + 0.5)
+        assert measure_knob.never_passed(played, course) == 0
+        assert np.abs(course.torque).max() <= 0.02 * (1.0 + 1e-6)
+        assert course.greatest_rise() < 1e-5
+
+
 @pytest.mark.parametrize("hertz", [1.0, 2.0])
 def test_a_goal_that_is_scrubbed_knocks_each_time(played, hand, hertz):
     for goal in played.positions("goal")[:2]:
