@@ -6,6 +6,7 @@ of `overview play` that exchanges data with it, and an engine where the sound is
 
 from __future__ import annotations
 
+import ctypes
 import math
 import random
 from collections import deque
@@ -13,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import simulated_board
 from simulated_board import BoardMotor
 from simulated_motor import Fingers
 
@@ -27,6 +29,7 @@ from overview_dsp.devices.sensors.touch_detection import DiskState, TouchRules
 BAUD = 1_000_000
 TICK_S = 0.002
 TURN = math.pi
+NOISE_RAD = 1e-4
 LOSS = 0.3
 JITTER = 0.5
 """Jitter relative to the delay; another 1 ms is added."""
@@ -133,8 +136,8 @@ def simulate(
             torque = motor.torque
             motor.step(fingers.torque(motor))
             returned += torque * (motor.angle - before)
-            if motor.ends_step and motor.time >= begins[0]:
-                since = motor.time - begins[0]
+            since = motor.time - begins[0]
+            if motor.ends_step and since > motor.dt:
                 rows.append((since, motor.angle, torque, returned, motor.stored, motor.disk))
         received = to_host.take(now)
         if listener is not None:
@@ -154,6 +157,85 @@ def simulate(
         else {event: at - begins[0] for event, at in listener.strike_times.items()}
     )
     return Course(*columns, begins[0] - 0.6, strikes)
+
+
+IDEAL = {"inertia": 5e-5}
+REAL = {"inertia": 7e-5, "noise": NOISE_RAD, "late_s": 3e-4, "winding_s": 4e-4, "cogging": 3e-4,
+        "cogs": 84.0}  # fmt: skip
+"""A real knob: fingers of 2e-5 kg m2, a late and noisy encoder, a winding, a motor of 84 cogs."""
+
+SETTLE_S = 0.7  # the torque towards the start rises for half a second
+
+
+@dataclass
+class Stroke:
+    """Values at the end of each step of the board: rad, N m, J.
+
+    `disk`: its position, 0 to 1. `felt`: torque at the fingers, against the hand. `returned`:
+    energy that the motor gave. `stored`: energy of its pull. `knocks`: starts of knocks.
+    """
+
+    hertz: int
+    angle: np.ndarray
+    disk: np.ndarray
+    torque: np.ndarray
+    felt: np.ndarray
+    returned: np.ndarray
+    stored: np.ndarray
+    knocks: np.ndarray
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time of each value, s."""
+        return np.arange(1, len(self.angle) + 1) / self.hertz
+
+    def greatest_rise(self, since: float = 0.0) -> float:
+        """Return the greatest rise of returned plus stored energy after `since` (s), J."""
+        total = (self.returned + self.stored)[round(since * self.hertz) :]
+        return float((total - np.minimum.accumulate(total)).max())
+
+
+def frames_for(surface: ov.Surface, preset: ov.Preset, sensor: Sensor) -> bytes:
+    """Return what the host sends to a board until it has its surface."""
+    loop, decoder, motor = BoardLoop(sensor, BAUD), FrameDecoder(Counters()), BoardMotor()
+    loop.render(surface, preset.values)
+    sent = b""
+    while not loop.ready:
+        frames = loop.step(True, motor.time)
+        sent += frames
+        until = motor.time + TICK_S
+        while motor.time < until:
+            received = motor.loop(frames)
+            frames = b""
+            motor.step(0.0)
+            loop.receive([(motor.time, one) for one in decoder.feed(received)], motor.time)
+    return sent
+
+
+def stroke(
+    frames: bytes,
+    path: Callable[[np.ndarray], np.ndarray],
+    seconds: float,
+    knob: dict[str, float] = IDEAL,
+    hertz: int = 4000,
+    counts: int = 16384,
+    stiffness: float = 0.1,
+) -> Stroke:
+    """Simulate a user whose target is `path` (rad at times), on a board that has its `frames`."""
+    library = simulated_board.library(hertz, 8193, counts)
+    board = ctypes.create_string_buffer(library.board_size())
+    rig = simulated_board.Rig(friction=3e-4, damping=1e-5, stiffness=stiffness, hand_damping=4e-3,
+                              step=2.0 * math.pi / counts, dice=1)  # fmt: skip
+    for name, value in knob.items():
+        setattr(rig, name, value)
+    library.board_begin(board, 0.5 * rig.step)
+    library.board_receive(board, frames, len(frames))
+    before = round(SETTLE_S * hertz)
+    time = np.arange(1 - before, round(seconds * hertz) + 1) / hertz
+    targets = np.ascontiguousarray(path(np.maximum(time, 0.0)))
+    rows = np.empty((len(targets), 7))
+    library.rig_run(board, rig, targets.ctypes.data, len(targets), rows.ctypes.data)
+    return Stroke(hertz, *rows[before:].T)
 
 
 def glide(seconds: float, rest: float = 0.3) -> Callable[[float], float]:

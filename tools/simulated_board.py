@@ -1,7 +1,8 @@
 """Simulation of a motor knob with the surface on its own board (with `simulated_motor.py`).
 
-The firmware is `firmware/knob/surface.h`, compiled here (cc, gcc or clang, or `zig cc`). It runs
-KNOB_HZ times per second with the encoder's angle. This module imports nothing of the package.
+The firmware is `firmware/knob/surface.h`, compiled here (cc, gcc or clang, or `zig cc`) with
+`knob_rig.c`. It runs KNOB_HZ times per second with the encoder's angle. This module imports nothing
+of the package.
 """
 
 from __future__ import annotations
@@ -21,31 +22,24 @@ from simulated_motor import Motor
 
 FIRMWARE = Path(__file__).resolve().parents[1] / "firmware" / "knob"
 
-BOARD = """
-#include "surface.h"
-int board_size(void) { return (int)sizeof(Knob); }
-void board_begin(Knob *k, float shaft) { knob_begin(k, shaft); }
-void board_receive(Knob *k, const uint8_t *data, int count) {
-    while (count--) knob_receive(k, *data++);
-}
-float board_step(Knob *k, float shaft) { return knob_step(k, shaft); }
-int board_report(Knob *k, uint32_t now_us, uint8_t *out) { return knob_report(k, now_us, out); }
-/* J, with the shaft at `shaft` (rad) at a step's end: spring and disk, pull to the start, ends */
-double board_stored(const Knob *k, double shaft) {
-    double end = KNOB_POINTS - 1, joule = 0.5 / KNOB_PER_RAD / knob_abs(k->disk.per_rad);
-    double u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD, home = k->home_level * k->home;
-    double inside = u < 0.0 ? 0.0 : u > end ? end : u, beyond = knob_abs(u - inside);
-    double most = (KNOB_PULL * k->disk.ceiling - home * inside) / k->end;
-    double stretch = k->stretch + (u - k->before);
-    if (k->level <= 0.0f) return 0.0;
-    home *= inside * (inside + 2.0 * beyond);
-    beyond = beyond < most ? beyond * beyond : most * (2.0 * beyond - most);
-    joule *= k->gain * stretch * stretch + home + k->end * beyond;
-    return joule + k->kinetic * k->v * k->v;
-}
-float board_disk(const Knob *k) { return k->x / (float)(KNOB_POINTS - 1); }
-int board_table(const Knob *k) { return k->active_id; }
-"""
+RIG = Path(__file__).with_name("knob_rig.c")
+
+RIG_LATEST = 64
+
+
+class Rig(ctypes.Structure):
+    """Hand, knob, encoder and motor of `knob_rig.c`, with their state."""
+
+    _fields_ = [
+        *((name, ctypes.c_double) for name in (
+            "inertia", "friction", "damping", "stiffness", "hand_damping", "step", "noise",
+            "late_s", "winding_s", "cogging", "cogs", "angle", "speed", "applied", "given",
+            "target")),
+        ("latest", ctypes.c_double * RIG_LATEST),
+        ("ticks", ctypes.c_uint32),
+        ("dice", ctypes.c_uint32),
+    ]  # fmt: skip
+
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 
@@ -67,12 +61,11 @@ def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
     if command is None:
         sys.exit("a C compiler is needed (cc, gcc or clang; or pip install ziglang)")
     folder = Path(tempfile.mkdtemp(prefix="simulated-board-"))
-    source, built = folder / "board.c", folder / "board.so"
-    source.write_text(BOARD)
+    built = folder / "board.so"
     defined = (f"-DKNOB_HZ={hertz}", f"-DKNOB_POINTS={points}",
                f"-DKNOB_RESOLUTION={2.0 * math.pi / counts:.6e}f")  # fmt: skip
     subprocess.run(
-        [*command, *FLAGS, *defined, "-shared", "-fPIC", f"-I{FIRMWARE}", source, "-o", built],
+        [*command, *FLAGS, *defined, "-shared", "-fPIC", f"-I{FIRMWARE}", RIG, "-lm", "-o", built],
         check=True,
     )
     found = ctypes.CDLL(str(built))
@@ -83,6 +76,8 @@ def library(hertz: int, points: int, counts: int) -> ctypes.CDLL:
     found.board_step.restype = ctypes.c_float
     found.board_step.argtypes = (ctypes.c_void_p, ctypes.c_float)
     found.board_begin.argtypes = (ctypes.c_void_p, ctypes.c_float)
+    pointers = ctypes.c_void_p, ctypes.POINTER(Rig), ctypes.c_void_p
+    found.rig_run.argtypes = (*pointers, ctypes.c_int, ctypes.c_void_p)
     return found
 
 
@@ -128,7 +123,7 @@ class BoardMotor(Motor):
 
     @property
     def stored(self) -> float:
-        """Energy in the board's springs and disk, J; valid where `ends_step` is True."""
+        """Energy that the board's pull to the start and its ends store, J."""
         return float(self._library.board_stored(self._knob, self.angle))
 
     @property

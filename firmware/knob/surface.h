@@ -1,10 +1,10 @@
-/* The surface on a motor knob's own board: disk 1, its spring, its knocks and the serial protocol.
+/* The surface on a motor knob's own board: a disk, a brake, knocks and the serial protocol.
 
-The host sends a friction table once; from then on the board pulls a disk over it with its own
-encoder's angle, so that the delay of the serial line doesn't matter to the feel. One file for
-boards, emulators and tools: C99 and C++, float, no libm, no allocation. The same bytes and angles
-give the same bits of torque wherever products and sums aren't contracted (-ffp-contract=off; set
-below for GCC and clang).
+The host sends a friction table and a list of events once; from then on the board pulls a disk over
+it with its own encoder's angle, so that the delay of the serial line doesn't matter to the feel. One
+file for boards, emulators and tools: C99 and C++, float, no libm, no allocation. The same bytes and
+angles give the same bits of torque wherever products and sums aren't contracted (-ffp-contract=off;
+set below for GCC and clang).
 
     static Knob knob;
     knob_begin(&knob, angle);                    // rad, wherever the shaft is
@@ -19,15 +19,21 @@ is stretched) is stepped by the implicit midpoint rule of overview_dsp/kernels/t
 
     vm = (J/dt) * (2*v + K*e) / ((J/dt) * (2 + K/2) + B),  x += vm,  v = 2*vm - v
 
-with u in the middle of the coming step, and the knob feels the spring in that middle,
+The disk is virtual: its spring is STIFFER times that of the preset, and a clutch after that of
+overview_dsp/kernels/clutch.py limits e. Neither takes energy from the hand or gives any to it,
+because the hand only meets
 
-    torque = -gain * (e - vm/2) - home * u - ends - knock,
+    torque = pull - brush * brake
 
-so that the work of the hand equals the energy stored in the spring, to the second order. The slip
-clutch is that of overview_dsp/kernels/clutch.py. Two things could return more energy to the hand
-than it put in: the clutch when it stops slipping, and the knock (the disk's own deceleration,
-low-passed, as a brake). Both take their energy from one `ledger`, which is credited with part of
-the energy lost in the table's friction, up to LEDGER_J. */
+where the pull (to the start, and back from the two ends) depends on the hand's angle alone, and the
+brake is the spring's torque where it opposes the hand, and the knocks of events. A knock begins
+where the disk enters an event, lasts KNOCK_S, and is a parabola whose area is the event's push. The
+brush, -1 to 1, bends with the hand: a hand that turns meets the whole brake, one that turns back
+loses it within BRUSH_STEPS steps of the encoder, and one that rests is pushed no further than that.
+
+Encoder and winding are late. Pull and brush therefore use the angle that the hand will have when
+the torque acts, KNOB_LATE_S later. A value that is too small gives energy at the ends, one that is
+too large costs nothing. */
 #ifndef KNOB_SURFACE_H
 #define KNOB_SURFACE_H
 
@@ -49,12 +55,18 @@ the energy lost in the table's friction, up to LEDGER_J. */
 #ifndef KNOB_RESOLUTION
 #define KNOB_RESOLUTION 3.835e-4f /* rad: a step of the encoder, here of 14 bits */
 #endif
+#ifndef KNOB_LATE_S
+#define KNOB_LATE_S 0.0016f /* from an angle to its torque: encoder 0.3, winding 0.4, and a margin */
+#endif
 
 enum {
     KNOB_DISK = 16, KNOB_PART, KNOB_USE, KNOB_ALIVE, /* kinds of frames from the host, */
     KNOB_MOTION = 6, KNOB_STATE,                     /* and to it, as in devices/sensors/frames.py */
     KNOB_PART_POINTS = 32,
     KNOB_PARTS = (KNOB_POINTS - 1) / KNOB_PART_POINTS + 1,
+    KNOB_PART_EVENTS = 10, /* in a part after those of the points */
+    KNOB_ALL_PARTS = KNOB_PARTS + (KNOB_PARTS + KNOB_PART_EVENTS - 1) / KNOB_PART_EVENTS,
+    KNOB_EVENTS = (KNOB_ALL_PARTS - KNOB_PARTS) * KNOB_PART_EVENTS,
     KNOB_LONGEST = 80,
     KNOB_MEAN = KNOB_HZ < 1000 ? 2 : KNOB_HZ / 500, /* steps of the mean speed: 2 ms */
     KNOB_HALF = KNOB_MEAN / 2,
@@ -67,34 +79,46 @@ enum {
 #define KNOB_FALL (100.0f / KNOB_HZ) /* change of the level in one step: to 0 within 10 ms, */
 #define KNOB_RISE (33.0f / KNOB_HZ)  /* to 1 within 30 ms, */
 #define KNOB_HOME_RISE (2.0f / KNOB_HZ) /* and the pull to the start within 0.5 s */
-#define KNOB_PULL 0.8f /* of the ceiling, for the ends and the pull to the start */
-#define LEDGER_J 7e-6f
-#define LEDGER_PART 0.5f /* of the energy lost in friction, the part that is credited */
-#define KNOCK_S 0.003f
-#define KNOCK_PACE 1.0f /* rad/s of theta2: at this speed a knock is half as strong as at rest */
+#define KNOB_HOME 0.55f /* of the ceiling, most of the pull to the start, */
+#define KNOB_PULL 0.8f  /* and of that and the ends together */
+#define STIFFER 8.0f   /* spring of the disk, relative to the preset's */
+#define CATCH_UP 2.0f  /* highest speed of the disk, relative to the hand's, */
+#define CATCH_S 0.06f  /* and time in which it makes up for what friction didn't hold back */
+#define CALM_S 0.01f   /* in which the disk slows down where the hand rests */
+#define WIND 1.0f      /* growth of the stretch, relative to the hand's speed */
+#define BRUSH_STEPS 1.5f
+#define BRUSH_S 0.0005f /* low-pass of its angle: noise would unload it */
+#define BRUSH_J 3e-5f    /* most of its brake times its width: a coarse encoder gets weaker knocks */
+#define KNOCK_S 0.005f
+#define KNOCK_SPEED 0.3f /* rad/s of theta2: a knock would push a hand slower than that */
+#define KNOCK_AWAY 8 /* cells from an event at which it can knock again */
+#define KNOCK_UNIT 1e-8f /* N m s */
+#define TRAIL_S 0.02f    /* over which that speed is a mean, as a coarse encoder moves in jumps */
+#define BRAKE_SPEED 8.0f /* rad/s of theta2, at which the brake is half as strong as at rest */
+#define BRAKE_S 0.1f     /* in which the fastest speed is forgotten */
 #define PACE_S 0.08f
 #define PACE_LEAST 0.02f /* timelines a second, as in overview_dsp/kernels/derive.py */
 #define PACE_MOST 6.0f
 
 typedef struct { /* in a frame after the kind, an id and a flag: 1 = theta2 is 0 here */
-    float inertia, k1, k2, catch_up, unfold_s, smoothing_s; /* the preset's disk */
-    float gain, knock, home;                                /* the scale of each torque */
-    float ceiling;                                          /* N m */
-    float end;                                              /* N m/rad of theta2, beyond an end */
-    float per_rad;                                          /* theta2 for one rad of the shaft */
+    float inertia, k1, k2, unfold_s, smoothing_s; /* the preset's disk */
+    float gain, knock, home;                      /* the scale of each torque */
+    float ceiling;                                /* N m */
+    float end;                                    /* N m/rad of theta2, beyond an end */
+    float per_rad;                                /* theta2 for one rad of the shaft */
 } KnobDisk;
 
-typedef struct { /* in a frame after the kind, the table's id and the cross-fade's ms */
-    float unit; /* N m s/rad that a 1 in the table stands for */
-    float hard; /* N m s/rad: at this friction a knock has half its strength */
-} KnobTable;
+typedef struct { /* sorted; push 0 ends the list */
+    uint16_t first, last, push; /* cells, KNOCK_UNIT */
+} KnobEvent;
 
 typedef struct {
     /* from the host */
     KnobDisk disk;
-    KnobTable table[2];
+    float unit[2]; /* N m s/rad that a 1 in the table stands for */
     uint16_t points[2][KNOB_POINTS];
-    uint8_t have[(KNOB_PARTS + 7) / 8];
+    KnobEvent events[2][KNOB_EVENTS];
+    uint8_t have[(KNOB_ALL_PARTS + 7) / 8];
     uint8_t disk_id, active_id, filling_id, slot, playing, changing;
     uint16_t missing; /* the first part not received yet */
     uint32_t silent;  /* steps since the last frame */
@@ -102,14 +126,14 @@ typedef struct {
     uint8_t frame[KNOB_LONGEST];
     uint8_t length;
     /* derived from it */
-    float inertia, spring, denominator, catch_, unfold, smoothing, pacing;
-    float gain, home, end, energy, kinetic, loss, knock_gain, sign;
+    float inertia, spring, denominator, hold, calm, unfold, smoothing, pacing, gain, home, end, sign;
     /* the knob and its disk */
-    float origin, shaft, u, before, latest[KNOB_MEAN];
+    float origin, shaft, u, latest[KNOB_MEAN], ahead, brush, trail, fastest;
     float x, v, stretch, y1, y2, pace;
     float level, home_level, fade, fade_step, pull;
-    float low_pass, knock, way, extreme, ledger, torque, used;
-    uint8_t at;
+    float push, knocking, torque, used; /* the knock's push, N m s, and the part of it that is over */
+    int cell;                           /* of the disk */
+    uint8_t near_by[(KNOB_EVENTS + 7) / 8], slips, at;
     uint16_t sequence;
 } Knob;
 
@@ -130,7 +154,7 @@ static float knob_friction_of(const Knob *k, int slot, float x) {
     i = (int)x;
     a = (float)points[i];
     b = (float)points[i + 1];
-    return k->table[slot].unit * (a + (b - a) * (x - (float)i));
+    return k->unit[slot] * (a + (b - a) * (x - (float)i));
 }
 
 static float knob_friction(const Knob *k, float x) {
@@ -140,103 +164,107 @@ static float knob_friction(const Knob *k, float x) {
     return friction;
 }
 
-/* Put the disk at the hand's angle, at rest and with the spring relaxed: no energy is stored. */
+static int knob_cell(float x) { return x < 0.0f ? -1 : (int)x; }
+
+/* Put the disk at the hand's angle, at rest, with the spring relaxed and without a knock. */
 static void knob_rest(Knob *k) {
-    k->x = k->before = k->y1 = k->y2 = k->extreme = k->u;
-    k->v = k->stretch = k->low_pass = k->knock = k->ledger = k->torque = k->used = k->home_level = 0.0f;
+    k->x = k->ahead = k->trail = k->y1 = k->y2 = k->u;
+    k->v = k->stretch = k->brush = k->fastest = k->push = k->torque = k->used = k->home_level = 0.0f;
     k->pace = k->unfold * (float)(KNOB_POINTS - 1);
+    k->cell = knob_cell(k->x);
 }
 
 static void knob_derive(Knob *k) {
     const KnobDisk *d = &k->disk;
-    float sum = d->k1 + d->k2, part = d->k2 / sum, cell = 1.0f / KNOB_PER_RAD;
-    float turn = knob_abs(d->per_rad), theta1 = part * cell;
+    float sum = d->k1 + d->k2, cell = 1.0f / KNOB_PER_RAD, theta1 = d->k2 / sum * cell, most;
     k->sign = d->per_rad < 0.0f ? -1.0f : 1.0f;
     k->inertia = d->inertia / KNOB_DT;
-    k->spring = sum / d->inertia * KNOB_DT * KNOB_DT;
+    k->spring = STIFFER * sum / d->inertia * KNOB_DT * KNOB_DT;
     k->denominator = k->inertia * (2.0f + 0.5f * k->spring);
-    k->catch_ = d->catch_up > 0.0f ? d->catch_up / (sum * KNOB_DT) : 1e30f;
+    k->hold = 1.0f / (STIFFER * sum * KNOB_DT);
+    k->calm = d->inertia / CALM_S;
     k->unfold = d->unfold_s > 0.0f ? KNOB_DT / d->unfold_s : PACE_MOST * KNOB_DT;
     k->smoothing = KNOB_DT / (d->smoothing_s + KNOB_DT);
     k->pacing = KNOB_DT / (PACE_S + KNOB_DT);
-    k->gain = d->gain * d->k2 * theta1;              /* N m per cell */
-    k->home = d->home * d->gain * d->k1 * theta1;    /* the same */
-    k->end = d->end * cell;                          /* the same */
-    k->energy = 0.5f * k->gain * cell / turn;        /* J per cell squared, at the shaft */
-    k->loss = d->gain / turn * theta1 * theta1 / KNOB_DT; /* J lost at 1 N m s/rad per (cell a step)^2 */
-    k->kinetic = 0.5f * k->loss * k->inertia;
-    k->knock_gain = d->gain * d->knock * d->inertia * theta1 / (KNOB_DT * KNOB_DT);
+    k->gain = STIFFER * d->gain * d->k2 * theta1; /* N m per cell */
+    k->home = d->home * d->gain * d->k1 * theta1; /* the same */
+    most = KNOB_HOME * d->ceiling / (float)(KNOB_POINTS - 1);
+    if (k->home > most) k->home = most;
+    k->end = d->end * cell;                       /* the same */
 }
 
-/* How far the spring is stretched where a rigid one would be by `stretch`: the clutch limits it,
-the torque approaches the ceiling without reaching it, and the energy of a clutch that stops
-slipping is taken from the ledger. */
-static float knob_stretched(Knob *k, float stretch, float held, float friction) {
-    float size = knob_abs(stretch), least = size * k->unfold, most, knee, needed;
-    float pace = least > k->pace ? least : k->pace;
-    float reach = pace * (friction * k->catch_);
-    size = size > reach ? reach : size;
-    most = (k->disk.ceiling - knob_abs(k->pull)) / k->gain;
-    knee = 0.5f * most;
-    if (size > knee) size = most - knee * knee / size;
-    stretch = stretch < 0.0f ? -size : size;
-    needed = k->energy * (size * size - held * held);
-    if (needed > 0.0f) {
-        if (needed > k->ledger) {
-            float more = k->ledger / (2.0f * k->energy * size);
-            size = knob_abs(held) + more; /* less than `size`, as its square is flatter */
-            stretch = stretch < 0.0f ? -size : size;
-            needed = k->ledger;
-        }
-        k->ledger -= needed;
+/* Start the knocks of the events that the disk enters as it moves to another cell. */
+static void knob_enter(Knob *k, int cell) {
+    const KnobEvent *event = k->events[k->slot];
+    int n;
+    for (n = 0; n < KNOB_EVENTS && event->push; n++, event++) {
+        const int first = event->first, last = event->last;
+        uint8_t *near_by = &k->near_by[n / 8], bit = (uint8_t)(1 << n % 8);
+        if (cell < first - KNOCK_AWAY || cell > last + KNOCK_AWAY) *near_by &= (uint8_t)~bit;
+        if (!((k->cell < first && cell >= first) || (k->cell > last && cell <= last)) || *near_by & bit)
+            continue;
+        *near_by |= bit;
+        if (k->push > k->disk.knock * KNOCK_UNIT * event->push) continue; /* the stronger one counts */
+        k->push = k->disk.knock * KNOCK_UNIT * event->push;
+        k->knocking = 0.0f;
     }
-    return stretch;
+    k->cell = cell;
+}
+
+/* How far the spring is stretched, in cells, where a rigid shaft would be by `stretch`: what friction
+at the allowed speed needs, and no more than the hand's speed has wound up. */
+static float knob_stretched(Knob *k, float stretch, float friction) {
+    const float size = knob_abs(stretch), hold = friction * k->hold;
+    const float least = size * k->unfold, pace = k->pace > least ? k->pace : least;
+    const float behind = size - hold * k->pace;
+    float wanted = k->pace + (behind > 0.0f ? behind * (KNOB_DT / CATCH_S) : 0.0f), reach;
+    if (wanted > CATCH_UP * k->pace) wanted = CATCH_UP * k->pace;
+    if (wanted < least) wanted = least;
+    reach = WIND * pace + (stretch * k->stretch > 0.0f ? knob_abs(k->stretch) : 0.0f);
+    if (reach > wanted * hold) reach = wanted * hold;
+    k->slips = size > reach;
+    return knob_clamped(stretch, -reach, reach);
 }
 
 /* Step the disk, with the hand at `u` in the middle of the step; return the mean stretch. */
 static float knob_move(Knob *k, float u) {
-    float moved, friction, held, before = k->v, middle, slowed, hard;
-    float y2 = k->y2;
+    const float cells = (KNOB_POINTS - 1) * KNOB_DT, least = PACE_LEAST * cells, y2 = k->y2;
+    float moved, friction, middle;
+    int cell;
     k->y1 += k->smoothing * (u - k->y1);
     k->y2 += k->smoothing * (k->y1 - k->y2);
     moved = knob_abs(k->y2 - y2);
-    if (moved > PACE_LEAST * (KNOB_POINTS - 1) * KNOB_DT && moved < PACE_MOST * (KNOB_POINTS - 1) * KNOB_DT)
+    if (moved > least && moved < PACE_MOST * cells && (moved > k->pace || !k->slips))
         k->pace += k->pacing * (moved - k->pace);
     friction = knob_friction(k, k->x + 0.5f * k->v);
-    held = k->stretch + (u - k->before);
-    k->before = u;
-    held = knob_stretched(k, u - k->x, held, friction);
-    middle = k->inertia * (2.0f * k->v + k->spring * held) / (k->denominator + friction);
+    /* a disk that still moves while the hand rests would swing about it */
+    if (moved <= least && knob_abs(k->v) > least && friction < k->calm) friction = k->calm;
+    k->stretch = knob_stretched(k, u - k->x, friction);
+    middle = k->inertia * (2.0f * k->v + k->spring * k->stretch) / (k->denominator + friction);
     k->x += middle;
     k->v = 2.0f * middle - k->v;
-    k->stretch = held - middle;
-    k->ledger += LEDGER_PART * k->loss * friction * middle * middle;
-    if (k->ledger > LEDGER_J) k->ledger = LEDGER_J;
-    slowed = knob_abs(before) - knob_abs(k->v);
-    hard = k->table[k->slot].hard;
-    if (slowed > 0.0f) k->low_pass += slowed * friction / (friction + hard) * (KNOB_DT / KNOCK_S);
-    k->low_pass -= k->low_pass * (KNOB_DT / KNOCK_S);
-    return held - 0.5f * middle;
+    cell = knob_cell(k->x);
+    if (cell != k->cell) knob_enter(k, cell);
+    return k->stretch - 0.5f * middle;
 }
 
-/* The knock: a brake of at most `room`. The work of its last step is taken from the ledger here. */
-static void knob_knock(Knob *k, float shaft, float room) {
-    float turned = k->sign * (shaft - k->shaft), work = -k->way * k->knock * turned, most, pace;
-    k->ledger -= work > 0.0f ? work : LEDGER_PART * work;
-    k->ledger = knob_clamped(k->ledger, 0.0f, LEDGER_J);
-    if (k->way * (k->u - k->extreme) >= 0.0f) {
-        k->extreme = k->u;
-    } else { /* the hand has turned back: a brake must not push it */
-        k->way = -k->way;
-        k->extreme = k->u;
-        k->low_pass = 0.0f;
+/* The brake, N m, with `stretch` of the spring. */
+static float knob_brake(Knob *k, float stretch) {
+    const float left = k->disk.ceiling - knob_abs(k->pull);
+    const float most = BRUSH_J / (BRUSH_STEPS * KNOB_RESOLUTION);
+    const float room = left < most ? left : most, knee = 0.5f * room;
+    const float step = 1.0f / (KNOCK_S * KNOB_HZ), slower = k->fastest / BRAKE_SPEED;
+    float drag = k->brush * stretch > 0.0f ? k->gain * knob_abs(stretch) : 0.0f;
+    if (drag > knee) drag = room - knee * knee / drag;
+    if (k->push > 0.0f) { /* a parabola, whose area is the push */
+        const float t = k->knocking + 0.5f * step;
+        const float speed = knob_abs(k->u - k->trail) / (TRAIL_S * KNOB_PER_RAD);
+        const float part = speed < KNOCK_SPEED ? speed / KNOCK_SPEED : 1.0f;
+        drag += 6.0f / KNOCK_S * k->push * t * (1.0f - t) * part;
+        k->knocking += step;
+        if (k->knocking > 1.0f - 0.5f * step) k->push = 0.0f;
     }
-    pace = k->pace / (KNOB_PER_RAD * KNOB_DT);
-    k->knock = k->knock_gain * k->low_pass * KNOCK_PACE / (KNOCK_PACE + pace);
-    if (k->knock > 0.5f * room) k->knock = room - 0.25f * room * room / k->knock;
-    most = k->ledger / (1.25f * KNOB_RESOLUTION);
-    if (k->knock > most) k->knock = most;
-    if (room <= 0.0f) k->knock = 0.0f;
+    return (drag < room ? drag : room) / (1.0f + slower * slower);
 }
 
 /* --- the knob --------------------------------------------------------------------------------- */
@@ -244,7 +272,7 @@ static void knob_knock(Knob *k, float shaft, float room) {
 static inline void knob_begin(Knob *k, float shaft) {
     memset(k, 0, sizeof *k);
     k->disk.per_rad = 1.0f;
-    k->sign = k->way = 1.0f;
+    k->sign = 1.0f;
     k->silent = KNOB_SILENT;
     k->origin = k->shaft = shaft;
 }
@@ -283,13 +311,26 @@ static float knob_pull(const Knob *k, float u) {
     return -home - knob_clamped(k->end * beyond, -KNOB_PULL * k->disk.ceiling, most > 0.0f ? most : 0.0f);
 }
 
-/* How far the hand moves until the middle of the coming step, cells: estimated to the second order,
-as otherwise a stiff end would amplify a tremor at 1000 steps a second. */
-static float knob_ahead(const Knob *k) {
+/* How far the hand moves in `steps`, cells: estimated to the second order, as otherwise a stiff end
+would amplify a tremor at 1000 steps a second. */
+static float knob_moves(const Knob *k, float steps) {
     const float half = k->latest[(k->at + KNOB_MEAN - KNOB_HALF) % KNOB_MEAN];
     const float first = k->latest[(k->at + KNOB_MEAN - 2 * KNOB_HALF) % KNOB_MEAN];
     const float now = (k->u - half) / KNOB_HALF, before = (half - first) / KNOB_HALF;
-    return 0.5f * (now + (now - before) * (0.5f + 0.25f / KNOB_HALF));
+    return steps * (now + (now - before) * (0.5f + 0.5f * steps / KNOB_HALF));
+}
+
+/* Bend the brush with the hand, which turns by `speed` cells per step. */
+static void knob_bend(Knob *k, float speed) {
+    const float turn = KNOB_PER_RAD * knob_abs(k->disk.per_rad), before = k->ahead;
+    const float ahead = k->u + speed * ((KNOB_LATE_S + BRUSH_S) * KNOB_HZ + 0.5f);
+    k->ahead += (ahead - k->ahead) / (BRUSH_S * KNOB_HZ + 1.0f);
+    k->brush += (k->ahead - before) / (turn * BRUSH_STEPS * KNOB_RESOLUTION);
+    k->brush = knob_clamped(k->brush, -1.0f, 1.0f);
+    k->trail += (k->u - k->trail) / (TRAIL_S * KNOB_HZ + 1.0f);
+    speed = knob_abs(speed) * (KNOB_HZ / KNOB_PER_RAD);
+    k->fastest -= k->fastest / (BRAKE_S * KNOB_HZ);
+    if (k->fastest < speed) k->fastest = speed;
 }
 
 /* Return the torque (N m along the shaft) to apply until the next call; `shaft`: its angle, rad. */
@@ -297,25 +338,21 @@ static inline float knob_step(Knob *k, float shaft) {
     float speed, ahead, torque, stretch = 0.0f;
     int n;
     if (!(knob_abs(shaft) < 1e6f)) shaft = k->shaft; /* true for a NaN as well */
+    k->shaft = shaft;
     k->u = (shaft - k->origin) * k->disk.per_rad * KNOB_PER_RAD;
     speed = (k->u - k->latest[k->at]) / KNOB_MEAN; /* cells per step */
-    ahead = knob_ahead(k);
+    ahead = knob_moves(k, KNOB_LATE_S * KNOB_HZ + 0.5f);
     k->latest[k->at] = k->u;
     k->at = (uint8_t)((k->at + 1) % KNOB_MEAN);
     knob_watch(k);
-    if (k->level <= 0.0f) {
-        k->shaft = shaft;
-        return 0.0f;
-    }
+    if (k->level <= 0.0f) return 0.0f;
     k->pull = knob_pull(k, k->u + ahead);
+    knob_bend(k, speed);
     for (n = 0; n < KNOB_SUBSTEPS; n++)
         stretch += knob_move(k, k->u + speed * ((float)n + 0.5f) / KNOB_SUBSTEPS) / KNOB_SUBSTEPS;
-    torque = k->pull - k->gain * stretch;
-    k->used = stretch;
-    knob_knock(k, shaft, k->disk.ceiling - knob_abs(torque));
-    torque -= k->way * k->knock;
+    k->used = STIFFER * stretch;
+    torque = k->pull - k->brush * knob_brake(k, stretch);
     torque = knob_clamped(torque, -k->disk.ceiling, k->disk.ceiling);
-    k->shaft = shaft;
     k->torque = k->sign * k->level * torque;
     return k->torque;
 }
@@ -346,25 +383,30 @@ static void knob_take_disk(Knob *k, const uint8_t *payload) {
 
 static void knob_take_part(Knob *k, const uint8_t *payload) {
     uint16_t part = knob_get(payload + 2), *points = k->points[1 - k->slot];
-    int first, n;
-    if (payload[1] == k->active_id || k->fade > 0.0f || part >= KNOB_PARTS) return;
-    first = KNOB_PART_POINTS * part;
+    int first = KNOB_PART_POINTS * part, count = KNOB_POINTS, n;
+    if (payload[1] == k->active_id || k->fade > 0.0f || part >= KNOB_ALL_PARTS) return;
+    if (part >= KNOB_PARTS) {
+        points = &k->events[1 - k->slot][0].first;
+        first = 3 * KNOB_PART_EVENTS * (part - KNOB_PARTS);
+        count = first + 3 * KNOB_PART_EVENTS;
+    }
     if (payload[1] != k->filling_id) {
         k->filling_id = payload[1];
         k->missing = 0;
         memset(k->have, 0, sizeof k->have);
     }
-    for (n = 0; n < KNOB_PART_POINTS && first + n < KNOB_POINTS; n++)
+    for (n = 0; n < KNOB_PART_POINTS && first + n < count; n++)
         points[first + n] = knob_get(payload + 4 + 2 * n);
     k->have[part / 8] |= (uint8_t)(1 << part % 8);
-    while (k->missing < KNOB_PARTS && (k->have[k->missing / 8] >> k->missing % 8 & 1)) k->missing++;
+    while (k->missing < KNOB_ALL_PARTS && (k->have[k->missing / 8] >> k->missing % 8 & 1)) k->missing++;
 }
 
 static void knob_take_use(Knob *k, const uint8_t *payload) {
     uint16_t ms = knob_get(payload + 2);
-    if (payload[1] != k->filling_id || payload[1] == k->active_id || k->missing < KNOB_PARTS) return;
+    if (payload[1] != k->filling_id || payload[1] == k->active_id || k->missing < KNOB_ALL_PARTS) return;
     k->slot = (uint8_t)(1 - k->slot);
-    memcpy(&k->table[k->slot], payload + 4, sizeof k->table[0]);
+    memcpy(&k->unit[k->slot], payload + 4, sizeof k->unit[0]);
+    memset(k->near_by, 0, sizeof k->near_by);
     k->fade = k->active_id && ms ? 1.0f : 0.0f;
     k->fade_step = ms ? 1000.0f / ((float)ms * KNOB_HZ) : 1.0f;
     k->active_id = payload[1];
@@ -377,7 +419,7 @@ static int knob_take(Knob *k, const uint8_t *payload, int count) {
         knob_take_disk(k, payload);
     else if (payload[0] == KNOB_PART && count == 4 + 2 * KNOB_PART_POINTS)
         knob_take_part(k, payload);
-    else if (payload[0] == KNOB_USE && count == 4 + (int)sizeof(KnobTable))
+    else if (payload[0] == KNOB_USE && count == 4 + (int)sizeof(float))
         knob_take_use(k, payload);
     else
         return 0;

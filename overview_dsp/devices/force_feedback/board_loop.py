@@ -2,9 +2,9 @@
 
 | frame (COBS and CRC as `sensors/frames.py`) | payload, little-endian |
 |---|---|
-| disk | 16, its number, 1 = theta2 is 0 here, twelve float32 (`pack_disk`) |
-| part | 17, the table's number, uint16 index of the part, 32 uint16 |
-| use | 18, the table's number, uint16 ms of crossfade, two float32 (unit, hard) |
+| disk | 16, its number, 1 = theta2 is 0 here, eleven float32 (`pack_disk`) |
+| part | 17, the table's number, uint16 index of the part, 32 uint16: points, then ten events each |
+| use | 18, the table's number, uint16 ms of crossfade, float32 unit |
 | alive | 19, 1 = there may be torque |
 
 Frames may be lost. The board reports its state twice per hundredth of a second, and missing frames
@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.design.presets.parameter import Value
-from overview_dsp.devices.force_feedback.motion import Rate
 from overview_dsp.devices.force_feedback.watchdog import Watchdog
 from overview_dsp.devices.sensors.frames import KNOB_MOTION, KNOB_STATE, framed
 from overview_dsp.devices.sensors.profile import Sensor
@@ -33,52 +32,57 @@ from overview_dsp.units import HALF_TURN
 
 HIGHEST = 65535
 
-HARD = 1.0 / 3.0
-"""Friction with half of its impact, on a logarithmic scale from the median friction (0) to the
-highest (1): above the flanks of a card and below a goal."""
-
-DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "clutch.max_speed_ratio",
-             "clutch.tap_duration_s", "input.smoothing_ms")  # fmt: skip
+DISK_KEYS = ("disk.inertia", "disk.k1", "disk.k2", "clutch.tap_duration_s",
+             "input.smoothing_ms")  # fmt: skip
 """Keys of a preset that define a board's disk."""
 
-_DISK = struct.Struct("<12f")
+_DISK = struct.Struct("<11f")
+PART_POINTS = 32
+PART_EVENTS = 10  # in a part after those of the points
+
+PUSH_UNIT = 1e-8  # N m s
+PUSH, PUSH_EXPONENT = 8e-7, 0.65
+"""Push of an event as strong as the bare surface, N m s, and how it grows with the height."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoardTable:
     """A surface in the form of a board.
 
-    `points`: friction at equal steps along the surface, each the mean of its cell.
     `unit`: friction of 1 count, N m s/rad.
-    `hard`: friction that gives half of its impact, N m s/rad.
+    `parts`: the numbers of each `part` frame: friction at equal steps along the surface, then the
+    first and last step of each event and the push of its knock in `PUSH_UNIT`.
     """
 
-    points: NDArray[np.uint16]
     unit: float
-    hard: float
+    parts: NDArray[np.uint16]
 
 
-def board_table(surface: Surface, count: int) -> BoardTable:
-    """Return a surface's friction in `count` points.
+def board_table(surface: Surface, count: int, bare: float) -> BoardTable:
+    """Return a surface for a board with `count` points; `bare` is its friction without events.
 
     The energy of a crossing is the integral of the friction. So each point is the mean of the
-    friction nearest to it, and even narrow events keep their energy.
+    friction nearest to it, and even narrow events keep their energy. Of the events, the strongest
+    are sent, as many as such a board holds.
     """
     friction = surface.resistance
     cells = len(friction) - 1
-    summed = np.concatenate([[0.0], np.cumsum(0.5 * (friction[1:] + friction[:-1]))])
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (friction[1:] + friction[:-1]))])
     edges = np.clip((np.arange(count + 1) - 0.5) * (cells / (count - 1)), 0.0, cells)
-    # the integral of friction that is linear between the cells
-    cell = np.minimum(edges.astype(np.int64), cells - 1)
-    share = edges - cell
-    integral = summed[cell] + share * (
-        friction[cell] + 0.5 * share * (friction[cell + 1] - friction[cell])
-    )
-    means = np.diff(integral) / np.diff(edges)
+    means = np.diff(np.interp(edges, np.arange(cells + 1), integral)) / np.diff(edges)
     unit = float(means.max()) / HIGHEST
-    points = np.clip(np.rint(means / unit), 1, HIGHEST).astype(np.uint16)
-    median = float(np.median(means))
-    return BoardTable(points, unit, median * (float(means.max()) / median) ** HARD)
+    rows = -(-count // PART_POINTS)
+    parts = np.zeros((rows - (-rows // PART_EVENTS), PART_POINTS), dtype=np.uint16)
+    parts[:rows].reshape(-1)[:count] = np.clip(np.rint(means / unit), 1, HIGHEST)
+    events = np.zeros(((len(parts) - rows) * PART_EVENTS, 3))
+    push = PUSH / PUSH_UNIT * (surface.release / bare) ** PUSH_EXPONENT
+    kept = np.sort(np.argsort(-push, kind="stable")[: len(events)])
+    first, last = surface.span[kept].T * (count - 1)
+    # the means smear an edge by one cell
+    found = np.stack([np.floor(first) - 1.0, np.floor(last) + 2.0, np.rint(push[kept])], axis=1)
+    events[: len(kept)] = np.clip(found, (0, 0, 1), (count - 1, count - 1, HIGHEST))
+    parts[rows:, : 3 * PART_EVENTS] = events.reshape(-1, 3 * PART_EVENTS)
+    return BoardTable(unit, parts)
 
 
 def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
@@ -86,13 +90,12 @@ def pack_disk(values: Mapping[str, Value], sensor: Sensor) -> bytes:
 
     `sensor` has the scale of the knob's torque and its turn for the whole timeline.
     """
-    inertia, k1, k2, ratio, tap_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
+    inertia, k1, k2, tap_s, smoothing_ms = (float(values[key]) for key in DISK_KEYS)
     per_rad = HALF_TURN / math.radians(sensor.number("motor.turn_deg"))
     return _DISK.pack(
-        inertia, k1, k2, ratio, tap_s * (ratio or 1.0), smoothing_ms * 1e-3,
-        sensor.number("motor.board_scale"), sensor.number("motor.impact_gain"),
-        sensor.number("motor.recoil_gain"), sensor.number("motor.ceiling_nm"),
-        sensor.number("motor.end_nm_per_rad"),
+        inertia, k1, k2, tap_s, smoothing_ms * 1e-3,
+        *(sensor.number(f"motor.{key}")
+          for key in ("board_scale", "knock", "home", "ceiling_nm", "end_nm_per_rad")),
         -per_rad if sensor.values["motor.reverse"] else per_rad,
     )  # fmt: skip
 
@@ -101,7 +104,6 @@ PERIOD_S = 0.002  # time between frames to the board
 RESEND_S = 0.02  # time after which a frame that the board doesn't confirm is sent again
 FADE_MS = 30
 DISK, PART, USE, ALIVE = 16, 17, 18, 19
-PART_POINTS = 32
 SHARE = 0.6  # largest share of the wire's capacity for a table
 BURST = 400  # largest number of bytes of a table at once
 
@@ -119,11 +121,11 @@ class BoardLoop:
         self.alive = False
         self._sensor = sensor
         self._per_period = SHARE * 0.1 * baud * PERIOD_S
-        self._watchdog = Watchdog()
-        self._rate = Rate()
+        self.watchdog = Watchdog()
         self._due = -1e300
         self._surface: Surface | None = None
         self._packed = b""
+        self._bare = 1.0
         self._at_start = True
         self._forget()
 
@@ -140,7 +142,8 @@ class BoardLoop:
         """Let the board run a surface, with the disk of a preset's `values`."""
         if surface is not self._surface:
             self._surface, self._table = surface, None
-        packed = pack_disk({key: values[key] for key in DISK_KEYS}, self._sensor)
+            self._bare = float(values["surface.friction"])
+        packed = pack_disk(values, self._sensor)
         if packed != self._packed:
             self._packed, self._disk_id = packed, 0
 
@@ -151,12 +154,11 @@ class BoardLoop:
                 self._state = reading
             elif KNOB_MOTION[0] in reading:
                 self.torque = reading["torque_nm"]
-                self._rate.add(now_s)
-            self._watchdog.message_received(now_s)
+            self.watchdog.message_received(now_s)
 
     def step(self, playing: bool, now_s: float) -> bytes:
         """Return the frames to send, at most every 2 ms; `playing`: there may be torque."""
-        self.alive = self._watchdog.alive(now_s)
+        self.alive = self.watchdog.alive(now_s)
         if now_s < self._due:
             return b""
         self._due = max(self._due + PERIOD_S, now_s)
@@ -177,13 +179,13 @@ class BoardLoop:
             self._sent_at = now_s
             sent += self._disk()
         if self._table is None and self._surface is not None:
-            self._table = board_table(self._surface, state["knob_points"])
+            self._table = board_table(self._surface, state["knob_points"], self._bare)
             known = (0, state["knob_table"], state["knob_filling"])
             self._table_id = next(n for n in range(1, 5) if n not in known)
             self._part, self._space = 0, 0.0
         if self._table is None or state["knob_table"] == self._table_id:
             return sent
-        parts = -(-len(self._table.points) // PART_POINTS)
+        parts = len(self._table.parts)
         filling = state["knob_filling"] == self._table_id
         if filling and state["knob_missing"] >= parts:
             if resend:
@@ -206,13 +208,12 @@ class BoardLoop:
     def _use(self) -> bytes:
         assert self._table is not None
         head = struct.pack("<BBH", USE, self._table_id, FADE_MS)
-        return framed(head + struct.pack("<2f", self._table.unit, self._table.hard))
+        return framed(head + struct.pack("<f", self._table.unit))
 
     def _part_of(self, part: int) -> bytes:
         assert self._table is not None
-        points = self._table.points[PART_POINTS * part :][:PART_POINTS].tolist()
-        points += [0] * (PART_POINTS - len(points))
-        return framed(struct.pack(f"<BBH{PART_POINTS}H", PART, self._table_id, part, *points))
+        head = struct.pack("<BBH", PART, self._table_id, part)
+        return framed(head + self._table.parts[part].astype("<u2").tobytes())
 
     def end(self) -> bytes:
         """Return the last frame."""
@@ -221,14 +222,9 @@ class BoardLoop:
 
     def disconnected(self) -> None:
         """Forget the board's state, because its port is closed."""
-        self._watchdog.reset()
+        self.watchdog.reset()
         self._forget()
         self.alive = False
-
-    @property
-    def reports_per_s(self) -> float | None:
-        """Rate of the device's reports; None while it isn't known."""
-        return self._rate.hz if self.alive else None
 
     @property
     def ready(self) -> bool:
@@ -250,7 +246,7 @@ class BoardLoop:
             return f"no force yet: its board receives the surface (part {missing})"
         return (
             f"force {1e3 * self.torque:+.2f} mN·m, computed on its board, "
-            f"{self._watchdog.silences} silences"
+            f"{self.watchdog.silences} silences"
         )
 
     def report(self, now_s: float) -> dict[str, Any]:
@@ -264,6 +260,6 @@ class BoardLoop:
             "steps_per_s": int(state.get("knob_hz", 0)),
             "points": int(state.get("knob_points", 0)),
             "rejected": int(state.get("knob_rejected", 0)),
-            "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
-            "silences": self._watchdog.silences,
+            "reports_per_s": self.watchdog.hz,
+            "silences": self.watchdog.silences,
         }

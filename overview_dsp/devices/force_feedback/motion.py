@@ -1,4 +1,4 @@
-"""Estimates for the motor's loop: speed of the knob, rate of reports, mean torque of the disk.
+"""Estimates for the motor's loop: speed of the knob, mean torque of the disk.
 
 The speed follows from angles of limited resolution. Of all lines through the latest angle that pass
 within the resolution of the angles before, the middle one counts. The window is as long as there is
@@ -67,28 +67,6 @@ class SpeedEstimator:
             if high - low < WELL_KNOWN * 0.5 * abs(low + high):
                 break
         return Motion(0.0 if low <= 0.0 <= high else 0.5 * (low + high), 0.5 * span)
-
-
-WINDOW_S = 1.0
-
-
-class Rate:
-    """Rate of reports; `hz` is that in the latest whole second, None before the first."""
-
-    def __init__(self) -> None:
-        self.hz: float | None = None
-        self._since: float | None = None
-        self._count = 0
-
-    def add(self, now_s: float) -> None:
-        """Count one report."""
-        if self._since is None:
-            self._since = now_s
-            return
-        self._count += 1
-        if now_s - self._since >= WINDOW_S:
-            self.hz = self._count / (now_s - self._since)
-            self._since, self._count = now_s, 0
 
 
 STALE_S = 0.05

@@ -26,7 +26,7 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Any
 
-from overview_dsp.devices.force_feedback.motion import Motion, Rate, SpeedEstimator
+from overview_dsp.devices.force_feedback.motion import Motion, SpeedEstimator
 from overview_dsp.devices.force_feedback.passivity import PassivityController, PassivityObserver
 from overview_dsp.devices.force_feedback.watchdog import Watchdog
 from overview_dsp.devices.sensors.profile import MOTOR_COLUMNS, Sensor
@@ -195,7 +195,7 @@ class MotorLoop:
         self._probe = 0
         self._speed = SpeedEstimator(resolution)
         self._delay = LoopDelay(REPORTED_STEP)
-        self._watchdog = Watchdog()
+        self.watchdog = Watchdog()
         self._check = ReportCheck(ceiling / self._per_target + TARGET_STEP)
         self.observer = PassivityObserver(ceiling * CREDIT_RAD, self._friction, resolution)
         self.commands = 0
@@ -204,7 +204,6 @@ class MotorLoop:
         self._due = self._begin_at = -1e300
         self._received_at = -1e300
         self._motion = Motion()
-        self._rate = Rate()
 
     def receive(self, samples: Iterable[Sample], now_s: float) -> None:
         """Process the device's reports that arrived by `now_s`."""
@@ -219,16 +218,15 @@ class MotorLoop:
             self.observer.add(torque, angle, self._controller.direction_stable)
             self._delay.reported(now_s, target)
             self._speed.add(time_s, angle)
-            self._watchdog.message_received(now_s)
+            self.watchdog.message_received(now_s)
             self._received_at = now_s
-            self._rate.add(now_s)
 
     def step(self, torque: float, now_s: float) -> bytes:
         """Return the commands to send, at most every 2 ms; `torque` is the disk's (N m).
 
         It also detects a silent device, so it should be called as often as possible.
         """
-        alive = self._watchdog.alive(now_s)
+        alive = self.watchdog.alive(now_s)
         if now_s < self._due and alive == self.alive:
             return b""
         self._due = max(self._due + PERIOD_S, now_s)
@@ -281,16 +279,11 @@ class MotorLoop:
         self.observer.interrupt()
         self._delay = LoopDelay(REPORTED_STEP)
         self._speed.clear()
-        self._watchdog.reset()
+        self.watchdog.reset()
         self._check.reset()
         self.alive = False
         self._begin_at = -1e300
         self.torque = 0.0
-
-    @property
-    def reports_per_s(self) -> float | None:
-        """Rate of the device's reports; None while it isn't known."""
-        return self._rate.hz if self.alive else None
 
     def status_text(self, now_s: float) -> str:
         """Return a status text for display."""
@@ -300,7 +293,7 @@ class MotorLoop:
         return (
             f"force {1e3 * self.torque:+.2f} mN·m, loop {1e3 * self._delay.seconds(now_s):.0f} ms, "
             f"{1e3 * observer.absorbed:.1f} mJ absorbed, "
-            f"{1e3 * observer.returned:.1f} mJ returned, {self._watchdog.silences} silences"
+            f"{1e3 * observer.returned:.1f} mJ returned, {self.watchdog.silences} silences"
         )
 
     def report(self, now_s: float) -> dict[str, Any]:
@@ -312,8 +305,8 @@ class MotorLoop:
             "speed_rad_s": round(self._motion.speed, 4),
             "loop_delay_ms": round(1e3 * self._delay.seconds(now_s), 2),
             "commands": self.commands,
-            "reports_per_s": None if self._rate.hz is None else round(self._rate.hz, 1),
-            "silences": self._watchdog.silences,
+            "reports_per_s": self.watchdog.hz,
+            "silences": self.watchdog.silences,
             "implausible": self._check.rejected,
             "absorbed_mj": round(1e3 * self.observer.absorbed, 4),
             "returned_mj": round(1e3 * self.observer.returned, 4),

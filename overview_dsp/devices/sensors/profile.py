@@ -128,10 +128,14 @@ class Sensor:
         return sorted(order) == [0, 1, 2] and math.prod(signs) == parity
 
 
-SCHEMA = 2
+SCHEMA = 3
 LIBRARY = Library("sensors", "a sensor")
 _COLUMNS = "stream.columns"
-_SCHEMA_1_MOTOR_KEYS = {"letter": "command_letter", "knock": "impact_gain", "home": "recoil_gain"}
+_OLD_MOTOR_KEYS = {
+    1: {"letter": "command_letter"},
+    2: {"impact_gain": "knock", "recoil_gain": "home"},
+}
+"""Present keys of `[motor]` for those of an earlier schema."""
 _SCHEMA_1_DETECT = "told"
 
 
@@ -156,15 +160,18 @@ def parse_sensor(text: str, name: str, source: str) -> Sensor:
 
 
 def _migrated(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the data of a file of schema 1 in terms of the present schema; others unchanged."""
-    if data.get("schema") != 1 or isinstance(data["schema"], bool):
+    """Return the data of a file of an earlier schema in terms of the present one."""
+    version = data.get("schema")
+    if version not in _OLD_MOTOR_KEYS or isinstance(version, bool):
         return data
     migrated = {**data, "schema": SCHEMA}
     for section, table in data.items():
         if isinstance(table, dict):
-            new_keys = _SCHEMA_1_MOTOR_KEYS if section == "motor" else {}
+            new_keys = _OLD_MOTOR_KEYS[version] if section == "motor" else {}
             migrated[section] = {
-                new_keys.get(key, key): DETECT if value == _SCHEMA_1_DETECT else value
+                new_keys.get(key, key): DETECT
+                if version == 1 and value == _SCHEMA_1_DETECT
+                else value
                 for key, value in table.items()
             }
     return migrated

@@ -24,10 +24,10 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.toml import load_toml
 from overview_dsp.units import HALF_TURN
 
-FOLLOW_GAIN = 6.0
+FOLLOW_GAIN = 2.0
 """Gain by which the disk here follows the disk on a knob's own board. Theta2 is the rest position
 of that disk's spring, plus this gain for each radian that the disk here lies behind. So both disks
-pass an event at the same time, and sound and force agree."""
+pass an event at the same time, and sound and force agree. A higher gain lets a stiff disk swing."""
 
 SHORTEST_S = 0.9e-3  # events closer together than a millisecond don't change the disk's movement
 

@@ -248,8 +248,8 @@ class MotorInput(SensorInput):
                 "(further interruptions are only counted)"
             )
         self._was_alive = self._loop.alive
-        rate = self._loop.reports_per_s
-        if rate is not None and rate < LOWEST_RATE_HZ:
+        rate = self._loop.watchdog.hz
+        if self._loop.alive and rate is not None and rate < LOWEST_RATE_HZ:
             self.say_once(
                 f"the motor sends fewer than {LOWEST_RATE_HZ} reports per second, which makes its "
                 "force weak; change motor.downsample or baud="
@@ -270,8 +270,8 @@ class MotorInput(SensorInput):
         """Return the bytes to send; may be empty."""
         held = self._engine.active_input
         holds_disk = held is not None and held[0] == self.SOURCE
-        torque = self._torque.update(self._engine.torque_integral, now)
         if isinstance(self._loop, MotorLoop):
+            torque = self._torque.update(self._engine.torque_integral, now)
             return self._loop.step(torque if holds_disk else 0.0, now)
         if now - self._rendered_at >= RENDER_EVERY_S:
             self._rendered_at = now

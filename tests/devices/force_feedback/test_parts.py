@@ -16,7 +16,6 @@ from overview_dsp.devices.force_feedback.motion import (
     STALE_S,
     MeanTorque,
     Motion,
-    Rate,
     SpeedEstimator,
 )
 from overview_dsp.devices.force_feedback.motor_loop import (
@@ -328,11 +327,14 @@ def test_reports_that_cannot_be_are_not_believed():
     assert not check.restarted
 
 
-def test_a_rate_is_that_of_the_latest_second():
-    rate = Rate()
+def test_the_rate_of_reports_is_that_of_a_second_without_a_gap():
+    watchdog = Watchdog()
     for n in range(1500):
-        rate.add(n * 2e-3)
-    assert rate.hz == pytest.approx(500.0, rel=0.01)
+        watchdog.message_received(n * 2e-3)
+        assert (watchdog.hz is None) == (n < 500)
+    assert watchdog.hz == pytest.approx(500.0, rel=0.01)
+    watchdog.message_received(4.0)
+    assert watchdog.hz is None
 
 
 # --- the loop -------------------------------------------------------------------------------------

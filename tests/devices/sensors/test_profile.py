@@ -15,7 +15,7 @@ from overview_dsp.devices.sensors.profile import (
 )
 from overview_dsp.devices.sensors.units import units_of
 
-HEAD = "schema = 2\n"
+HEAD = "schema = 3\n"
 
 
 def test_every_bundled_sensor_is_read():
@@ -31,34 +31,34 @@ def test_the_bundled_imu_says_the_defaults():
     assert load_sensor("imu").values == Sensor().values
 
 
-def test_a_file_of_schema_1_gives_the_same_sensor():
-    old = """schema = 1
+def test_files_of_earlier_schemas_give_the_same_sensor():
+    new = """schema = 3
 [stream]
-format = "told"
+format = "auto"
 columns = ["motor_target", "shaft_rad"]
 [acceleration]
-unit = "told"
+unit = "auto"
 [angles]
-twist = "told"
+twist = "auto"
 [motor]
 protocol = "simplefoc"
 nm_per_unit = 0.003
-letter = "B"
+command_letter = "B"
 knock = 1.0
 home = 0.5
 """
-    new = old.replace("schema = 1", "schema = 2").replace("told", "auto")
-    for before, after in (
-        ("letter", "command_letter"),
-        ("knock", "impact_gain"),
-        ("home", "recoil_gain"),
-    ):
-        new = new.replace(f"{before} =", f"{after} =")
-    assert parse_sensor(old, "mine", "mine.toml") == parse_sensor(new, "mine", "mine.toml")
-    with pytest.raises(ov.InputError, match=r"mine\.toml:9: motor\.impact_gain = 9"):
-        parse_sensor(old.replace("knock = 1.0", "knock = 9"), "mine", "mine.toml")
-    with pytest.raises(ov.InputError, match=r"motor\.letter: unknown key"):
-        parse_sensor(new.replace("command_letter", "letter"), "mine", "mine.toml")
+    second = new.replace("schema = 3", "schema = 2")
+    second = second.replace("knock =", "impact_gain =").replace("home =", "recoil_gain =")
+    first = new.replace("schema = 3", "schema = 1").replace("auto", "told")
+    first = first.replace("command_letter", "letter")
+    sensor = parse_sensor(new, "mine", "mine.toml")
+    for old in (first, second):
+        assert parse_sensor(old, "mine", "mine.toml") == sensor
+    with pytest.raises(ov.InputError, match=r"mine\.toml:13: motor\.knock = 9"):
+        parse_sensor(first.replace("knock = 1.0", "knock = 9"), "mine", "mine.toml")
+    for text, key in ((second, "impact_gain"), (first, "letter")):
+        with pytest.raises(ov.InputError, match=rf"motor\.{key}: unknown key"):
+            parse_sensor(text.replace(text[:10], new[:10]), "mine", "mine.toml")
 
 
 def test_a_file_says_units_axes_and_columns():
@@ -87,8 +87,8 @@ def test_a_file_says_units_axes_and_columns():
         (HEAD + "stream = 3\n", 2, "a table"),
         (HEAD + "[roll]\n", 2, "unknown key"),
         (HEAD + "[encoder]\ncount = 3\n", 3, "counts"),
-        ("schema = 3\n", 1, "must be 2"),
-        ("title = 3\nschema = 2\n", 1, "must be text"),
+        ("schema = 4\n", 1, "must be 3"),
+        ("title = 3\nschema = 3\n", 1, "must be text"),
         ("", None, "schema is missing"),
         ("=", None, "not TOML"),
     ],

@@ -117,7 +117,7 @@ def knob_frames(level, motions):
     )
 
 
-@pytest.mark.parametrize(("level", "theta2"), [(255, 0.7 + 0.1 + 6.0 * (0.7 - 0.65)), (0, 1.2)])
+@pytest.mark.parametrize(("level", "theta2"), [(255, 0.7 + 0.1 + 2.0 * (0.7 - 0.65)), (0, 1.2)])
 def test_the_disk_is_pulled_as_a_knobs_board_pulls_its_own(level, theta2):
     """Where it runs one; else by the hand's angle."""
     source = SensorSource(load_sensor("simplefoc"), TouchRules.of(ov.load_preset("football")))
