@@ -172,7 +172,7 @@ def report(commands: list[str]) -> dict[str, Any]:
     from datetime import date
 
     sys.path.insert(0, str(ROOT))
-    from overview_dsp.measure.bench.speeds import this_machine
+    from overview_dsp.measure.bench import this_machine
 
     starts = [asdict(measured(name)) for name in commands]
     return {"machine": this_machine(), "date": date.today().isoformat(), "first_starts": starts}

@@ -50,7 +50,7 @@ def table(*rows: tuple[str, ...]) -> str:
 
 def speeds(report: dict[str, Any]) -> str:
     """Return a table for each group of rows, a table of costs, and the memory."""
-    from overview_dsp.measure.bench.speeds import VOICE, Row, cycles
+    from overview_dsp.measure.bench import VOICE, Row, cycles
     from tools.bench.report import merging
     from tools.bench.scaling import Cost
 

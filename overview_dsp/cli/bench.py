@@ -26,7 +26,7 @@ def command(
     In a clone of the project, python -m tools.bench compares versions in C, Faust, Csound, scipy
     and plain Python; with --live it measures live play.
     """
-    from overview_dsp.measure.bench.speeds import lines, measure
+    from overview_dsp.measure.bench import lines, measure
 
     announce_compile("disk_alone")
     with progress_bar("measuring") as progress:
@@ -39,7 +39,7 @@ def show_report(report: Any, lines: Iterable[str], as_json: bool) -> None:
     from dataclasses import asdict
     from datetime import date
 
-    from overview_dsp.measure.bench.speeds import this_machine
+    from overview_dsp.measure.bench import this_machine
 
     machine, day = this_machine(), date.today().isoformat()
     figures = {"machine": machine, "date": day, **asdict(report)}

@@ -12,9 +12,9 @@ from click.testing import CliRunner
 
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels import layout
-from overview_dsp.measure.bench import speeds
-from overview_dsp.measure.bench.speeds import RATE, Contender, prepared, reset_and_feed, run_in_turn
-from tests.cli.running import overview, refused
+from overview_dsp.measure import bench as speeds
+from overview_dsp.measure.bench import RATE, Contender, prepared, reset_and_feed, run_in_turn
+from tests.cli.running import overview
 from tests.examples import preset_with
 from tools.bench import c_rows, programs, solvers
 from tools.bench.__main__ import command
@@ -164,7 +164,7 @@ def test_the_bench_of_a_clone_says_what_it_does_and_refuses_a_picture_that_canno
     assert shown.exit_code == 0
     assert "Example: python -m tools.bench" in shown.output
     outcome = CliRunner().invoke(command, ["--plot", str(tmp_path / "none" / "x.png")])
-    assert outcome.exit_code == 1
+    assert outcome.exit_code == 2
     assert "folder" in outcome.output
     assert len(outcome.output.splitlines()) == 1
 
@@ -183,6 +183,8 @@ def test_the_command_measures_the_engines_own_rows_alone(monkeypatch):
     assert "medians of 1 interleaved rounds" in text
 
 
-def test_what_belongs_to_live_is_refused_without_it():
-    refused(overview("bench", "--device", "system"), "--live")
-    refused(overview("bench", "--seconds", "5"), "--live")
+def test_what_belongs_to_live_is_refused_without_it(tmp_path):
+    for words in (["--device", "system"], ["--live", "--plot", str(tmp_path / "x.png")]):
+        outcome = CliRunner().invoke(command, words)
+        assert outcome.exit_code == 2
+        assert "--device belongs to --live, and --plot does not" in outcome.output

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.measure.bench import speeds
-from overview_dsp.measure.bench.speeds import Contender, run_in_turn, this_machine
+from overview_dsp.measure import bench as speeds
+from overview_dsp.measure.bench import Contender, run_in_turn, this_machine
 from tools.bench import many_voices, scaling, solvers
 from tools.bench.building import MissingError
 from tools.bench.live.latency import LatencyResult

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.gestures import sweep
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.speeds import (
+from overview_dsp.measure.bench import (
     DISK,
     RATE,
     SECONDS,

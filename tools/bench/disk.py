@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.speeds import RATE, SWEEP_S, disk
+from overview_dsp.measure.bench import RATE, SWEEP_S, disk
 from overview_dsp.signal.engine.engine import Engine
 
 

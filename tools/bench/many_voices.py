@@ -9,7 +9,7 @@ from overview_dsp.data.readers import bundled_timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH
-from overview_dsp.measure.bench.speeds import (
+from overview_dsp.measure.bench import (
     RATE,
     SECONDS,
     Contender,

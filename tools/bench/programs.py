@@ -13,7 +13,7 @@ import numpy as np
 
 from overview_dsp.errors import OverviewError
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.speeds import (
+from overview_dsp.measure.bench import (
     DISK,
     RATE,
     SECONDS,

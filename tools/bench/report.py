@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from overview_dsp.measure.bench import speeds
+from overview_dsp.measure import bench as speeds
 from tools.bench import c_rows, many_voices, programs, scaling, solvers
 from tools.bench.building import MissingError
 from tools.bench.scaling import Cost, Memory

@@ -23,7 +23,7 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.library import load_preset
 from overview_dsp.errors import OverviewWarning
-from overview_dsp.measure.bench.speeds import feed, prepared
+from overview_dsp.measure.bench import feed, prepared
 from overview_dsp.signal.engine.engine import Engine
 from tools.bench.disk import Disk
 from tools.bench.table_sizes import SIZES, TableOf

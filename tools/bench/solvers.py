@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.bench.speeds import DISK, RATE, SWEEP_S, Contender, prepared, timed
+from overview_dsp.measure.bench import DISK, RATE, SWEEP_S, Contender, prepared, timed
 from overview_dsp.signal.engine.engine import Engine
 from tools.bench.disk import Disk, disk_alone
 

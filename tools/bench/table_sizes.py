@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.kernels import layout
-from overview_dsp.measure.bench.speeds import SWEEP_S, timed
+from overview_dsp.measure.bench import SWEEP_S, timed
 from overview_dsp.signal.engine.engine import Engine
 from tools.bench.disk import Disk
 

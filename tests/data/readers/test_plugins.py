@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.readers import FORMATS, list_matches, load_timeline
-from overview_dsp.data.readers.plugins import GROUP, package_readers
+from overview_dsp.data.readers.formats import GROUP, package_readers
 from overview_dsp.errors import InputError, OverviewWarning
 from tests.cli.running import overview
 

@@ -276,42 +276,30 @@ def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
 
 
 def _api_match(match: _Part) -> _Match:
-    """Return a match of API-Football."""
+    """Return a match of API-Football. A list of events alone has neither teams nor status."""
     fixture, league, teams = match.part("fixture"), match.part("league"), match.part("teams")
-    status, home, away = fixture.part("status"), teams.part("home"), teams.part("away")
-    listed = match.parts("events")
-    rows, withdrawn = _api_rows(listed or [], [home.text("id"), away.text("id")])
-    short = status.text("short")
+    status, listed = fixture.part("status"), match.parts("events")
+    sides = [teams.part("home"), teams.part("away")]
+    if not teams.raw:
+        named = {one.part("team").text("id"): one.part("team") for one in listed or []}
+        sides = [*named.values(), *sides][:2]
+    rows, withdrawn = _api_rows(listed or [], [side.text("id") for side in sides])
+    short, last = status.text("short"), _last(rows)
+    is_over = short in _FINISHED if teams.raw else last.base >= FULL_TIME
+    note = "the document has no home team and no clock; that of fixtures?id=... has them"
     return _Match(
         "API-Football",
         fixture.text("id"),
-        (home.text("name"), away.text("name")),
+        (sides[0].text("name"), sides[1].text("name")),
         (league.text("name"), league.text("round"), fixture.text("date")[:10]),
         match.part("goals").pair(),
         None if listed is None else rows,
         withdrawn,
-        until=None if short in _FINISHED else status.minute("elapsed", "extra") or _last(rows),
+        until=None if is_over else status.minute("elapsed", "extra") or last,
         has_started=short not in _NOT_BEGUN,
         extra_time=short in _EXTRA_TIME or None,
         shoot_out=match.part("score").part("penalty").pair(),
-    )
-
-
-def _api_events(events: list[_Part]) -> _Match:
-    """Return the match of a list of events, which has neither score nor status."""
-    names = {team.text("id"): team.text("name") for team in (one.part("team") for one in events)}
-    rows, withdrawn = _api_rows(events, [*names][:2])
-    last, teams = _last(rows), tuple(names.values())[:2]
-    return _Match(
-        "API-Football",
-        "",
-        (teams[0], teams[1]) if len(teams) > 1 else ("", ""),
-        (),
-        None,
-        rows,
-        withdrawn,
-        until=last if last.base < FULL_TIME else None,
-        notes=("the document has no home team and no clock; that of fixtures?id=... has them",),
+        notes=() if teams.raw else (note,),
     )
 
 
@@ -404,10 +392,9 @@ def _matches(document: Any) -> list[_Match]:
         if errors := top["errors"]:
             words = errors.values() if isinstance(errors, dict) else [errors]
             raise InputError(f"API-Football reports {'; '.join(map(quoted, words))}")
-        parts = _Part(top, "document").parts("response") or []
         if top["get"] == "fixtures/events" or contains_record(listed, "time", "detail"):
-            return [_api_events(parts)]
-        return [_api_match(one) for one in parts]
+            return [_api_match(_Part({"events": listed}, "response"))]
+        return [_api_match(one) for one in _Part(top, "document").parts("response") or []]
     if "matches" in top or "homeTeam" in top:
         listed = top.get("matches", [top])
         if isinstance(listed, list) and contains_record(listed, "homeTeam", "awayTeam", "status"):

@@ -234,7 +234,7 @@ def disk(engine: Engine, cells: FloatArray, torque: FloatArray) -> None:
 def interpreted() -> float:
     """Time the same source as plain Python, in a process of its own."""
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    command = [sys.executable, "-m", "overview_dsp.measure.bench.speeds"]
+    command = [sys.executable, "-m", "overview_dsp.measure.bench"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     return float(done.stdout)
 
