@@ -169,7 +169,9 @@ def lesson_of(preset: Preset, data: Timeline | None, seed: int, name: str = "") 
     if len(named) < 2:
         raise InputError(f"preset {preset.name} has {len(named)} kinds; a lesson needs at least 2")
     every = {kind: _alone(kind, duration, _ALONE_AT) for kind in named}
-    features = dict(zip(named, (one[0] for one in measured(preset, [*every.values()])), strict=True))
+    features = dict(
+        zip(named, (one[0] for one in measured(preset, [*every.values()])), strict=True)
+    )
     present = set() if data is None else {preset.kind_for(event.kind) for event in data.events}
     strength = sorted(named, key=lambda kind: -features[kind][0])
     taught = sorted(strength, key=lambda kind: kind not in present)[:MAX_KINDS]
@@ -177,7 +179,9 @@ def lesson_of(preset: Preset, data: Timeline | None, seed: int, name: str = "") 
     same = _same(kinds, features)
     asked = [kind for kind in kinds if kind not in same]
     if len(asked) < 2:
-        raise InputError(f"preset {preset.name}: all kinds feel the same; a lesson needs at least 2")
+        raise InputError(
+            f"preset {preset.name}: all kinds feel the same; a lesson needs at least 2"
+        )
     stream = RandomStream(seed, "lesson", *kinds)
     references = {kind: every[kind] for kind in kinds}
     steps = [_step_alone(kind, same, references) for kind in kinds]
@@ -231,9 +235,7 @@ def _pitch(kind: EventKind) -> float:
     return sum(sounds) / sum(weights)
 
 
-def _same(
-    kinds: Sequence[str], features: dict[str, NDArray[np.float64]]
-) -> dict[str, str]:
+def _same(kinds: Sequence[str], features: dict[str, NDArray[np.float64]]) -> dict[str, str]:
     """Return the kinds that differ by less than one JND from a stronger one, with that one."""
     found: dict[str, str] = {}
     for i, kind in enumerate(kinds):
@@ -248,9 +250,7 @@ def _distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     return float(np.max(np.abs(first - second)))
 
 
-def _pairs(
-    kinds: Sequence[str], features: dict[str, NDArray[np.float64]]
-) -> list[tuple[str, str]]:
+def _pairs(kinds: Sequence[str], features: dict[str, NDArray[np.float64]]) -> list[tuple[str, str]]:
     """Return the nearest pairs that connect all kinds, the most different first."""
     table = np.array([[_distance(features[a], features[b]) for b in kinds] for a in kinds])
     tree = minimum_spanning_tree(table).toarray()
@@ -274,9 +274,7 @@ def _movement(end: float) -> Gesture:
     return Gesture(whole.time_s[held], whole.theta2[held], held[held], whole.duration_s)
 
 
-def _several(
-    kinds: Sequence[str], places: Sequence[float], duration: float, end: float
-) -> Example:
+def _several(kinds: Sequence[str], places: Sequence[float], duration: float, end: float) -> Example:
     events = tuple(Event(at * duration, kind) for kind, at in zip(kinds, places, strict=True))
     caption = ", then ".join(map(label, kinds))
     timeline = Timeline(caption, duration, events, provenance="example of a lesson")
@@ -332,9 +330,7 @@ def _crowd(data: Timeline, start: float, length: float, part: list[tuple[float, 
     return Example(kinds, caption, timeline, _movement(1.0))
 
 
-def _made_crowd(
-    kind: str, kinds: Sequence[str], duration: float, stream: RandomStream
-) -> Example:
+def _made_crowd(kind: str, kinds: Sequence[str], duration: float, stream: RandomStream) -> Example:
     others = [other for other in stream.shuffled(kinds) if other != kind] * _CROWD_OTHERS[0]
     others = others[: _CROWD_OTHERS[0]]
     at = stream.below(len(others) + 1)
