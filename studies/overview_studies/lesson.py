@@ -16,8 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import minimum_spanning_tree
 
-from overview_dsp import Event, EventKind, Gesture, Preset, Timeline, load_preset, load_timeline
-from overview_dsp import measure, sweep
+from overview_dsp import (
+    Event,
+    EventKind,
+    Gesture,
+    Preset,
+    Timeline,
+    load_preset,
+    load_timeline,
+    measure,
+    sweep,
+)
 from overview_dsp.errors import InputError
 from overview_studies.counterbalancing import RandomStream, shuffled_blocks
 from overview_studies.design import ANGLE_MAP
@@ -179,9 +188,7 @@ def lesson_of(preset: Preset, data: Timeline | None, seed: int, name: str = "") 
     same = _same(kinds, features)
     asked = [kind for kind in kinds if kind not in same]
     if len(asked) < 2:
-        raise InputError(
-            f"preset {preset.name}: all kinds feel the same; a lesson needs at least 2"
-        )
+        raise InputError(f"preset {preset.name}: its kinds all feel the same; none can be taught")
     stream = RandomStream(seed, "lesson", *kinds)
     references = {kind: every[kind] for kind in kinds}
     steps = [_step_alone(kind, same, references) for kind in kinds]
@@ -232,7 +239,7 @@ def _pitch(kind: EventKind) -> float:
     if not weights:
         return kind.pitch_hz
     sounds = (weight * mode.frequency_hz for weight, mode in zip(weights, kind.modes, strict=True))
-    return sum(sounds) / sum(weights)
+    return float(sum(sounds) / sum(weights))
 
 
 def _same(kinds: Sequence[str], features: dict[str, NDArray[np.float64]]) -> dict[str, str]:
@@ -287,7 +294,7 @@ def _alone(kind: str, duration: float, at: float) -> Example:
 
 def _step_alone(kind: str, same: dict[str, str], references: dict[str, Example]) -> Step:
     text = label(kind)
-    examples = (references[kind],)
+    examples: tuple[Example, ...] = (references[kind],)
     if kind in same:
         text += f": feels the same as {label(same[kind])}, and no question has it"
         examples = (references[same[kind]], references[kind])
