@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from types import TracebackType
 
-from overview_dsp import Engine, live
+import overview_dsp as ov
 from overview_dsp.cli.extensions import resolve_output
 from overview_studies.lesson import Example, Lesson
 
@@ -34,17 +34,17 @@ class Sound:
     def __init__(self, lesson: Lesson, device: str | None) -> None:
         self._preset = lesson.preset
         first = next(iter(lesson.references.values()))
-        self._engine = Engine(self._preset, first.timeline)
-        self._stream: live.NullStream | live.OutputStream
+        self._engine = ov.Engine(self._preset, first.timeline)
+        self._stream: ov.live.NullStream | ov.live.OutputStream
         if device == SILENT:
             self._engine.prepare(RATE, MAX_BLOCK)
-            self._stream = live.NullStream(self._engine, BLOCK)
+            self._stream = ov.live.NullStream(self._engine, BLOCK)
             return
         named = int(device) if device is not None and device.isdecimal() else device
-        found = live.find_device(named)
+        found = ov.live.find_device(named)
         settings = resolve_output(found.full_name, {}, {}, None, found.channels).settings
         self._engine.prepare(found.sample_rate, MAX_BLOCK)
-        self._stream = live.OutputStream(self._engine, named, BLOCK, settings)
+        self._stream = ov.live.OutputStream(self._engine, named, BLOCK, settings)
 
     def __enter__(self) -> Sound:
         self._stream.start()

@@ -13,7 +13,6 @@ from overview_dsp.cli.extensions import (
     cli_command,
     ended_by_signals,
     exit_if_stopped,
-    note,
     open_server,
     option,
     require_server,
@@ -52,7 +51,7 @@ def command(
 
     announce_compile()
 
-    def begin() -> Attempt:
+    def begin(again: bool) -> Attempt:
         return Attempt(
             None if scores is None else Path(scores),
             preset,
@@ -61,16 +60,14 @@ def command(
             again,
         )
 
-    attempt = begin()
     if page:
         require_server()
         from overview_studies.lesson_routes import lesson_paths, lesson_routes
 
         with (
             ended_by_signals() as received,
-            open_server(server, None, lesson_routes(attempt), public=lesson_paths()) as opened,
+            open_server(server, None, lesson_routes(begin, again), public=lesson_paths()) as opened,
         ):
-            note(f"scores are stored in {attempt.path}")
             if as_json:
                 print(json.dumps({"address": opened.address}), flush=True)
             wait_for_end(received, seconds)
@@ -79,6 +76,7 @@ def command(
     from overview_studies.lesson_sound import Sound
     from overview_studies.lesson_terminal import TerminalLesson, terminal_keys
 
+    attempt = begin(again)
     with ended_by_signals() as received:
 
         def stopped() -> bool:
