@@ -47,6 +47,9 @@ MATCH, MATCH_KIND = "world-cup-final-2018", "goal"
 DURATION_S = 5400.0
 """Duration of a timeline without data, s."""
 
+PRESS_S = 2.0
+"""Estimated time of a press or an answer, s."""
+
 FEATURE_RATE = 16_000
 JNDS = (2.3, math.log(2.0), math.log(1.25), 2.0, math.log(1.25))
 """Just noticeable differences of the features: level (dB), sharpness, duration, click (dB), pitch.
@@ -149,6 +152,12 @@ class Lesson:
             for step in (*self.steps, *self.questions)
             for example in step.examples
         )
+
+    @property
+    def minutes(self) -> int:
+        """Estimated duration in whole minutes: the sounds, and the time for keys and answers."""
+        pressed = len(self.steps) + 2 * len(self.questions)
+        return max(1, round((self.duration_s + PRESS_S * pressed) / 60.0))
 
 
 def label(kind: str) -> str:

@@ -17,7 +17,7 @@ import platformdirs
 
 from overview_dsp.cli.extensions import write_file
 from overview_dsp.errors import InputError
-from overview_studies.lesson import Lesson, Step, label
+from overview_studies.lesson import QUESTIONS, Lesson, Step, label
 
 
 @dataclass(frozen=True)
@@ -131,8 +131,9 @@ class Attempt:
     @property
     def welcome(self) -> str:
         """Text about the lesson and the last score."""
-        minutes = "about three minutes" if self._progress["whole"] else "ten questions"
-        text = f"{self.lesson.title}: {len(self.lesson.kinds)} kinds, {minutes}."
+        kinds, whole = len(self.lesson.kinds), self._progress["whole"]
+        length = f"about {self.lesson.minutes} min" if whole else f"{QUESTIONS} questions"
+        text = f"{self.lesson.title}: {kinds} kinds, {length}."
         if self.last is not None:
             text += f" Last time {self.last.right} of {self.last.of} on {self.last.date}."
         if self.resumed:
