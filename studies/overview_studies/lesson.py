@@ -139,6 +139,13 @@ class Lesson:
         return tuple(kind for kind in self.kinds if kind not in self.same)
 
     @property
+    def examples(self) -> tuple[Example, ...]:
+        """All examples, each once: references, then those of the steps and questions."""
+        every = [*self.references.values()]
+        every += [one for step in (*self.steps, *self.questions) for one in step.examples]
+        return tuple({id(one): one for one in every}.values())
+
+    @property
     def digest(self) -> str:
         """Digest of the steps, by which stored progress is recognised."""
         rows = [[one.part, one.kind, one.text] for one in (*self.steps, *self.questions)]
@@ -179,11 +186,20 @@ def make_lesson(preset: str, timeline: str | None = None, seed: int = 0) -> Less
     return lesson_of(loaded, None if timeline is None else load_timeline(timeline), seed, preset)
 
 
-def lesson_of(preset: Preset, data: Timeline | None, seed: int, name: str = "") -> Lesson:
-    """Make the lesson of a loaded preset, with the data from which crowds are taken; see above."""
+def lesson_of(
+    preset: Preset,
+    data: Timeline | None,
+    seed: int,
+    name: str = "",
+    only: Sequence[str] | None = None,
+) -> Lesson:
+    """Make the lesson of a loaded preset, with the data from which crowds are taken; see above.
+
+    `only` are the kinds to teach; None for those of the data, then others.
+    """
     preset = preset.with_value(ANGLE_MAP, 0.0)
     duration = DURATION_S if data is None else data.duration_s
-    named = [kind for kind in preset.kinds if kind != "default"]
+    named = [kind for kind in only or preset.kinds if kind != "default"]
     if len(named) < 2:
         raise InputError(f"preset {preset.name} has {len(named)} kinds; a lesson needs at least 2")
     every = {kind: _alone(kind, duration, _ALONE_AT) for kind in named}

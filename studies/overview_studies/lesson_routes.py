@@ -115,7 +115,7 @@ class _ServedLesson:
 
     def _use(self, attempt: Attempt) -> None:
         self._attempt = attempt
-        examples = _examples(attempt.lesson)
+        examples = attempt.lesson.examples
         self._numbers = {id(example): number for number, example in enumerate(examples)}
         self._examples, self._sounds = examples, dict[int, bytes]()
 
@@ -175,12 +175,6 @@ class _ServedLesson:
 
     def _path(self, example: Example) -> str:
         return f"sounds/{self._numbers[id(example)]}.wav"
-
-
-def _examples(lesson: Lesson) -> list[Example]:
-    """Return all examples, each once."""
-    every = [one for step in (*lesson.steps, *lesson.questions) for one in step.examples]
-    return list({id(one): one for one in (*lesson.references.values(), *every)}.values())
 
 
 def _sound(lesson: Lesson, example: Example) -> bytes:

@@ -18,6 +18,8 @@ from overview_studies.lesson import MAX_KINDS, QUESTIONS, label, lesson_of, make
 from overview_studies.lesson_learner import Learner, compare_orders, lived_examples, taught_share
 from overview_studies.lesson_scores import Attempt
 from overview_studies.lesson_terminal import TerminalLesson
+from overview_studies.training import training_of
+from studies.tests.files import design_of, study_of, written
 from tests.cli.running import environment, overview, refused
 
 PRESETS = ("football", "heart", "plain", "crowd")
@@ -355,3 +357,88 @@ def test_without_a_terminal_keys_are_lines_and_the_end_of_the_input_stores_the_p
     assert "3 of 18: light" in done.stdout
     assert "Your place is stored" in done.stdout
     assert json.loads(scores.read_text())["plain"]["progress"]["done"] == 2
+
+
+TRAINED = """
+title = "Trained"
+seed = 4
+participants = 2
+[task]
+name = "identify"
+[stimuli]
+made = { kinds = ["goal", "foul", "yellow_card"] }
+gestures = ["sweep:0.5"]
+[training]
+criterion = 8
+most_rounds = 2
+[phases]
+main = { repeats = 1 }
+"""
+
+
+def test_a_study_begins_with_the_lesson_about_its_kinds(tmp_path):
+    study, lists = study_of(tmp_path, TRAINED)
+    lesson = training_of(design_of(tmp_path, TRAINED))
+    orders = []
+    for content in lists.values():
+        steps = content["steps"]
+        examples = [step for step in steps if step["type"] == "example"]
+        questions = [step for step in steps if step.get("phase") == "practice"]
+        assert steps[: len(examples) + QUESTIONS] == [*examples, *questions]
+        assert [step["text"] for step in examples] == [step.text for step in lesson.steps]
+        for step, taught in zip(examples, lesson.steps, strict=True):
+            assert [study["stimuli"][key]["answer"] for key in step["stimuli"]] == [
+                one.kinds[0] for one in taught.examples
+            ]
+        assert {(one["criterion"], one["rounds"], one["feedback"]) for one in questions} == {
+            (0.8, 2, True)}  # fmt: skip
+        for one in questions:
+            assert study["stimuli"][one["stimuli"][0]]["answer"] == one["correct"]
+        orders.append([one["correct"] for one in questions])
+        # no stimulus of the lesson is in a condition
+        taught = {key for one in (*examples, *questions) for key in one["stimuli"]}
+        main = [step for step in steps if step.get("phase") == "main"]
+        assert len(main) == 3
+        assert not taught & {key for step in main for key in step["stimuli"]}
+    assert orders[0] != orders[1]
+    assert Counter(orders[0]) == Counter(orders[1])
+
+
+def test_answers_of_the_training_are_not_analysed(tmp_path):
+    from overview_studies.analysis import analyse
+    from overview_studies.observers import Observers, simulate_answers
+
+    study, lists = study_of(tmp_path, TRAINED)
+    answers = simulate_answers(study, lists, Observers(3.0), 6, 1)
+    trained = [trial for trial, _, _ in answers.sessions[0].trials if trial.startswith("b0-p")]
+    assert len(trained) == QUESTIONS
+    (matrix,) = analyse(answers).matrices.values()
+    assert matrix.sum() == 6 * 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("most_rounds = 2", "most_rounds = 4", "training.most_rounds"),
+        ("criterion = 8", "criterion = 11", "training.criterion"),
+        ("criterion = 8", "lesson = false", "training.lesson"),
+        ('gestures = ["sweep:0.5"]', 'presets = ["football", "plain"]', "one preset"),
+        ('name = "identify"', 'name = "count"', "identify"),
+    ],
+)
+def test_a_training_that_cannot_be_is_refused_with_its_key(tmp_path, old, new, reason):
+    toml = written(tmp_path, TRAINED.replace(old, new))
+    line = refused(overview("study", "lists", toml, "-o", tmp_path / "lists"), reason)
+    assert "training" in line or "plain" in line
+
+
+def test_a_study_with_a_training_is_built_with_all_its_sounds(tmp_path):
+    toml = written(tmp_path, TRAINED)
+    outcome = overview("study", "build", toml, "-o", tmp_path / "folder")
+    assert outcome.code == 0, outcome.err
+    study = json.loads((tmp_path / "folder" / "study.json").read_text())
+    content = json.loads((tmp_path / "folder" / "lists" / "001.json").read_text())
+    for step in content["steps"]:
+        for key in step.get("stimuli", []):
+            assert (tmp_path / "folder" / study["stimuli"][key]["image"]).is_file()
+            assert study["stimuli"][key]["sha256"]
