@@ -222,7 +222,7 @@ def lesson_of(
         texts = (references[first], references[second], both)
         steps.append(Step("pair", first, both.caption, texts))
     for kind in asked:
-        crowd = _real_crowd(preset, data, kind) or _made_crowd(kind, asked, duration, stream)
+        crowd = _real_crowd(preset, data, kind) or _synthetic_crowd(kind, asked, duration, stream)
         place = 1 + crowd.kinds.index(kind)
         text = f"{label(kind)} among others: number {place} of {len(crowd.kinds)}"
         steps.append(Step("crowd", kind, text, (references[kind], crowd)))
@@ -306,8 +306,10 @@ def _movement(end: float) -> Gesture:
     return Gesture(whole.time_s[held], whole.theta2[held], held[held], whole.duration_s)
 
 
-def _several(kinds: Sequence[str], places: Sequence[float], duration: float, end: float) -> Example:
-    events = tuple(Event(at * duration, kind) for kind, at in zip(kinds, places, strict=True))
+def _several(
+    kinds: Sequence[str], positions: Sequence[float], duration: float, end: float
+) -> Example:
+    events = tuple(Event(at * duration, kind) for kind, at in zip(kinds, positions, strict=True))
     caption = ", then ".join(map(label, kinds))
     timeline = Timeline(caption, duration, events, provenance="example of a lesson")
     return Example(tuple(kinds), caption, timeline, _movement(end))
@@ -362,12 +364,14 @@ def _crowd(data: Timeline, start: float, length: float, part: list[tuple[float, 
     return Example(kinds, caption, timeline, _movement(1.0))
 
 
-def _made_crowd(kind: str, kinds: Sequence[str], duration: float, stream: RandomStream) -> Example:
+def _synthetic_crowd(
+    kind: str, kinds: Sequence[str], duration: float, stream: RandomStream
+) -> Example:
     others = [other for other in stream.shuffled(kinds) if other != kind] * _CROWD_OTHERS[0]
     others = others[: _CROWD_OTHERS[0]]
     at = stream.below(len(others) + 1)
     names = [*others[:at], kind, *others[at:]]
     room = (1.0 - 2.0 * _MARGIN) / len(names)
-    places = [_MARGIN + room * (i + stream.uniform(0.25, 0.75)) for i in range(len(names))]
-    made = _several(names, places, duration, 1.0)
+    positions = [_MARGIN + room * (i + stream.uniform(0.25, 0.75)) for i in range(len(names))]
+    made = _several(names, positions, duration, 1.0)
     return Example(made.kinds, ", ".join(map(label, names)), made.timeline, made.gesture)

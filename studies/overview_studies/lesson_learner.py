@@ -51,7 +51,7 @@ def lived_examples(lesson: Lesson) -> list[Lived]:
 
 
 class Learner:
-    """A learner; `memory` is the noise of what is stored, in JNDs."""
+    """A learner; `memory` is the noise of stored features, in JNDs."""
 
     def __init__(self, rng: np.random.Generator, memory: float = MEMORY_JND) -> None:
         self._rng, self._memory = rng, memory
@@ -107,7 +107,7 @@ def _nearest(known: NDArray[np.float64], rows: NDArray[np.float64]) -> int:
 
 def taught_share(
     lived: Sequence[Lived],
-    asked: Sequence[tuple[str, NDArray[np.float64]]],
+    questions: Sequence[tuple[str, NDArray[np.float64]]],
     rng: np.random.Generator,
     memory: float = MEMORY_JND,
     repeats: int = 6,
@@ -116,7 +116,7 @@ def taught_share(
     learner = Learner(rng, memory)
     for one in lived:
         learner.learn(one)
-    right = [learner.name(row) == kind for _ in range(repeats) for kind, row in asked]
+    right = [learner.name(row) == kind for _ in range(repeats) for kind, row in questions]
     return float(np.mean(right))
 
 
@@ -125,18 +125,20 @@ def compare_orders(
 ) -> NDArray[np.float64]:
     """Return the shares of each learner with the order of the lesson and a random one: (n, 2).
 
-    Both have the same examples, and the same kinds are asked.
+    Both have the same examples, and the same kinds are questions.
     """
     lived = lived_examples(lesson)
-    asked = [(one.kinds[0], one.features[0]) for one in lived if len(one.kinds) == 1]
-    asked = list({kind: (kind, row) for kind, row in asked if kind in lesson.choices}.values())
+    questions = [(one.kinds[0], one.features[0]) for one in lived if len(one.kinds) == 1]
+    questions = list(
+        {kind: (kind, row) for kind, row in questions if kind in lesson.choices}.values()
+    )
     found = []
     for person in range(learners):
         order = np.random.default_rng([seed, person, 0]).permutation(len(lived))
         mixed = [lived[i] for i in order]
         rngs = [np.random.default_rng([seed, person, 1]) for _ in range(2)]
         found.append([
-            taught_share(examples, asked, rng, memory)
+            taught_share(examples, questions, rng, memory)
             for examples, rng in zip((lived, mixed), rngs, strict=True)
         ])  # fmt: skip
     return np.array(found)

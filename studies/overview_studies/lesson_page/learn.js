@@ -171,7 +171,7 @@ function wanted({ score, scores }) {
   return new Promise((resolve) => {
     const days = scores.map(({ date, right, of }) => make("li", { text: `${date}: ${right} of ${of}` }));
     show("Your score", make("p", { text: score }),
-      make("p", { text: "The score is stored. The questions are asked again on another day." }),
+      make("p", { text: "The score is stored. Another day has other questions." }),
       make("ul", { class: "scores", "aria-label": "All scores" }, ...days),
       button("Ask ten questions", () => resolve({ again: false }), { class: "done" }),
       button("Repeat the whole lesson", () => resolve({ again: true })));
