@@ -33,7 +33,7 @@ from overview_studies.design import ANGLE_MAP
 
 PARTS = ("alone", "pair", "crowd", "question")
 QUESTIONS = 10
-MAX_KINDS = 7
+MAX_TAUGHT_KINDS = 7
 
 PASS_S = 2.5
 """Duration of a sweep over a whole timeline, s; all examples move at its speed."""
@@ -208,7 +208,7 @@ def lesson_of(
     )
     present = set() if data is None else {preset.kind_for(event.kind) for event in data.events}
     strength = sorted(named, key=lambda kind: -features[kind][0])
-    taught = sorted(strength, key=lambda kind: kind not in present)[:MAX_KINDS]
+    taught = sorted(strength, key=lambda kind: kind not in present)[:MAX_TAUGHT_KINDS]
     kinds = tuple(kind for kind in strength if kind in taught)
     same = _same(kinds, features)
     asked = [kind for kind in kinds if kind not in same]

@@ -8,7 +8,7 @@ from dataclasses import replace
 from overview_dsp.cli.extensions import Keys
 from overview_dsp.errors import InputError
 from overview_studies.design import Design
-from overview_studies.lesson import MAX_KINDS, Example, Lesson, lesson_of
+from overview_studies.lesson import MAX_TAUGHT_KINDS, Example, Lesson, lesson_of
 
 GESTURE = "lesson"
 """Name of the gestures of training stimuli."""
@@ -31,10 +31,10 @@ def training_of(design: Design) -> Lesson | None:
         raise InputError(f"{design.path}: training: a lesson requires one preset")
     kinds = [str(kind) for kind in design.dimension("answer")]
     unknown = [kind for kind in kinds if kind not in presets[0].kinds]
-    if unknown or len(kinds) > MAX_KINDS:
+    if unknown or len(kinds) > MAX_TAUGHT_KINDS:
         why = f"{unknown[0]!r} is not a kind of the preset" if unknown else f"{len(kinds)} kinds"
         raise InputError(
-            f"{design.path}: training: {why}; a lesson has 2 to {MAX_KINDS} kinds of its preset"
+            f"{design.path}: training: {why}; a lesson has 2 to {MAX_TAUGHT_KINDS} kinds of its preset"
         )
     return lesson_of(presets[0], None, design.file.seed, only=kinds)
 

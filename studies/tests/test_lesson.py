@@ -14,7 +14,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_studies.lesson import MAX_KINDS, QUESTIONS, label, lesson_of, make_lesson
+from overview_studies.lesson import MAX_TAUGHT_KINDS, QUESTIONS, label, lesson_of, make_lesson
 from overview_studies.lesson_learner import Learner, compare_orders, lived_examples, taught_share
 from overview_studies.lesson_scores import Attempt
 from overview_studies.lesson_terminal import TerminalLesson
@@ -36,7 +36,7 @@ def lesson(request):
 
 
 def test_every_kind_is_taught_alone_in_a_pair_and_among_others_before_it_is_asked(lesson):
-    assert 2 <= len(lesson.kinds) <= MAX_KINDS
+    assert 2 <= len(lesson.kinds) <= MAX_TAUGHT_KINDS
     alone = [step.kind for step in lesson.steps if step.part == "alone"]
     pairs = [step.examples[-1].kinds for step in lesson.steps if step.part == "pair"]
     crowds = [step for step in lesson.steps if step.part == "crowd"]

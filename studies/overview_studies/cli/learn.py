@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import time
 from datetime import date
 from pathlib import Path
 
@@ -25,7 +27,7 @@ def command(
     preset: str,
     *,
     timeline: str | None = option(
-        "Data from which examples are taken.  [default: the bundled match, for football]",
+        "Timeline from which examples are taken.  [default: the bundled match, for football]",
         metavar="TIMELINE",
     ),
     again: bool = option("Repeat the whole lesson, not the questions alone."),
@@ -37,7 +39,7 @@ def command(
         "File of the scores.  [default: in the data folder of the user]", metavar="FILE"
     ),
     seconds: float | None = SECONDS,
-    as_json: bool = option("Print each step as one line of JSON.", "--json"),
+    as_json: bool = option("Report each step as one line of JSON.", "--json"),
     server: Server,
 ) -> None:
     """Learn what the events of PRESET feel like, in about three minutes.
@@ -77,10 +79,11 @@ def command(
     from overview_studies.lesson_terminal import TerminalLesson, terminal_keys
 
     attempt = begin(again)
+    until = math.inf if seconds is None else time.monotonic() + seconds
     with ended_by_signals() as received:
 
         def stopped() -> bool:
-            return bool(received)
+            return bool(received) or time.monotonic() >= until
 
         with Sound(attempt.lesson, device) as sound, terminal_keys(stopped) as read_key:
             TerminalLesson(
