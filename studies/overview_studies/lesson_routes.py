@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from functools import cache
+from datetime import date
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ from overview_dsp.cli.extensions import (
     threaded_endpoint,
 )
 from overview_dsp.errors import InputError
-from overview_studies.lesson import TAIL_S, Example, Lesson, label
+from overview_studies.lesson import TAIL_S, Example, Lesson, label, make_lesson
 from overview_studies.lesson_scores import Attempt
 from overview_studies.lesson_terminal import HEADINGS
 
@@ -67,7 +68,7 @@ def lesson_routes(begin: Callable[[bool], Attempt], again: bool = False) -> list
     served = _ServedLesson(begin, again)
 
     def file(request: Request, body: bytes) -> Response:
-        name = request.url.path.removeprefix("/") or START
+        name = request.path_params["path"] or START
         if name not in lesson_files():
             return PlainTextResponse("not found\n", 404)
         kind = TYPES[name.rpartition(".")[2]]
@@ -106,18 +107,32 @@ def lesson_routes(begin: Callable[[bool], Attempt], again: bool = False) -> list
     ]
 
 
+def routes_beside(preset: str) -> list[BaseRoute]:
+    """Return the routes of a preset's lesson beside the page of a timeline, for its scores."""
+
+    def begin(again: bool) -> Attempt:
+        today = date.today().isoformat()
+        return Attempt(None, preset, lambda seed: make_lesson(preset, None, seed), today, again)
+
+    return lesson_routes(begin)
+
+
 class _ServedLesson:
     """The current pass, for one request at a time."""
 
     def __init__(self, begin: Callable[[bool], Attempt], again: bool) -> None:
         self._begin, self._lock = begin, threading.Lock()
-        self._use(begin(again))
+        self._again = again
+        self._sounds: dict[int, bytes] = {}
 
-    def _use(self, attempt: Attempt) -> None:
-        self._attempt = attempt
-        examples = attempt.lesson.examples
-        self._numbers = {id(example): number for number, example in enumerate(examples)}
-        self._examples, self._sounds = examples, dict[int, bytes]()
+    @cached_property
+    def _attempt(self) -> Attempt:
+        """The pass, begun by the first request."""
+        return self._begin(self._again)
+
+    @property
+    def _examples(self) -> tuple[Example, ...]:
+        return self._attempt.lesson.examples
 
     def content(self) -> dict[str, Any]:
         with self._lock:
@@ -125,7 +140,7 @@ class _ServedLesson:
 
     def begin(self, again: bool) -> dict[str, Any]:
         with self._lock:
-            self._use(self._begin(again))
+            self._attempt, self._sounds = self._begin(again), {}
             return self._content()
 
     def complete(self, step: int, answer: str | None) -> dict[str, Any]:
@@ -148,13 +163,14 @@ class _ServedLesson:
 
     def _content(self) -> dict[str, Any]:
         attempt, lesson = self._attempt, self._attempt.lesson
+        paths = {id(one): f"sounds/{number}.wav" for number, one in enumerate(self._examples)}
         scores = [*attempt.scores, *([attempt.score] if attempt.score else [])]
         return {
             "title": lesson.title,
             "welcome": attempt.welcome,
             "headings": HEADINGS,
             "choices": [{"kind": kind, "label": label(kind)} for kind in lesson.choices],
-            "references": {kind: self._path(one) for kind, one in lesson.references.items()},
+            "references": {kind: paths[id(one)] for kind, one in lesson.references.items()},
             "steps": [
                 {
                     "part": step.part,
@@ -162,7 +178,7 @@ class _ServedLesson:
                     "examples": [
                         # the caption of a question is its answer
                         {"caption": "" if step.part == "question" else one.caption,
-                         "sound": self._path(one)}
+                         "sound": paths[id(one)]}
                         for one in step.examples
                     ],
                 }
@@ -172,9 +188,6 @@ class _ServedLesson:
             "score": None if attempt.score is None else attempt.score.text,
             "scores": [{"date": one.date, "right": one.right, "of": one.of} for one in scores],
         }  # fmt: skip
-
-    def _path(self, example: Example) -> str:
-        return f"sounds/{self._numbers[id(example)]}.wav"
 
 
 def _sound(lesson: Lesson, example: Example) -> bytes:

@@ -34,8 +34,8 @@ def training_of(design: Design) -> Lesson | None:
     if unknown or len(kinds) > MAX_TAUGHT_KINDS:
         why = f"{unknown[0]!r} is not a kind of the preset" if unknown else f"{len(kinds)} kinds"
         raise InputError(
-            f"{design.path}: training: {why}; a lesson has at most {MAX_TAUGHT_KINDS} kinds, all of "
-            "its preset"
+            f"{design.path}: training: {why}; a lesson has at most {MAX_TAUGHT_KINDS} kinds, all "
+            "of its preset"
         )
     return lesson_of(presets[0], None, design.file.seed, only=kinds)
 

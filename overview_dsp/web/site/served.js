@@ -6,6 +6,7 @@ import { byId } from "./dom.js";
 import { MediaPlayer } from "./media_player.js";
 import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
+import { request } from "./session.js";
 import { eventText, momentText } from "./descriptions.js";
 
 /** @import { OtherInput, Server, TimelineEvent } from "../types" */
@@ -38,6 +39,9 @@ export class Served {
       byId("dialog").close();
       this.editor.toggle(true);
     });
+    if (byId("dialog").open) offerLesson(); // More was pressed while this script loaded
+    else byId("settings").addEventListener("click", offerLesson, { once: true });
+    byId("learn").addEventListener("click", () => location.assign("learn/"));
     this.presets = new PresetLink(page, this.editor);
     if (host) this.listenToHost(host);
   }
@@ -85,4 +89,10 @@ export class Served {
     page.pause();
     film.play(moment, title).catch((error) => page.fault(error.message));
   }
+}
+
+/** Show the button of the lesson if the server has it. */
+async function offerLesson() {
+  const pages = await (await request("pages")).json();
+  byId("learn").hidden = !pages.includes("learn");
 }

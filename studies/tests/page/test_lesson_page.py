@@ -22,7 +22,7 @@ self.announced = [];
 addEventListener("DOMContentLoaded", () => {
   const said = document.getElementById("said");
   const record = () => self.announced.push(said.textContent);
-  new MutationObserver(record).observe(said, { childList: true });
+  if (said) new MutationObserver(record).observe(said, { childList: true });
 });
 const start = AudioBufferSourceNode.prototype.start;
 AudioBufferSourceNode.prototype.start = function (...given) {
@@ -37,12 +37,16 @@ AudioBufferSourceNode.prototype.start = function (...given) {
 """
 
 
+def served_lesson(preset, scores):
+    return served("learn", preset, "--page", "--scores", str(scores))
+
+
 @contextlib.contextmanager
-def served_lesson(preset, scores, *more):
-    command = ["-m", "overview_dsp", "learn", preset, "--page", "--port", "0", "--json"]
+def served(*arguments, **variables):
+    command = [sys.executable, "-m", "overview_dsp", *arguments, "--port", "0", "--json"]
     process = subprocess.Popen(
-        [sys.executable, *command, "--scores", str(scores), *more],
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment(),
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        env={**environment(), **variables},
     )  # fmt: skip
     try:
         yield json.loads(process.stdout.readline())["address"]
@@ -178,3 +182,32 @@ def test_the_page_fits_a_phone_in_both_appearances(chromium, axe, tmp_path):
             )
             assert min(heights) >= 44
         assert wrong == []
+
+
+def test_the_page_of_a_timeline_has_the_lesson_under_more(chromium, tmp_path):
+    data = {"XDG_DATA_HOME": str(tmp_path)}
+    with (
+        served("serve", "world-cup-final-2018", **data) as url,
+        page_at(chromium, url) as (page, wrong),
+    ):
+        page.click("#settings")
+        page.wait_for_selector("#learn:not([hidden])")
+        page.click("#learn")
+        reader = Reader(page)
+        reader.until(lambda: reader.heading() == "Learn what it feels like", "the lesson")
+        assert page.url.endswith("/learn/")
+        page.add_init_script(LISTENING.replace("FASTER", "12"))
+        page.reload()
+        robot = Robot(page, make_lesson("football"))
+        robot.begin()
+        robot.follow(robot.lesson.steps[0])
+        robot.wait_for(robot.lesson.steps[1].text, "Next")
+        robot.hear()
+        assert len(robot.heard) == 2
+        assert all(one["peak"] > 0.01 for one in robot.heard)
+        # the page of the timeline is there as before
+        page.go_back()
+        page.wait_for_selector("#settings")
+    assert wrong == []
+    stored = json.loads((tmp_path / "overview-dsp" / "lessons.json").read_text())
+    assert stored["football"]["progress"]["done"] == 1
