@@ -20,8 +20,6 @@ from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
-    from starlette.routing import BaseRoute
-
     from overview_dsp.web.media import Media
 
 PAGE = "Page"
@@ -75,7 +73,6 @@ def command(
         if audio == "here":
             refuse_options("needs --audio host", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
-        routes += _other_pages(data.preset)
         if publish is not None and data.follow is not None:
             from overview_dsp.web.static_publisher import StaticPublisher
 
@@ -98,18 +95,6 @@ def command(
                 _report(opened, as_json)
                 wait_for_end(received, seconds)
     exit_if_stopped(received)
-
-
-def _other_pages(preset: str) -> list[BaseRoute]:
-    """Return the routes of pages in other distributions; `/pages` lists their names."""
-    from importlib.metadata import entry_points
-
-    from starlette.responses import JSONResponse
-    from starlette.routing import Mount, Route
-
-    points = entry_points(group="overview_dsp.pages")
-    pages = [Mount(f"/{point.name}", routes=point.load()(preset)) for point in points]
-    return [Route("/pages", lambda request: JSONResponse([*points.names])), *pages]
 
 
 def _film(text: str) -> Media:

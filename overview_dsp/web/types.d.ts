@@ -89,6 +89,7 @@ export interface Server {
   audio: "here" | "host";
   window: [number, number];
   media: Media | null;
+  pages: string[];
 }
 
 /** Data that hold for all windows. */

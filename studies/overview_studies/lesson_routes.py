@@ -107,7 +107,7 @@ def lesson_routes(begin: Callable[[bool], Attempt], again: bool = False) -> list
     ]
 
 
-def routes_beside(preset: str) -> list[BaseRoute]:
+def additional_routes(preset: str) -> list[BaseRoute]:
     """Return the routes of a preset's lesson beside the page of a timeline, for its scores."""
 
     def begin(again: bool) -> Attempt:

@@ -6,7 +6,6 @@ import { byId } from "./dom.js";
 import { MediaPlayer } from "./media_player.js";
 import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
-import { request } from "./session.js";
 import { eventText, momentText } from "./descriptions.js";
 
 /** @import { OtherInput, Server, TimelineEvent } from "../types" */
@@ -16,9 +15,9 @@ import { eventText, momentText } from "./descriptions.js";
  * Return the sound of a host that plays (null if the page plays), and a function that adds the features.
  * @param {Server} server
  */
-export function openServer({ audio, media }) {
+export function openServer({ audio, media, pages }) {
   const host = audio === "host" ? new HostSound() : null;
-  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, host) };
+  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, pages, host) };
 }
 
 export class Served {
@@ -26,9 +25,10 @@ export class Served {
    * `page` gets the features; `host` is its sound if a host plays.
    * @param {Page} page
    * @param {Server["media"]} media
+   * @param {Server["pages"]} pages
    * @param {HostSound | null} host
    */
-  constructor(page, media, host) {
+  constructor(page, media, pages, host) {
     this.page = page;
     this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
@@ -39,8 +39,7 @@ export class Served {
       byId("dialog").close();
       this.editor.toggle(true);
     });
-    if (byId("dialog").open) offerLesson(); // More was pressed while this script loaded
-    else byId("settings").addEventListener("click", offerLesson, { once: true });
+    byId("learn").hidden = !pages.includes("learn");
     byId("learn").addEventListener("click", () => location.assign("learn/"));
     this.presets = new PresetLink(page, this.editor);
     if (host) this.listenToHost(host);
@@ -89,10 +88,4 @@ export class Served {
     page.pause();
     film.play(moment, title).catch((error) => page.fault(error.message));
   }
-}
-
-/** Show the button of the lesson if the server has it. */
-async function offerLesson() {
-  const pages = await (await request("pages")).json();
-  byId("learn").hidden = !pages.includes("learn");
 }
